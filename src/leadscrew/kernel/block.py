@@ -1,0 +1,150 @@
+"""The block contract: a plain function, a NamedTuple of parameters, a NamedTuple of state.
+
+A block's step takes its parameters ``p`` first and, where it has state, its state ``s`` second. Every
+further argument is a signal, taken *by name*; a step lists only the ones that it needs:
+
+=============  =========================================================  =====================================
+kind           signals that its step may take                             what it returns
+=============  =========================================================  =====================================
+reference      ``t, dt, noise``                                           command
+disturbance    ``t, dt, noise``                                           load
+sensor         ``actual, t, dt, noise``                                   feedback
+controller     ``command, feedback, t, dt``                               output
+actuator       ``output, t, dt``                                          what reaches the plant
+plant          ``u, load, t`` (a derivative) or with ``dt`` (a step)      derivative of the state, or next state
+metric         ``command, actual, feedback, error, output, t, dt``        next state
+=============  =========================================================  =====================================
+
+With state, a step returns ``(next_state, signal)``; without, the signal alone. A plant returns a state only:
+one that does not take ``dt`` returns its time derivative and is integrated by the loop; one that takes
+``dt`` returns the state after ``dt``. What a plant shows the sensor is its ``output``: the name of a state
+field, or a function ``(p, s) -> signal``. A plant that does not take ``load`` gets it added to ``u``.
+
+Signals are floats or NamedTuples of floats.
+"""
+
+from __future__ import annotations
+
+import inspect
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+from leadscrew.kernel.errors import BlockError
+from leadscrew.kernel.sheet import checked_replace
+
+KINDS: dict[str, tuple[str, ...]] = {
+    "reference": ("t", "dt", "noise"),
+    "disturbance": ("t", "dt", "noise"),
+    "sensor": ("actual", "t", "dt", "noise"),
+    "controller": ("command", "feedback", "t", "dt"),
+    "actuator": ("output", "t", "dt"),
+    "plant": ("u", "load", "t", "dt"),
+    "metric": ("command", "actual", "feedback", "error", "output", "t", "dt"),
+}
+"""The kinds of block and the signals that a step of each may take."""
+
+
+@dataclass(frozen=True)
+class Block:
+    """A block: its step, its parameters and its state at the start.
+
+    Called with positional arguments it is its step, so that blocks compose by plain calls; called with
+    keywords only it returns itself with those parameters changed: ``sine(amplitude=2.0)``.
+    """
+
+    kind: str
+    name: str
+    step: Callable[..., Any]
+    params: Any = None
+    state: Any = None
+    signals: tuple[str, ...] = ()
+    output: str | Callable[..., Any] | None = None
+    """Plant: state field or function ``(p, s)`` that the sensor sees. Metric: function ``(p, s) -> float``."""
+    prepare: Callable[..., Any] | None = None
+    """``prepare(params, dt) -> NamedTuple``, run once at the door; the step gets what it returns as ``p``."""
+    jacobian: Callable[..., Any] | None = None
+    """Plant: ``(p, s, u, load, t)`` -> the rows of the derivative's Jacobian, as a tuple of tuples."""
+    initial: Callable[..., Any] | None = None
+    """``initial(params) -> state`` where the state at the start depends on the parameters."""
+    align: Callable[..., Any] | None = None
+    """Controller: ``(params, command, feedback, output) -> state`` for a bumpless start."""
+    unit: str = ""
+    """Unit of the signal that the block gives."""
+    drive: str = ""
+    """Controller: what its output commands (torque, velocity, voltage, duty, position)."""
+    doc: str = field(default="", repr=False)
+
+    def __call__(self, *args: Any, **changes: Any) -> Any:
+        if args:
+            return self.step(*args, **changes)
+        return self.using(**changes)
+
+    def using(self, **changes: Any) -> Block:
+        """This block with some parameters changed; each is checked against its data sheet."""
+        if not changes:
+            return self
+        return replace(self, params=checked_replace(self.params, changes, where=self.name))
+
+    def starting(self, **changes: Any) -> Block:
+        """This block with some fields of its state at the start changed."""
+        return replace(self, state=checked_replace(self.state, changes, where=f"{self.name} state"), initial=None)
+
+
+def _signals(kind: str, step: Callable[..., Any], params: Any, state: Any) -> tuple[str, ...]:
+    names = list(inspect.signature(step).parameters)
+    leading = [n for n, have in (("p", params), ("s", state)) if have is not None]
+    if names[: len(leading)] != leading:
+        raise BlockError(
+            f"{step.__name__}: a step with {' and '.join(leading)} starts with ({', '.join(leading)}, ...), "
+            f"not ({', '.join(names)})"
+        )
+    rest = tuple(names[len(leading) :])
+    for name in rest:
+        if name not in KINDS[kind]:
+            raise BlockError(
+                f"{step.__name__}: a {kind} cannot take {name!r}; it may take {', '.join(KINDS[kind])}"
+                + ("" if params is not None or name != "p" else ", and p when it declares parameters")
+            )
+    return rest
+
+
+def make(kind: str, step: Callable[..., Any], params: Any = None, state: Any = None, **more: Any) -> Block:
+    """A block of ``kind`` from a step function, checked against the contract.
+
+    Raises:
+        BlockError: the step does not start with ``p`` (and ``s``), takes a signal that the kind does not have,
+            or parameters or state are not NamedTuples.
+    """
+    for what, value in (("parameters", params), ("state", state)):
+        if value is not None and not (isinstance(value, tuple) and hasattr(value, "_fields")):
+            raise BlockError(
+                f"{step.__name__}: {what} must be an instance of a NamedTuple, for example Params(), "
+                f"not {value!r}"
+            )
+    if kind == "plant" and state is None:
+        raise BlockError(f"{step.__name__}: a plant needs a state: @plant(Params(), State())")
+    name = more.pop("name", None) or step.__name__
+    doc = more.pop("doc", None) or inspect.getdoc(step) or ""
+    return Block(kind, name, step, params, state, _signals(kind, step, params, state), doc=doc, **more)
+
+
+def _decorator(kind: str) -> Callable[..., Callable[[Callable[..., Any]], Block]]:
+    def with_parts(params: Any = None, state: Any = None, **more: Any) -> Callable[[Callable[..., Any]], Block]:
+        def decorate(step: Callable[..., Any]) -> Block:
+            return make(kind, step, params, state, **more)
+
+        return decorate
+
+    with_parts.__name__ = kind
+    with_parts.__doc__ = f"Decorator: makes a {kind} block of a step function. See the module's table."
+    return with_parts
+
+
+reference = _decorator("reference")
+disturbance = _decorator("disturbance")
+sensor = _decorator("sensor")
+controller = _decorator("controller")
+actuator = _decorator("actuator")
+plant = _decorator("plant")
+metric = _decorator("metric")

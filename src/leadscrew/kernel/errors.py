@@ -1,0 +1,36 @@
+"""What can go wrong, as exceptions whose text is one sentence a user can act on."""
+
+
+class LeadscrewError(Exception):
+    """Base of all errors that Leadscrew raises on purpose."""
+
+
+class BlockError(LeadscrewError):
+    """A block does not keep the block contract."""
+
+
+class SubsetError(BlockError):
+    """A step uses a construct outside the subset that compiles; names file, line and construct."""
+
+
+class ValueRefused(LeadscrewError, ValueError):
+    """A value was refused at the door: names the value, the allowed range and where it came from."""
+
+
+class NameUnknown(LeadscrewError, KeyError):
+    """A key, study, block, scenario or signal does not exist; names the nearest ones."""
+
+    def __str__(self) -> str:
+        return str(self.args[0]) if self.args else ""
+
+
+class DataError(LeadscrewError, ValueError):
+    """A file of data is malformed: names file, row and column."""
+
+
+class Diverged(LeadscrewError):
+    """A loop diverged: says at what time, in which state, and keeps the run up to there as ``run``."""
+
+    def __init__(self, message: str, run: object = None) -> None:
+        super().__init__(message)
+        self.run = run

@@ -1,0 +1,175 @@
+"""Data sheets: the unit, bounds and help of a parameter, read from its annotation and checked at the door."""
+
+from __future__ import annotations
+
+import difflib
+import math
+import typing
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from annotated_types import Ge, Gt, Interval, Le, Lt, Unit
+
+from leadscrew.kernel.errors import NameUnknown, ValueRefused
+
+__all__ = ["Doc", "Entry", "Ge", "Gt", "Le", "Lt", "Unit", "checked_replace", "entries", "nearest"]
+
+
+@dataclass(frozen=True)
+class Doc:
+    """One sentence of help, inside an annotation."""
+
+    text: str
+
+
+@dataclass(frozen=True)
+class Entry:
+    """One leaf of a data sheet."""
+
+    key: str
+    type: str
+    """``float``, ``int``, ``bool`` or ``array``."""
+    default: Any
+    unit: str = ""
+    doc: str = ""
+    above: float = -math.inf
+    below: float = math.inf
+    above_open: bool = False
+    below_open: bool = False
+
+    @property
+    def range(self) -> str:
+        """The allowed range in interval notation, empty where there is none."""
+        if self.above == -math.inf and self.below == math.inf:
+            return ""
+        low = "(" if self.above_open or self.above == -math.inf else "["
+        high = ")" if self.below_open or self.below == math.inf else "]"
+        return f"{low}{self.above:g}, {self.below:g}{high}"
+
+    def check(self, value: Any, where: str = "") -> Any:
+        """``value`` as this entry's type.
+
+        Raises:
+            ValueRefused: wrong type, NaN, or out of range; the text names value, range and place.
+        """
+        import numpy as np
+
+        place = f" ({where})" if where else ""
+        label = f"{self.key} = {value!r}{place}"
+        unit = f" {self.unit}" if self.unit else ""
+        if self.type == "array":
+            try:
+                array = np.array(value, dtype=np.float64)
+            except (TypeError, ValueError):
+                raise ValueRefused(f"{label}: expected an array of numbers") from None
+            shape = np.shape(self.default)
+            if array.shape != shape:
+                raise ValueRefused(f"{self.key}{place}: expected an array of shape {shape}, got {array.shape}")
+            if not np.isfinite(array).all():
+                raise ValueRefused(f"{self.key}{place}: the array holds a value that is not finite")
+            flat: Any = array.ravel()
+        elif self.type == "bool":
+            if not isinstance(value, bool | np.bool_) and value not in (0, 1):
+                raise ValueRefused(f"{label}: expected true or false")
+            return bool(value)
+        else:
+            if isinstance(value, bool | str) or not isinstance(value, int | float | np.number):
+                raise ValueRefused(f"{label}: expected a number{unit}")
+            if math.isnan(value):
+                raise ValueRefused(f"{label}: not a number (NaN) is not allowed")
+            if self.type == "int":
+                if value != int(value) if math.isfinite(value) else True:
+                    raise ValueRefused(f"{label}: expected a whole number")
+                if abs(value) > 2**53:
+                    raise ValueRefused(f"{label}: whole numbers beyond 2^53 cannot be carried exactly")
+            if math.isinf(value) and (self.above != -math.inf or self.below != math.inf) and not self._open_to(value):
+                raise ValueRefused(f"{label}: allowed range is {self.range}{unit}")
+            flat = (value,)
+        for x in flat:
+            low_bad = x <= self.above if self.above_open else x < self.above
+            high_bad = x >= self.below if self.below_open else x > self.below
+            if low_bad or high_bad:
+                raise ValueRefused(f"{label}: allowed range is {self.range}{unit}")
+        if self.type == "array":
+            return array
+        return int(value) if self.type == "int" else float(value)
+
+    def _open_to(self, value: float) -> bool:
+        return (value > 0 and self.below == math.inf) or (value < 0 and self.above == -math.inf)
+
+
+def nearest(name: str, known: Mapping[str, Any] | list[str]) -> str:
+    """A hint naming the nearest known names, for the end of an error text."""
+    close = difflib.get_close_matches(name, list(known), n=3, cutoff=0.4)
+    if close:
+        return f"; did you mean {', '.join(close)}?"
+    return f"; known: {', '.join(list(known)[:12])}" if known else ""
+
+
+def hints(cls: type) -> dict[str, Any]:
+    """Annotations of a NamedTuple with their extras; empty ones where they cannot be resolved."""
+    try:
+        return typing.get_type_hints(cls, include_extras=True)
+    except (NameError, TypeError):
+        return dict(getattr(cls, "__annotations__", {}))
+
+
+def leaf_type(hint: Any, value: Any) -> str:
+    """``float``, ``int``, ``bool`` or ``array`` from an annotation, or from the value where it says nothing."""
+    import numpy as np
+
+    base = typing.get_args(hint)[0] if typing.get_origin(hint) is typing.Annotated else hint
+    name = base if isinstance(base, str) else getattr(base, "__name__", "")
+    if isinstance(value, np.ndarray | list) or name in ("ndarray", "NDArray"):
+        return "array"
+    if name in ("float", "int", "bool"):
+        return name
+    return "bool" if isinstance(value, bool) else "int" if isinstance(value, int) else "float"
+
+
+def entries(value: Any, prefix: str = "") -> Iterator[Entry]:
+    """Every leaf of a NamedTuple, nested ones under dotted keys, with what its annotation says."""
+    if value is None:
+        return
+    sheet = hints(type(value))
+    for name, item in zip(value._fields, value, strict=True):
+        key = f"{prefix}{name}"
+        if isinstance(item, tuple) and hasattr(item, "_fields"):
+            yield from entries(item, f"{key}.")
+            continue
+        hint = sheet.get(name)
+        found: dict[str, Any] = {}
+        for extra in typing.get_args(hint)[1:] if typing.get_origin(hint) is typing.Annotated else ():
+            for part in extra if isinstance(extra, Interval) else (extra,):
+                if isinstance(part, Unit):
+                    found["unit"] = part.unit
+                elif isinstance(part, Doc):
+                    found["doc"] = part.text
+                elif isinstance(part, Ge | Gt):
+                    found["above"] = float(part.ge if isinstance(part, Ge) else part.gt)  # type: ignore[arg-type]
+                    found["above_open"] = isinstance(part, Gt)
+                elif isinstance(part, Le | Lt):
+                    found["below"] = float(part.le if isinstance(part, Le) else part.lt)  # type: ignore[arg-type]
+                    found["below_open"] = isinstance(part, Lt)
+        yield Entry(key, leaf_type(hint, item), item, **found)
+
+
+def checked_replace(value: Any, changes: Mapping[str, Any], where: str) -> Any:
+    """``value`` with the dotted ``changes`` applied, each checked against its sheet.
+
+    Raises:
+        NameUnknown: a key that ``value`` does not have; names the nearest.
+        ValueRefused: see :meth:`Entry.check`.
+    """
+    sheet = {e.key: e for e in entries(value)} if value is not None else {}
+    for key, new in changes.items():
+        if key not in sheet:
+            raise NameUnknown(f"{where} has no parameter {key!r}{nearest(key, sheet)}")
+        value = _put(value, key.split("."), sheet[key].check(new, where))
+    return value
+
+
+def _put(value: Any, path: list[str], new: Any) -> Any:
+    head, *rest = path
+    return value._replace(**{head: _put(getattr(value, head), rest, new) if rest else new})

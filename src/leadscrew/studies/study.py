@@ -1,0 +1,104 @@
+"""What a study is: loops by controller and scenario, and the claims that they are judged by.
+
+A study is data about one published system. It holds no numerics of its own: blocks compute, loops run,
+``analysis`` judges; the study says which, with which numbers, and what the paper printed.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+from leadscrew.kernel.errors import NameUnknown
+from leadscrew.kernel.sheet import checked_replace, nearest
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from leadscrew.kernel.block import Block
+    from leadscrew.kernel.loop import Loop
+    from leadscrew.report.claim import Claim
+
+
+@dataclass(frozen=True)
+class Scenario:
+    """What is asked of the machine: its parameters (a NamedTuple with units and bounds) and one sentence."""
+
+    name: str
+    params: Any
+    doc: str
+    duration_s: float
+    """How long a simulation of it runs unless told otherwise."""
+
+
+class Picture(NamedTuple):
+    """A figure of a study, drawn on demand from results that exist."""
+
+    name: str
+    caption: str
+    draw: Callable[[], Figure]
+
+
+@dataclass(frozen=True)
+class StudyResult:
+    """What ``Study.evaluate`` gives: judged claims, pictures, and the runs behind them."""
+
+    claims: list[Claim]
+    pictures: list[Picture]
+    runs: dict[str, Any] = field(default_factory=dict)
+    """Run results by ``scenario/controller``."""
+    notes: list[str] = field(default_factory=list)
+    """Findings in words, for the report."""
+
+
+@dataclass(frozen=True)
+class Study:
+    """One published system."""
+
+    name: str
+    title: str
+    paper: str
+    """Full reference of the paper."""
+    controllers: Mapping[str, Block]
+    scenarios: Mapping[str, Scenario]
+    build: Callable[[Block, Scenario], Loop]
+    """The loop of a controller in a scenario."""
+    evaluate: Callable[[Callable[[str, float], None]], StudyResult]
+    """Runs all that the claims need; reports progress as ``(what, fraction done)``."""
+    folder: Path
+    """Where ``paper_items.csv`` and the paper's data lie."""
+    summary: str = ""
+
+    def scenario(self, name: str, changes: Mapping[str, Any] | None = None) -> Scenario:
+        """The scenario ``name`` with some of its parameters changed.
+
+        Raises:
+            NameUnknown, ValueRefused: no such scenario or parameter; a value out of range.
+        """
+        if name not in self.scenarios:
+            raise NameUnknown(f"{self.name} has no scenario {name!r}{nearest(name, list(self.scenarios))}")
+        found = self.scenarios[name]
+        if not changes:
+            return found
+        params = checked_replace(found.params, changes, where=f"scenario {name}")
+        return Scenario(found.name, params, found.doc, found.duration_s)
+
+    def controller(self, name: str) -> Block:
+        """The controller ``name`` of this study.
+
+        Raises:
+            NameUnknown: no such controller; names the nearest.
+        """
+        if name not in self.controllers:
+            raise NameUnknown(f"{self.name} has no controller {name!r}{nearest(name, list(self.controllers))}")
+        return self.controllers[name]
+
+    def loop(self, controller: str | Block, scenario: str, changes: Mapping[str, Any] | None = None) -> Loop:
+        """The loop of a controller in a scenario, with ``changes`` by dotted key (``scenario.*`` included)."""
+        mine = {k.removeprefix("scenario."): v for k, v in (changes or {}).items() if k.startswith("scenario.")}
+        rest = {k: v for k, v in (changes or {}).items() if not k.startswith("scenario.")}
+        block = self.controller(controller) if isinstance(controller, str) else controller
+        loop = self.build(block, self.scenario(scenario, mine))
+        return loop.using(rest) if rest else loop
