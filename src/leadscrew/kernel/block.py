@@ -69,6 +69,8 @@ class Block:
     """``initial(params) -> state`` where the state at the start depends on the parameters."""
     align: Callable[..., Any] | None = None
     """Controller: ``(params, command, feedback, output) -> state`` for a bumpless start."""
+    continuous: bool = False
+    """Controller: its step returns the time *derivative* of its state, for loops with ``period=None``."""
     unit: str = ""
     """Unit of the signal that the block gives."""
     drive: str = ""

@@ -1,0 +1,217 @@
+"""Many runs of one loop, side by side and on all cores."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from leadscrew.kernel import door
+from leadscrew.kernel.errors import NameUnknown, ValueRefused
+from leadscrew.kernel.linker import LANES
+from leadscrew.kernel.run import Metrics
+from leadscrew.kernel.sheet import nearest
+
+if TYPE_CHECKING:
+    from leadscrew.kernel.loop import Loop
+
+MEMORY = 8 * 1024**3
+"""Bytes of recorded signals above which a batch is refused."""
+
+
+@dataclass
+class Batch:
+    """The result of many runs: arrays with one row a run."""
+
+    loop: Loop
+    duration: float
+    varied: dict[str, np.ndarray]
+    metrics: dict[str, np.ndarray]
+    diverged_at: np.ndarray
+    """Seconds at which a run diverged, NaN for the ones that did not."""
+    signals: dict[str, np.ndarray] = field(default_factory=dict)
+    """Recorded signals, ``[run, row]``."""
+    shape: tuple[int, ...] = ()
+
+    def __len__(self) -> int:
+        return len(self.diverged_at)
+
+    @property
+    def time(self) -> np.ndarray:
+        """Seconds since the start, one for each recorded row."""
+        return np.asarray(self.signals["time"][0])
+
+    def __getitem__(self, name: str) -> np.ndarray:
+        if name in self.signals:
+            return self.signals[name]
+        for key, value in self.signals.items():
+            if key.startswith(f"{name}."):
+                return value
+        raise NameUnknown(f"{name!r} was not recorded{nearest(name, list(self.signals))}")
+
+    def grid(self, metric: str) -> np.ndarray:
+        """A metric in the shape of the sweep's grid."""
+        if metric not in self.metrics:
+            raise NameUnknown(f"there is no metric {metric!r}{nearest(metric, list(self.metrics))}")
+        return self.metrics[metric].reshape(self.shape or (-1,))
+
+    def run(self, k: int) -> Metrics:
+        """The metrics of one run."""
+        return Metrics((name, float(v[k])) for name, v in self.metrics.items())
+
+
+def _columns(varied: Mapping[str, Any], loop: Loop, runs: int | None) -> tuple[dict[str, np.ndarray], int]:
+    """Each varied parameter as an array with one row a run, checked against its sheet."""
+    found: dict[str, np.ndarray] = {}
+    for key, values in varied.items():
+        loop.split(key)
+        entry = loop.sheet[key]
+        try:
+            array = np.asarray(values, dtype=np.float64)
+        except (TypeError, ValueError):
+            raise ValueRefused(f"{key}: expected an array of numbers, one for each run") from None
+        inner = np.shape(entry.default) if entry.type == "array" else ()
+        if array.ndim == len(inner):
+            array = array[None]
+        if array.shape[1:] != inner:
+            raise ValueRefused(f"{key}: expected the shape (runs, {', '.join(map(str, inner))}), got {array.shape}")
+        if array.size == 0:
+            raise ValueRefused(f"{key}: there is no value to run")
+        if entry.type == "array":
+            for row in array:
+                entry.check(row, "batch")
+        else:
+            low, high = array.min(), array.max()
+            for x in (float(low), float(high)):
+                entry.check(int(x) if entry.type == "int" and x == int(x) else x, "batch")
+        found[key] = array
+    lengths = {len(a) for a in found.values() if len(a) > 1} | ({runs} if runs else set())
+    if len(lengths) > 1:
+        raise ValueRefused("a batch needs the same number of values for every key: " + ", ".join(f"{k} has {len(a)}" for k, a in found.items()) + (f", runs = {runs}" if runs else ""))  # fmt: skip
+    n = door.whole("runs", lengths.pop() if lengths else 1, 1, 2**31 - 1)
+    return {k: np.ascontiguousarray(np.broadcast_to(a, (n, *a.shape[1:]))) for k, a in found.items()}, n
+
+
+def _places(loop: Loop, columns: Mapping[str, np.ndarray], n: int) -> tuple[np.ndarray, np.ndarray]:
+    """Where the varied numbers lie in all vectors laid end to end, and their values ``[place, run]``."""
+    plan = loop.program.plan
+    sizes = [max(1, len(plan.params.scalars)), max(1, plan.params.array_size), max(1, len(plan.state.scalars))]
+    places: list[int] = []
+    values: list[np.ndarray] = []
+    derived: dict[str, list[str]] = {}
+    for key, array in columns.items():
+        slot, rest = loop.split(key)
+        block = loop._parametered()[slot]
+        if block.prepare is not None or block.initial is not None:
+            derived.setdefault(slot, []).append(rest)
+            continue
+        leaf = plan.params.keys[key]
+        start = leaf.at + (sizes[0] if leaf.kind == "array" else 0)
+        for i in range(leaf.size if leaf.kind == "array" else 1):
+            places.append(start + i)
+            values.append(array.reshape(n, -1)[:, i])
+    for slot, keys in derived.items():
+        rows = np.concatenate([columns[f"{slot}.{k}"].reshape(n, -1) for k in keys], axis=1)
+        unique, inverse = np.unique(rows, axis=0, return_inverse=True)
+        packed = np.stack([_packed(loop, slot, keys, columns, int(np.flatnonzero(inverse == u)[0])) for u in range(len(unique))])
+        moved = np.flatnonzero((packed != packed[0]).any(axis=0) | (packed[0] != _packed(loop, slot, [], columns, 0)))
+        places += moved.tolist()
+        values += [packed[inverse.ravel(), m] for m in moved]
+    return np.array(places, dtype=np.int64), np.array(values, dtype=np.float64).reshape(len(places), n)
+
+
+def _packed(loop: Loop, slot: str, keys: list[str], columns: Mapping[str, np.ndarray], row: int) -> np.ndarray:
+    """All vectors end to end, with one block's parameters as of one run."""
+    changes = {f"{slot}.{k}": columns[f"{slot}.{k}"][row] for k in keys}
+    kinds = {k: loop.sheet[k].type for k in changes}
+    typed = {k: v if kinds[k] == "array" else int(v) if kinds[k] == "int" else float(v) for k, v in changes.items()}
+    params, state = loop.using(typed).values()
+    plan = loop.program.plan
+    return np.concatenate([*plan.params.pack(params), *plan.state.pack(state)])
+
+
+def run_batch(
+    loop: Loop,
+    duration: float,
+    varied: Mapping[str, Any],
+    runs: int | None,
+    record: str | Sequence[str] | None,
+    every: int,
+    threads: int | None,
+    first: int,
+    engine: str | None,
+    progress: Callable[[float], None] | None,
+) -> Batch:
+    """See ``Loop.batch``."""
+    if loop.continuous:
+        raise ValueRefused("a batch needs a control period; a continuous loop (period=None) runs one at a time")
+    columns, n = _columns(varied, loop, runs)
+    periods = loop.periods(duration)
+    every = door.whole("every", every, 1, 2**53)
+    threads = door.whole("threads", threads if threads is not None else os.cpu_count() or 1, 1, 1024)
+    first = door.whole("first", first, 0, 2**31 - 1)
+    names = loop.columns(record) if record is None or len(record) else []
+    rows = -(-periods // every) if names else 0
+    if n * rows * len(names) * 8 > MEMORY:
+        raise ValueRefused(f"recording {n} runs of {rows} rows of {len(names)} signals needs {n * rows * len(names) * 8 / 1e9:.0f} GB; record fewer, or a larger every")  # fmt: skip
+    engine = door.one_of("engine", engine or loop.engine, ["numba", "python"])
+    if engine == "python":
+        return _one_by_one(loop, duration, columns, n, names, every, first)
+    program = loop.program
+    select = np.array([program.plan.columns.index(c) for c in names], dtype=np.int64)
+    params, state = loop.values()
+    vectors = (*program.plan.params.pack(params), *program.plan.state.pack(state))
+    places, values = _places(loop, columns, n)
+    table = np.zeros((n, max(1, len(names)), max(1, rows)) if names else (1, 1, 1))
+    metrics = np.zeros((n, max(1, len(loop.metrics))))
+    lost = np.full(n, -1, dtype=np.int64)
+    entry = program.entry("lanes_recorded" if names else "lanes", engine)
+    chunk = max(LANES, -(-n // (8 * threads)) // LANES * LANES)
+    starts = list(range(0, n, chunk))
+
+    def work(low: int) -> None:
+        span = np.array([low, min(n, low + chunk), periods, every, first], dtype=np.int64)
+        entry(*vectors, places, values, span, select, table, metrics, lost)
+
+    def report(done: int) -> None:
+        if progress is not None:
+            progress(done / len(starts))
+
+    if threads == 1 or len(starts) == 1:
+        for i, low in enumerate(starts):
+            work(low)
+            report(i + 1)
+    else:
+        work(starts[0])
+        report(1)
+        with ThreadPoolExecutor(threads) as pool:
+            for i, _ in enumerate(pool.map(work, starts[1:])):
+                report(i + 2)
+    metrics[lost >= 0] = np.nan
+    diverged_at = np.where(lost >= 0, (lost + 1) * loop.period, np.nan)
+    signals = {c: table[:, i, :] for i, c in enumerate(names)}
+    measured = {k: metrics[:, i].copy() for i, k in enumerate(loop.metrics)}
+    return Batch(loop, duration, columns, measured, diverged_at, signals)
+
+
+def _one_by_one(
+    loop: Loop, duration: float, columns: dict[str, np.ndarray], n: int, names: list[str], every: int, first: int
+) -> Batch:
+    """The batch on the Python engine: run after run."""
+    done = []
+    for k in range(n):
+        kinds = {key: loop.sheet[key].type for key in columns}
+        changes = {key: a[k] if kinds[key] == "array" else int(a[k]) if kinds[key] == "int" else float(a[k]) for key, a in columns.items()}  # fmt: skip
+        done.append(loop.using(changes).run(duration, record=names or (), every=every if names else 0, engine="python", run=first + k))
+    diverged_at = np.array([r.diverged.time if r.diverged else np.nan for r in done])
+    measured = {k: np.array([r.metrics[k] for r in done]) for k in loop.metrics}
+    longest = -(-loop.periods(duration) // every)
+    signals = {c: np.array([np.pad(r.signals[c], (0, longest - len(r.signals[c])), constant_values=np.nan) for r in done]) for c in names}  # fmt: skip
+    return Batch(loop, duration, columns, measured, diverged_at, signals)
+
+
+__all__ = ["Batch", "replace", "run_batch"]

@@ -1,0 +1,110 @@
+"""Where generated modules lie: in the user's cache directory, private, bounded, whole or not at all."""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import shutil
+import sys
+import tempfile
+import warnings
+from dataclasses import dataclass
+from importlib.metadata import version
+from pathlib import Path
+
+LIMIT = 500
+"""Modules kept; beyond, the oldest go."""
+_fallback: Path | None = None
+
+
+def stamp() -> str:
+    """The versions that compiled code depends on: library, Python, Numba."""
+    from leadscrew import __version__
+
+    return f"{__version__}-py{sys.version_info.major}.{sys.version_info.minor}-numba{version('numba')}"
+
+
+def root() -> Path:
+    """The cache directory; ``LEADSCREW_CACHE_DIR`` sets it."""
+    chosen = os.environ.get("LEADSCREW_CACHE_DIR")
+    if chosen:
+        return Path(chosen)
+    from platformdirs import user_cache_path
+
+    return user_cache_path("leadscrew", appauthor=False)
+
+
+def directory() -> Path:
+    """The directory for this library, Python and Numba version, created private; a temporary one if that fails."""
+    global _fallback
+    if _fallback is not None:
+        return _fallback
+    wanted = root() / stamp()
+    try:
+        wanted.mkdir(mode=0o700, parents=True, exist_ok=True)
+        with tempfile.TemporaryFile(dir=wanted):
+            return wanted
+    except OSError as error:
+        _fallback = Path(tempfile.mkdtemp(prefix="leadscrew-"))
+        warnings.warn(
+            f"the cache directory {wanted} cannot be written ({error.strerror or error}); compiled loops go to "
+            f"{_fallback} for this session; set LEADSCREW_CACHE_DIR to a directory that can",
+            stacklevel=2,
+        )
+        return _fallback
+
+
+def module_name(text: str) -> str:
+    """The name of a module: the hash of its text and of the versions that it was compiled with."""
+    return "loop_" + hashlib.sha256(f"{stamp()}\n{text}".encode()).hexdigest()[:20]
+
+
+def store(text: str) -> Path:
+    """The file that holds a module's text, written beside and renamed if it is not there yet."""
+    folder = directory()
+    path = folder / f"{module_name(text)}.py"
+    try:
+        if path.read_text(encoding="utf-8") == text:
+            return path
+    except (OSError, UnicodeDecodeError):
+        pass
+    _evict(folder)
+    handle, beside = tempfile.mkstemp(dir=folder, suffix=".tmp")
+    with os.fdopen(handle, "w", encoding="utf-8", newline="\n") as out:
+        out.write(text)
+    Path(beside).replace(path)
+    return path
+
+
+def _evict(folder: Path) -> None:
+    modules = sorted(folder.glob("loop_*.py"), key=lambda p: p.stat().st_mtime)
+    for path in modules[: max(0, len(modules) - LIMIT + 1)]:
+        path.unlink(missing_ok=True)
+        for compiled in (folder / "__pycache__").glob(f"{path.stem}.*"):
+            compiled.unlink(missing_ok=True)
+
+
+@dataclass(frozen=True)
+class CacheInfo:
+    """What lies in the cache."""
+
+    folder: str
+    modules: int
+    bytes: int
+
+
+def info() -> CacheInfo:
+    """What lies in the cache, all versions together."""
+    base = root()
+    files = [p for p in base.rglob("*") if p.is_file()] if base.exists() else []
+    modules = [p for p in files if p.name.startswith("loop_") and p.suffix == ".py"]
+    return CacheInfo(str(base), len(modules), sum(p.stat().st_size for p in files))
+
+
+def clear() -> CacheInfo:
+    """Deletes the cache's own folders; returns what was there."""
+    before = info()
+    base = root()
+    for folder in base.glob("*-py*-numba*") if base.exists() else ():
+        shutil.rmtree(folder, ignore_errors=True)
+    return before

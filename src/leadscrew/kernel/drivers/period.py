@@ -1,0 +1,44 @@
+"""One control period: sample everything at its start, then hold the controller's output over the plant."""
+
+from leadscrew.kernel.drivers import holes
+from leadscrew.kernel.noise import Noise
+
+
+def sample(p, s, t, k, run):
+    """The loop's next state but for the plant's, and the signals of period ``k``."""
+    dt = p.clock.period
+    seed = p.clock.seed
+    reference, command = holes.reference(p.reference, s.reference, t, dt, Noise(seed, run, 0, k))
+    disturbance, load = holes.disturbance(p.disturbance, s.disturbance, t, dt, Noise(seed, run, 1, k))
+    output_disturbance, offset = holes.output_disturbance(
+        p.output_disturbance, s.output_disturbance, t, dt, Noise(seed, run, 2, k)
+    )
+    shown = holes.plant_output(p.plant, s.plant)
+    actual = holes.disturbed(shown, offset)
+    measured = holes.disturbed(holes.seen(s.seen, shown, k, p.clock.substeps), offset)
+    sensor, feedback = holes.sensor(p.sensor, s.sensor, measured, t, dt, Noise(seed, run, 3, k))
+    controller, output = holes.controller(p.controller, s.controller, command, feedback, t, dt)
+    actuator, applied = holes.actuator(p.actuator, s.actuator, output, t, dt)
+    holes.send(s.sent, applied, k)
+    metrics = holes.metrics(p.metrics, s.metrics, command, actual, feedback, output, t, dt)
+    state = holes.LoopState(
+        reference, disturbance, output_disturbance, sensor, controller, actuator, s.plant, s.integrator, s.sent, s.seen,
+        metrics,
+    )  # fmt: skip
+    return state, holes.Signals(command, feedback, output, applied, actual, load)
+
+
+def hold(p, s, applied, load, k):
+    """The loop's state after the plant has moved through period ``k``."""
+    plant = s.plant
+    memory = s.integrator
+    step = p.clock.step
+    substeps = p.clock.substeps
+    for j in range(substeps):
+        u = holes.sent(s.sent, applied, k, j, substeps)
+        plant, memory = holes.plant_step(p.plant, plant, memory, u, load, k * p.clock.period + j * step, step)
+        holes.watch(s.seen, p.plant, plant, k * substeps + j + 1)
+    return holes.LoopState(
+        s.reference, s.disturbance, s.output_disturbance, s.sensor, s.controller, s.actuator, holes.settled(plant), memory,
+        s.sent, s.seen, s.metrics,
+    )  # fmt: skip

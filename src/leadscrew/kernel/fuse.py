@@ -1,0 +1,166 @@
+"""Fuses what an entry calls into the entry itself, for the Numba engine.
+
+Numba spends about a tenth of a second on every function, however small; a loop reaches fifty. Fused, a loop is
+one function. The arithmetic and its order stay what they are, so the bits do; the Python engine runs the
+functions unfused, under the user's own lines.
+"""
+
+from __future__ import annotations
+
+import ast
+import copy
+from collections.abc import Mapping
+
+LIMIT = 6000
+"""Syntax nodes above which a function that is called more than once stays a function."""
+
+
+def _simple(node: ast.expr) -> bool:
+    while isinstance(node, ast.Attribute):
+        node = node.value
+    return isinstance(node, ast.Name | ast.Constant)
+
+
+def _returns(node: ast.FunctionDef) -> int:
+    return sum(isinstance(n, ast.Return) for n in ast.walk(node))
+
+
+class _Substitute(ast.NodeTransformer):
+    """Puts arguments in place of parameters and gives locals names of their own."""
+
+    def __init__(self, given: Mapping[str, ast.expr], renamed: Mapping[str, str]) -> None:
+        self.given, self.renamed = given, renamed
+
+    def visit_Name(self, node: ast.Name) -> ast.expr:  # noqa: N802
+        if node.id in self.renamed:
+            return ast.Name(self.renamed[node.id], node.ctx)
+        if node.id in self.given and isinstance(node.ctx, ast.Load):
+            return copy.deepcopy(self.given[node.id])
+        return node
+
+
+class Fuser:
+    """Fuses functions of one module; ``functions`` are the ones that may be fused, by name."""
+
+    def __init__(self, functions: Mapping[str, ast.FunctionDef]) -> None:
+        self.functions = {
+            name: node for name, node in functions.items() if _returns(node) == 1 and isinstance(node.body[-1], ast.Return)
+        }
+        self.assigned = {
+            name: {n.id for n in ast.walk(node) if isinstance(n, ast.Name) and isinstance(n.ctx, ast.Store)}
+            for name, node in self.functions.items()
+        }
+        self.done: dict[str, ast.FunctionDef] = {}
+        self.count = 0
+
+    def function(self, node: ast.FunctionDef) -> ast.FunctionDef:
+        """A function with everything fused that can be."""
+        fused = copy.deepcopy(node)
+        fused.body = self.block(fused.body)
+        return ast.fix_missing_locations(fused)
+
+    def block(self, body: list[ast.stmt]) -> list[ast.stmt]:
+        """Statements with their calls fused in."""
+        out: list[ast.stmt] = []
+        for node in body:
+            self.statement(node, out)
+        return out or [ast.Pass()]
+
+    def statement(self, node: ast.stmt, out: list[ast.stmt]) -> None:
+        """One statement, preceded by the bodies of what it calls."""
+        if isinstance(node, ast.If):
+            node.test = self.expression(node.test, out)
+            node.body = self.block(node.body)
+            node.orelse = self.block(node.orelse) if node.orelse else []
+        elif isinstance(node, ast.For):
+            node.iter = self.expression(node.iter, out)
+            node.body = self.block(node.body)
+        elif isinstance(node, ast.While):
+            node.body = self.block(node.body)
+        elif isinstance(node, ast.Assign):
+            node.value = self.expression(node.value, out)
+            node.targets = [self.expression(t, out) for t in node.targets]
+            target = node.targets[0]
+            if isinstance(target, ast.Tuple) and isinstance(node.value, ast.Tuple):
+                self.unpack(target, node.value, out)
+                return
+        elif isinstance(node, ast.Return) and node.value is not None:
+            node.value = self.expression(node.value, out)
+        elif isinstance(node, ast.Expr):
+            node.value = self.expression(node.value, out)
+            if isinstance(node.value, ast.Constant | ast.Name):
+                return  # what a function gave that was called for its writes
+        out.append(node)
+
+    def unpack(self, target: ast.Tuple, value: ast.Tuple, out: list[ast.stmt]) -> None:
+        """``a, b = x, y`` without building a tuple, through names of their own where one reads what another sets."""
+        names = {t.id for t in target.elts if isinstance(t, ast.Name)}
+        pairs = [(t, v) for t, v in zip(target.elts, value.elts, strict=True)
+                 if not (isinstance(v, ast.Name) and isinstance(t, ast.Name) and v.id == t.id)]  # fmt: skip
+        read = {n.id for _, v in pairs for n in ast.walk(v) if isinstance(n, ast.Name)}
+        if names & read:
+            kept = []
+            for t, v in pairs:
+                held = self.fresh("v")
+                out.append(ast.Assign([ast.Name(held, ast.Store())], v))
+                kept.append((t, ast.Name(held, ast.Load())))
+            pairs = kept  # type: ignore[assignment]
+        out.extend(ast.Assign([t], v) for t, v in pairs)
+
+    def fresh(self, stem: str) -> str:
+        """A local name that nothing has yet."""
+        self.count += 1
+        return f"{stem}_{self.count}"
+
+    def expression(self, node: ast.expr, out: list[ast.stmt]) -> ast.expr:
+        """An expression with the functions that it calls fused; their statements go to ``out``."""
+        for name, value in ast.iter_fields(node):
+            if isinstance(value, ast.expr):
+                setattr(node, name, self.expression(value, out))
+            elif isinstance(value, list):
+                value[:] = [self.expression(v, out) if isinstance(v, ast.expr) else v for v in value]
+        if not (isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id in self.functions):
+            return node
+        return self.fused_call(node, node.func.id, out)
+
+    def fused_call(self, node: ast.Call, name: str, out: list[ast.stmt]) -> ast.expr:
+        """The body of a called function into ``out``; gives the expression that it returns."""
+        callee = self.functions[name]
+        if name not in self.done:
+            self.done[name] = self.function(callee)
+        callee = self.done[name]
+        params = [a.arg for a in callee.args.args]
+        assigned = {n.id for n in ast.walk(callee) if isinstance(n, ast.Name) and isinstance(n.ctx, ast.Store)}
+        uses = {p: 0 for p in params}
+        for n in ast.walk(callee):
+            if isinstance(n, ast.Name) and n.id in uses and isinstance(n.ctx, ast.Load):
+                uses[n.id] += 1
+        renamed = {local: self.fresh(local.rstrip("0123456789").rstrip("_") or "v") for local in sorted(assigned)}
+        given: dict[str, ast.expr] = {}
+        for param, arg in zip(params, node.args, strict=True):
+            if param in assigned:
+                out.append(ast.Assign([ast.Name(renamed[param], ast.Store())], arg))
+            elif _simple(arg) or uses[param] == 0:
+                given[param] = arg
+            else:
+                held = self.fresh(param.rstrip("0123456789").rstrip("_") or "v")
+                out.append(ast.Assign([ast.Name(held, ast.Store())], arg))
+                given[param] = ast.Name(held, ast.Load())
+        swap = _Substitute(given, renamed)
+        *body, last = copy.deepcopy(callee.body)
+        out.extend(swap.visit(s) for s in body)
+        assert isinstance(last, ast.Return) and last.value is not None
+        value: ast.expr = swap.visit(last.value)
+        return value
+
+
+def reached(node: ast.AST, functions: Mapping[str, ast.FunctionDef]) -> set[str]:
+    """The functions that a tree still calls, directly or not."""
+    found: set[str] = set()
+    todo: list[ast.AST] = [node]
+    while todo:
+        for n in ast.walk(todo.pop()):
+            if isinstance(n, ast.Name) and n.id in functions and n.id not in found:
+                found.add(n.id)
+                todo.append(functions[n.id])
+    return found

@@ -1,0 +1,37 @@
+"""Array access with one meaning on every engine: a read outside gives NaN, a write outside poisons the array.
+
+The loop then finds a value that is not finite and reports divergence in the same period everywhere, where plain
+Python would raise IndexError and compiled code would read what lies beside the array.
+"""
+
+import numpy as np
+
+
+def at1(a, i):
+    """``a[i]``, NaN where ``i`` is outside."""
+    j = 0 if i < 0 else a.shape[0] - 1 if i >= a.shape[0] else i
+    value = a[j]
+    return value if i == j else np.nan
+
+
+def at2(a, i, j):
+    """``a[i, j]``, NaN where an index is outside."""
+    k = 0 if i < 0 else a.shape[0] - 1 if i >= a.shape[0] else i
+    m = 0 if j < 0 else a.shape[1] - 1 if j >= a.shape[1] else j
+    value = a[k, m]
+    return value if (i == k) & (j == m) else np.nan
+
+
+def put1(a, i, value):
+    """``a[i] = value``; where ``i`` is outside, the nearest element becomes NaN."""
+    j = 0 if i < 0 else a.shape[0] - 1 if i >= a.shape[0] else i
+    a[j] = value if i == j else np.nan
+    return 0
+
+
+def put2(a, i, j, value):
+    """``a[i, j] = value``; where an index is outside, the nearest element becomes NaN."""
+    k = 0 if i < 0 else a.shape[0] - 1 if i >= a.shape[0] else i
+    m = 0 if j < 0 else a.shape[1] - 1 if j >= a.shape[1] else j
+    a[k, m] = value if (i == k) & (j == m) else np.nan
+    return 0

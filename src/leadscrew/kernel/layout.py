@@ -1,0 +1,110 @@
+"""How nested NamedTuples lie in flat vectors: every scalar a place in one vector, every array a stretch of another."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import prod
+from typing import Any
+
+import numpy as np
+
+from leadscrew.kernel.sheet import hints, leaf_type
+
+
+@dataclass(frozen=True)
+class Leaf:
+    """One scalar or array inside nested NamedTuples."""
+
+    key: str
+    """Dotted name."""
+    kind: str
+    """``float``, ``int``, ``bool`` or ``array``."""
+    at: int
+    """Place in the scalar vector, or start of the stretch in the array vector."""
+    shape: tuple[int, ...] = ()
+
+    @property
+    def size(self) -> int:
+        """How many numbers it holds."""
+        return prod(self.shape)
+
+
+@dataclass(frozen=True)
+class Branch:
+    """A NamedTuple of leaves and further branches."""
+
+    key: str
+    type: Any
+    parts: tuple[Leaf | Branch, ...]
+
+
+def is_branch(value: Any) -> bool:
+    """Whether a value is a NamedTuple."""
+    return isinstance(value, tuple) and hasattr(value, "_fields")
+
+
+class Layout:
+    """The layout of one value, and the packing of values of its type."""
+
+    def __init__(self, value: Any) -> None:
+        self.scalars: list[Leaf] = []
+        self.arrays: list[Leaf] = []
+        self.array_size = 0
+        self.tree = self._grow("", value, None)
+
+    def _grow(self, key: str, value: Any, hint: Any) -> Leaf | Branch:
+        if is_branch(value):
+            sheet = hints(type(value))
+            parts = tuple(
+                self._grow(f"{key}.{f}" if key else f, v, sheet.get(f)) for f, v in zip(value._fields, value, strict=True)
+            )
+            return Branch(key, type(value), parts)
+        kind = leaf_type(hint, value)
+        if kind == "array":
+            shape = np.shape(value)
+            leaf = Leaf(key, kind, self.array_size, shape)
+            self.array_size += leaf.size
+            self.arrays.append(leaf)
+        else:
+            leaf = Leaf(key, kind, len(self.scalars))
+            self.scalars.append(leaf)
+        return leaf
+
+    @property
+    def keys(self) -> dict[str, Leaf]:
+        """Every leaf by its dotted key."""
+        return {leaf.key: leaf for leaf in (*self.scalars, *self.arrays)}
+
+    def pack(self, value: Any) -> tuple[np.ndarray, np.ndarray]:
+        """The scalar vector and the array vector of a value with this layout."""
+        scalars, arrays = np.zeros(max(1, len(self.scalars))), np.zeros(max(1, self.array_size))
+        self._pack(self.tree, value, scalars, arrays)
+        return scalars, arrays
+
+    def _pack(self, node: Leaf | Branch, value: Any, scalars: np.ndarray, arrays: np.ndarray) -> None:
+        if isinstance(node, Branch):
+            for part, item in zip(node.parts, value, strict=True):
+                self._pack(part, item, scalars, arrays)
+        elif node.kind == "array":
+            arrays[node.at : node.at + node.size] = np.asarray(value, dtype=np.float64).ravel()
+        else:
+            scalars[node.at] = value
+
+    def unpack(self, scalars: np.ndarray, arrays: np.ndarray) -> Any:
+        """The value that the two vectors hold; arrays are copies."""
+        return self._unpack(self.tree, scalars, arrays)
+
+    def _unpack(self, node: Leaf | Branch, scalars: np.ndarray, arrays: np.ndarray) -> Any:
+        if isinstance(node, Branch):
+            return node.type(*(self._unpack(p, scalars, arrays) for p in node.parts))
+        if node.kind == "array":
+            return arrays[node.at : node.at + node.size].reshape(node.shape).copy()
+        x = scalars[node.at]
+        return int(x) if node.kind == "int" else bool(x) if node.kind == "bool" else float(x)
+
+
+def leaves(node: Leaf | Branch) -> list[Leaf]:
+    """All leaves below a node, in order."""
+    if isinstance(node, Leaf):
+        return [node]
+    return [leaf for part in node.parts for leaf in leaves(part)]

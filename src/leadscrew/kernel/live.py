@@ -1,0 +1,193 @@
+"""A live loop: advanced a number of periods at a time, its parameters set between, saved and restored."""
+
+from __future__ import annotations
+
+import copy
+import time
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from leadscrew.kernel import door, ieee
+from leadscrew.kernel.block import Block
+from leadscrew.kernel.errors import NameUnknown, ValueRefused
+from leadscrew.kernel.frame import SLOTS
+from leadscrew.kernel.layout import Layout
+from leadscrew.kernel.linker import LARGEST
+from leadscrew.kernel.loop import warn_diverged
+from leadscrew.kernel.run import Divergence, Metrics, Run
+
+if TYPE_CHECKING:
+    from leadscrew.kernel.loop import Loop
+
+MEMORY = 8 * 1024**3
+"""Bytes of recorded signals above which a run is refused; record less, or every n-th period."""
+
+
+@dataclass(frozen=True)
+class Saved:
+    """Where a live loop stood: periods done, scalar state, array state, parameters."""
+
+    period: int
+    scalars: np.ndarray
+    arrays: np.ndarray
+    params: tuple[np.ndarray, np.ndarray]
+    loop: Loop
+
+
+class Live:
+    """One loop in motion. Ten times ``advance(100)`` gives the same bits as ``advance(1000)``."""
+
+    def __init__(self, loop: Loop, engine: str, run: int = 0) -> None:
+        self.loop = loop
+        self.engine = engine
+        self.run_number = door.whole("run", run, 0, 2**31 - 1)
+        self.program = loop.program
+        self.entry = self.program.entry("single", engine)
+        self.period = 0
+        self.diverged: Divergence | None = None
+        params, state = loop.values()
+        self.params = self.program.plan.params.pack(params)
+        self.state = self.program.plan.state.pack(state)
+
+    @property
+    def time(self) -> float:
+        """Simulated seconds so far."""
+        return self.period * self.loop.period
+
+    def values(self) -> dict[str, float]:
+        """Every scalar of the state by its dotted key."""
+        return {x.key: float(self.state[0][x.at]) for x in self.program.plan.state.scalars}
+
+    def advance(self, periods: int, record: str | Sequence[str] | None = None, every: int = 1) -> Run:
+        """Runs on for a number of periods and gives what was recorded on the way.
+
+        Raises:
+            ValueRefused: no whole positive number; a recording larger than memory allows.
+            NameUnknown: no such signal.
+        """
+        periods = door.whole("periods", periods, 1, 2**53)
+        every = door.whole("every", every, 0, 2**53)
+        columns = self.loop.columns(record) if every else []
+        rows = 0 if every == 0 else -(-(self.period + periods) // every) - -(-self.period // every)
+        if rows * len(columns) * 8 > MEMORY:
+            raise ValueRefused(
+                f"recording {rows} rows of {len(columns)} signals needs {rows * len(columns) * 8 / 1e9:.0f} GB; "
+                f"record fewer signals, or every={-(-rows * len(columns) * 8 // MEMORY) * max(1, every)}"
+            )
+        index = {c: i for i, c in enumerate(self.program.plan.columns)}
+        select = np.array([index[c] for c in columns], dtype=np.int64)
+        table = np.zeros((max(1, len(columns)), max(1, rows)))
+        metrics = np.zeros((1, max(1, len(self.loop.metrics))))
+        counters = np.array([self.period, self.period + periods, every, self.run_number, 0, 0], dtype=np.int64)
+        start = self.period
+        began = time.perf_counter()
+        if self.diverged is None:
+            self._call(counters, select, table, metrics)
+        wall = time.perf_counter() - began
+        self.period = int(counters[0])
+        if counters[5] and self.diverged is None:
+            self.diverged = self._divergence()
+            warn_diverged(f"{self.loop.name}: {self.diverged}")
+        measured = metrics[0] if self.diverged is None else np.full_like(metrics[0], np.nan)
+        signals = {c: table[i, : counters[4]] for i, c in enumerate(columns)}
+        return Run(
+            loop=self.loop, signals=signals, diverged=self.diverged, engine=self.engine, wall_s=wall,
+            duration=self.time, start=start * self.loop.period, run_number=self.run_number, every=every,
+            metrics=Metrics(zip(self.loop.metrics, measured.tolist(), strict=False)),
+        )  # fmt: skip
+
+    def _call(self, counters: np.ndarray, select: np.ndarray, table: np.ndarray, metrics: np.ndarray) -> None:
+        (P, A), (S, B) = self.params, self.state
+        if self.engine != "python":
+            self.entry(P, A, S, B, counters, select, table, metrics)
+            return
+        ieee.lost.clear()
+        scalars, counts = S.tolist(), counters.tolist()
+        self.entry(P.tolist(), A, scalars, B, counts, select, table, metrics)
+        S[:], counters[:] = scalars, counts
+
+    def _divergence(self) -> Divergence:
+        plan = self.program.plan
+        name, value = "", float("nan")
+        for leaf in plan.state.scalars:
+            if leaf.kind == "float" and leaf.key.split(".")[0] in SLOTS and not abs(self.state[0][leaf.at]) <= LARGEST:
+                name, value = leaf.key, float(self.state[0][leaf.at])
+                break
+        else:
+            for leaf in plan.state.arrays:
+                part = self.state[1][leaf.at : leaf.at + leaf.size]
+                if not np.all(np.abs(part) <= LARGEST):
+                    name, value = leaf.key, float(part[~(np.abs(part) <= LARGEST)][0])
+                    break
+            else:
+                name = "actual" if self.loop.bound < LARGEST else "output"
+        place = f"{ieee.lost['file']}:{ieee.lost['line']} ({ieee.lost['what']})" if self.engine == "python" and ieee.lost else ""
+        bound = self.loop.bound if name == "actual" else None
+        return Divergence(time=self.period * self.loop.period, period=self.period - 1, state=name, value=value, bound=bound, place=place)
+
+    def set(self, key: str, value: Any) -> None:
+        """Changes a parameter in the running loop, from the next period on.
+
+        Raises:
+            NameUnknown, ValueRefused: as ``Loop.using``.
+        """
+        if key in ("seed", "bound"):
+            raise NameUnknown(f"{key} cannot change in a running loop")
+        loop = self.loop.using({key: value})
+        params, _ = loop.values()
+        if Layout(params).keys != self.program.plan.params.keys:
+            raise ValueRefused(f"{key} = {value!r} changes the size of the loop; start a new one")
+        self.params = self.program.plan.params.pack(params)
+        self.loop = loop
+
+    def save(self) -> Saved:
+        """Where the loop stands now."""
+        P, A = self.params
+        return Saved(self.period, self.state[0].copy(), self.state[1].copy(), (P.copy(), A.copy()), self.loop)
+
+    def restore(self, saved: Saved) -> None:
+        """Goes back to a saved place; running on from there gives the same bits as before."""
+        if saved.scalars.shape != self.state[0].shape or saved.arrays.shape != self.state[1].shape:
+            raise ValueRefused("the saved state belongs to a loop of another shape")
+        self.period, self.loop = saved.period, saved.loop
+        self.state = (saved.scalars.copy(), saved.arrays.copy())
+        self.params = (saved.params[0].copy(), saved.params[1].copy())
+        self.diverged = None
+
+    def switch(self, controller: Block) -> Live:
+        """This loop from here on under another controller, started bumplessly where it supplies ``align``.
+
+        The new live loop has the same plant, sensor and reference state; ``bumpless`` says whether it was aligned.
+        """
+        loop = copy.copy(self.loop)
+        loop.__dict__ = {k: v for k, v in self.loop.__dict__.items() if k not in ("program", "sheet", "signals")}
+        loop.blocks = {**self.loop.blocks, "controller": controller}
+        new = Live(loop, self.engine, self.run_number)
+        old_state = self.program.plan.state.unpack(*self.state)
+        params, fresh = loop.values()
+        kept = {s: getattr(old_state, s) for s in fresh._fields if s not in ("controller", "metrics")}
+        new.bumpless = controller.align is not None
+        if controller.align is not None:
+            last = self.advance_preview()
+            kept["controller"] = controller.align(params.controller, last["command"], last["feedback"], last["output"])
+        new.state = new.program.plan.state.pack(fresh._replace(**kept))
+        new.period = self.period
+        return new
+
+    def advance_preview(self) -> dict[str, Any]:
+        """Command, feedback and output that the next period would have, without moving."""
+        saved = self.save()
+        diverged = self.diverged
+        seen = self.advance(1, record=("command", "feedback", "output"))
+        self.restore(saved)
+        self.diverged = diverged
+        return {k: seen.signal(k, self.loop.signals[k]) for k in ("command", "feedback", "output")}
+
+    bumpless: bool = False
+    """Whether the controller was aligned to the one before it."""
+
+
+__all__ = ["Live", "Saved", "replace"]

@@ -1,0 +1,352 @@
+"""The loop: reference, sensor, controller, actuator, plant and disturbances around one control period."""
+
+from __future__ import annotations
+
+import math
+import platform
+import time
+import warnings
+from collections.abc import Callable, Mapping, Sequence
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from leadscrew.kernel import door
+from leadscrew.kernel.block import Block
+from leadscrew.kernel.errors import NameUnknown, ValueRefused
+from leadscrew.kernel.frame import SLOTS, Clock, as_floats, bundle
+from leadscrew.kernel.layout import Layout, is_branch
+from leadscrew.kernel.linker import LARGEST, METHODS, Plan
+from leadscrew.kernel.probe import example_signals
+from leadscrew.kernel.program import ENGINES, Program
+from leadscrew.kernel.sheet import Entry, checked_replace, entries, nearest
+
+if TYPE_CHECKING:
+    from leadscrew.kernel.batch import Batch
+    from leadscrew.kernel.live import Live
+    from leadscrew.kernel.run import Run
+
+RECORDED = ("command", "feedback", "output", "applied", "actual", "disturbance", "error", "true_error")
+"""What a run records unless told otherwise."""
+
+
+class Loop:
+    """A closed loop, ready to run on any engine.
+
+    In every control period, at its start: the reference gives the command, the plant's output (with the output
+    disturbance, after the transport delay) goes through the sensor, the controller computes its output, the actuator
+    limits it; then, after the computational delay, it is held over the plant for one period, in ``substeps``
+    integration steps, while the disturbance loads the plant.
+
+    Args:
+        reference, controller, plant: blocks.
+        sensor, actuator, disturbance, output_disturbance: blocks, or nothing.
+        period: control period in seconds; ``None`` makes controller and plant one continuous system.
+        substeps: integration steps a period.
+        method: ``rk4``, ``sdirk3`` (stiff, fixed cost) or ``rodas`` (stiff, adaptive), for plants that give a
+            derivative; a plant that takes ``dt`` brings its own step.
+        computation_delay: seconds from sampling to a new output at the plant; a multiple of period / substeps.
+        transport_delay: seconds by which the sensor sees the plant late; a multiple of period / substeps.
+        metrics: metric blocks by name; the standard ones unless given.
+        bound: magnitude of the true output beyond which the loop counts as diverged.
+        seed: of all noise.
+        sample: interval between samples of a continuous loop, seconds.
+        rtol, atol: tolerances of the adaptive integrator.
+        engine: ``numba`` or ``python``.
+        name: for titles and manifests.
+    """
+
+    def __init__(
+        self,
+        *,
+        reference: Block,
+        controller: Block,
+        plant: Block,
+        sensor: Block | None = None,
+        actuator: Block | None = None,
+        disturbance: Block | None = None,
+        output_disturbance: Block | None = None,
+        period: float | None = 1e-3,
+        substeps: int = 1,
+        method: str = "rk4",
+        computation_delay: float = 0.0,
+        transport_delay: float = 0.0,
+        metrics: Mapping[str, Block] | None = None,
+        bound: float = LARGEST,
+        seed: int = 0,
+        sample: float = 1e-3,
+        rtol: float = 1e-6,
+        atol: float = 1e-9,
+        engine: str = "numba",
+        name: str = "loop",
+    ) -> None:
+        given = (reference, disturbance, output_disturbance, sensor, controller, actuator, plant)
+        self.blocks: dict[str, Block | None] = dict(zip(SLOTS, given, strict=True))
+        door.check_blocks(self.blocks)
+        if metrics is None:
+            from leadscrew.kernel.metrics import STANDARD
+
+            metrics = STANDARD
+        self.metrics = door.check_metrics(metrics)
+        self.continuous = period is None
+        self.period = door.positive("period", sample if period is None else period, "s")
+        self.substeps = door.whole("substeps", substeps, 1, 1_000_000)
+        self.step = self.period / self.substeps
+        self.sent = door.in_steps("computation_delay", computation_delay, self.step)
+        self.seen = door.in_steps("transport_delay", transport_delay, self.step)
+        self.method = door.one_of("method", method, list(METHODS))
+        self.bound = min(door.positive("bound", bound, "in the unit of the true output"), LARGEST)
+        self.seed = door.whole("seed", seed, 0, 2**53)
+        self.rtol = door.positive("rtol", rtol, "")
+        self.atol = door.positive("atol", atol, "")
+        self.engine = door.one_of("engine", engine, list(ENGINES))
+        self.name = name
+        self.origin: dict[str, Any] = {}
+        """How to build this loop again: study, controller, scenario and changes; goes into the manifest."""
+        door.check_continuous(self)
+
+    # ---- parameters
+    @cached_property
+    def sheet(self) -> dict[str, Entry]:
+        """Every parameter by its dotted key: value, unit, range, help."""
+        found: dict[str, Entry] = {}
+        for slot, block in self._parametered().items():
+            for entry in entries(block.params, f"{slot}."):
+                found[entry.key] = entry
+        return found
+
+    def _parametered(self) -> dict[str, Block]:
+        mine = {s: b for s, b in self.blocks.items() if b is not None and b.params is not None}
+        return mine | {f"metrics.{k}": b for k, b in self.metrics.items() if b.params is not None}
+
+    def using(self, changes: Mapping[str, Any] | None = None, **options: Any) -> Loop:
+        """This loop with parameters changed by dotted key, and options (``seed``, ``engine``, ``bound``) by name.
+
+        Raises:
+            NameUnknown: no such key; names the nearest.
+            ValueRefused: a value of the wrong type or out of range; names value, range and key.
+        """
+        new = object.__new__(Loop)
+        new.__dict__.update({k: v for k, v in self.__dict__.items() if k != "sheet"})
+        new.blocks, new.metrics = dict(self.blocks), dict(self.metrics)
+        for key, value in (changes or {}).items():
+            slot, rest = self.split(key)
+            block = self._parametered()[slot] if slot.startswith("metrics.") else new.blocks[slot]
+            assert block is not None
+            from dataclasses import replace
+
+            where = new.metrics[slot.removeprefix("metrics.")] if slot.startswith("metrics.") else block
+            changed = replace(where, params=door.replaced(where.params, rest, value, key))
+            if slot.startswith("metrics."):
+                new.metrics[slot.removeprefix("metrics.")] = changed
+            else:
+                new.blocks[slot] = changed
+        for option, value in options.items():
+            if option not in ("seed", "engine", "bound", "name"):
+                raise NameUnknown(f"a loop has no option {option!r} that can change; seed, engine, bound, name can")
+            if option == "seed":
+                value = door.whole("seed", value, 0, 2**53)
+            elif option == "bound":
+                value = min(door.positive("bound", value, ""), LARGEST)
+            elif option == "engine":
+                value = door.one_of("engine", value, list(ENGINES))
+            setattr(new, option, value)
+        new.__dict__.pop("program", None)
+        if "program" in self.__dict__ and new.fits(self.program):
+            new.__dict__["program"] = self.program
+        return new
+
+    def split(self, key: str) -> tuple[str, str]:
+        """Slot and the rest of a dotted key.
+
+        Raises:
+            NameUnknown: no such key.
+        """
+        if key not in self.sheet:
+            raise NameUnknown(f"there is no parameter {key!r}{nearest(key, list(self.sheet))}")
+        parts = key.split(".")
+        cut = 2 if parts[0] == "metrics" else 1
+        return ".".join(parts[:cut]), ".".join(parts[cut:])
+
+    @property
+    def parameters(self) -> dict[str, Any]:
+        """Every parameter's value by its dotted key."""
+        return {k: e.default for k, e in self.sheet.items()}
+
+    # ---- values as the compiled loop sees them
+    def prepared(self, block: Block, slot: str) -> Any:
+        """A block's parameters as its step gets them."""
+        if block.params is None:
+            return 0.0
+        if block.prepare is None:
+            return block.params
+        return block.prepare(block.params, self.step if slot == "plant" else self.period)
+
+    def start_state(self, block: Block | None) -> Any:
+        """A block's state at the start."""
+        if block is None or block.state is None:
+            return 0.0
+        return block.initial(block.params) if block.initial is not None else block.state
+
+    def values(self) -> tuple[Any, Any]:
+        """Parameters and state of the whole loop as nested NamedTuples."""
+        params = {s: self.prepared(b, s) if b else 0.0 for s, b in self.blocks.items()}
+        measured = {k: self.prepared(b, "metrics") for k, b in self.metrics.items()}
+        params["metrics"] = bundle("MetricParams", measured) if measured else 0.0
+        params["clock"] = Clock(self.period, self.step, self.substeps, self.seed, self.bound)
+        states = {s: self.start_state(b) for s, b in self.blocks.items()}
+        states["integrator"] = 0.0
+        applied, shown = (len(Layout(as_floats(self.signals[k])).scalars) for k in ("applied", "actual"))
+        whole, part = divmod(self.sent, self.substeps)
+        states["sent"] = np.zeros((whole + 2, applied)) if self.sent else 0.0
+        states["seen"] = np.zeros((self.seen + 1, shown)) if self.seen else 0.0
+        kept = {k: self.start_state(b) for k, b in self.metrics.items()}
+        states["metrics"] = bundle("MetricStates", kept) if kept else 0.0
+        return bundle("LoopParams", params), bundle("LoopState", states)
+
+    @cached_property
+    def signals(self) -> dict[str, Any]:
+        """An example of each signal, computed by running the steps once."""
+        return example_signals(self)
+
+    @cached_property
+    def program(self) -> Program:
+        """The generated module of this loop."""
+        params, state = self.values()
+        plan = Plan(
+            blocks=dict(self.blocks), metrics=dict(self.metrics), params=Layout(params), state=Layout(state),
+            signals=self.signals, method=self.method, sent=divmod(self.sent, self.substeps), seen=self.seen,
+            continuous=self.continuous, rtol=self.rtol, atol=self.atol,
+        )  # fmt: skip
+        return Program(plan)
+
+    def fits(self, program: Program) -> bool:
+        """Whether a program built for another loop serves this one: the same places for the same things."""
+        params, state = self.values()
+        mine, theirs = (Layout(params), Layout(state)), (program.plan.params, program.plan.state)
+        return all(a.keys == b.keys for a, b in zip(mine, theirs, strict=True))
+
+    # ---- running
+    def periods(self, duration: float) -> int:
+        """How many control periods a duration has.
+
+        Raises:
+            ValueRefused: not positive, or shorter than one period.
+        """
+        duration = door.positive("duration", duration, "s")
+        n = round(duration / self.period)
+        if n < 1:
+            raise ValueRefused(f"duration = {duration!r} s is shorter than one period of {self.period} s")
+        if n > 2**53:
+            raise ValueRefused(f"duration = {duration!r} s has more than 2^53 periods of {self.period} s")
+        return n
+
+    def columns(self, record: str | Sequence[str] | None) -> list[str]:
+        """The recorded columns that a list of names stands for; a root name stands for all its parts.
+
+        Raises:
+            NameUnknown: no such signal or state.
+        """
+        known = self.program.plan.columns
+        if isinstance(record, str):
+            record = [record]
+        chosen = ["time"]
+        for wanted in RECORDED if record is None else record:
+            found = [c for c in known if c == wanted or c.startswith(f"{wanted}.")]
+            if not found:
+                raise NameUnknown(f"there is no signal {wanted!r}{nearest(wanted, known)}")
+            chosen += [c for c in found if c not in chosen]
+        return chosen
+
+    def run(
+        self,
+        duration: float,
+        record: str | Sequence[str] | None = None,
+        every: int = 1,
+        *,
+        engine: str | None = None,
+        run: int = 0,
+    ) -> Run:
+        """One run from the start; ``run`` is its number in the noise, as in a batch.
+
+        A loop that diverges stops: the run then holds the signals up to there, ``run.diverged`` says at what time and
+        in what, its metrics are NaN, and a DivergenceWarning is issued. ``every=0`` records nothing.
+        """
+        live = self.start(engine=engine, run=run)
+        return live.advance(self.periods(duration), record=record, every=every)
+
+    def start(self, *, engine: str | None = None, run: int = 0) -> Live:
+        """A live loop, to be advanced a number of periods at a time."""
+        from leadscrew.kernel.live import Live
+
+        return Live(self, engine or self.engine, run)
+
+    def batch(
+        self,
+        duration: float,
+        varied: Mapping[str, Any] | None = None,
+        *,
+        runs: int | None = None,
+        record: str | Sequence[str] | None = (),
+        every: int = 1,
+        threads: int | None = None,
+        first: int = 0,
+        engine: str | None = None,
+        progress: Callable[[float], None] | None = None,
+    ) -> Batch:
+        """Many runs with parameters varied by dotted key (arrays, one value a run); metrics, and signals if asked for.
+
+        Run ``k`` has the same bits as ``loop.using({key: values[k]}).run(duration, run=first + k)``.
+        """
+        from leadscrew.kernel.batch import run_batch
+
+        return run_batch(self, duration, varied or {}, runs, record, every, threads, first, engine, progress)
+
+    def sweep(self, duration: float, grid: Mapping[str, Sequence[float]], **options: Any) -> Batch:
+        """A batch over the full grid of the values given for each key; ``batch.grid(metric)`` has the grid's shape."""
+        axes = [np.asarray(v, dtype=np.float64) for v in grid.values()]
+        mesh = np.meshgrid(*axes, indexing="ij")
+        done = self.batch(duration, {k: m.ravel() for k, m in zip(grid, mesh, strict=True)}, **options)
+        done.shape = tuple(len(a) for a in axes)
+        return done
+
+    def manifest(self, engine: str) -> dict[str, Any]:
+        """Everything needed to know what ran."""
+        from importlib.metadata import version
+
+        from leadscrew import __version__
+
+        return {
+            "schema_version": 1,
+            "leadscrew": __version__,
+            "name": self.name,
+            "origin": self.origin,
+            "engine": engine,
+            "module": self.program.name,
+            "seed": self.seed,
+            "period_s": None if self.continuous else self.period,
+            "sample_s": self.period if self.continuous else None,
+            "substeps": self.substeps,
+            "method": "own step" if "dt" in self.blocks["plant"].signals else self.method,  # type: ignore[union-attr]
+            "computation_delay_s": self.sent * self.step,
+            "transport_delay_s": self.seen * self.step,
+            "bound": None if self.bound >= LARGEST else self.bound,
+            "blocks": {s: b.name for s, b in self.blocks.items() if b is not None},
+            "parameters": {k: v.tolist() if isinstance(v, np.ndarray) else v for k, v in self.parameters.items()},
+            "platform": f"{platform.system()} {platform.machine()} Python {platform.python_version()}",
+            "versions": {p: version(p) for p in ("numpy", "numba", "scipy")},
+            "created": time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime()),
+        }
+
+
+class DivergenceWarning(UserWarning):
+    """A loop diverged and was stopped."""
+
+
+def warn_diverged(text: str) -> None:
+    """Says once, in words, that a loop diverged."""
+    warnings.warn(text, DivergenceWarning, stacklevel=4)
+
+
+__all__ = ["RECORDED", "DivergenceWarning", "Loop", "checked_replace", "is_branch", "math", "warn_diverged"]

@@ -1,0 +1,111 @@
+"""What the signals of a loop look like, found by running its steps once in plain Python."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from leadscrew.kernel.block import Block
+from leadscrew.kernel.errors import BlockError
+from leadscrew.kernel.frame import as_floats, bundle
+from leadscrew.kernel.layout import is_branch
+from leadscrew.kernel.module import Module
+from leadscrew.kernel.noise import Noise
+
+if TYPE_CHECKING:
+    from leadscrew.kernel.loop import Loop
+
+
+def _copied(value: Any) -> Any:
+    if isinstance(value, np.ndarray):
+        return value.copy()
+    return type(value)(*(_copied(v) for v in value)) if is_branch(value) else value
+
+
+class _Probe:
+    def __init__(self, loop: Loop) -> None:
+        self.loop = loop
+        self.module = Module()
+        self.names: dict[str, str] = {}
+        for slot, block in loop.blocks.items():
+            if block is not None:
+                for value, arg in ((loop.prepared(block, slot), "p"), (block.state, "s")):
+                    if is_branch(value):
+                        self.module.arguments[id(block.step), arg] = type(value)
+                self.names[slot] = self.module.callable(block.step)
+        plant = loop.blocks["plant"]
+        assert plant is not None
+        self.shown = plant.output if plant.output is not None else plant.state._fields[0]
+        if callable(self.shown):
+            self.module.arguments[id(self.shown), "s"] = type(plant.state)
+            self.names["shown"] = self.module.callable(self.shown)
+        self.space = self.module.namespace()
+
+    def call(self, slot: str, **signals: Any) -> Any:
+        block = self.loop.blocks[slot]
+        if block is None:
+            return None
+        lead = [self.loop.prepared(block, slot)] if block.params is not None else []
+        if block.state is not None:
+            lead.append(_copied(self.loop.start_state(block)))
+        return self._signal(block, slot, self.space[self.names[slot]](*lead, *(signals[n] for n in block.signals)))
+
+    def _signal(self, block: Block, slot: str, result: Any) -> Any:
+        if slot == "plant":
+            if type(result) is not type(block.state):
+                raise BlockError(
+                    f"{block.name}: a plant returns its state ({type(block.state).__name__}) or its derivative, "
+                    f"not {type(result).__name__}"
+                )
+            return result
+        if block.state is None:
+            return as_floats(result)
+        if not (isinstance(result, tuple) and not is_branch(result) and len(result) == 2):
+            raise BlockError(f"{block.name}: a step with state returns (next_state, signal), not {result!r}")
+        if type(result[0]) is not type(block.state):
+            raise BlockError(f"{block.name}: the next state is a {type(result[0]).__name__}, not {type(block.state).__name__}")
+        return as_floats(result[1])
+
+    def actual(self) -> Any:
+        plant = self.loop.blocks["plant"]
+        assert plant is not None
+        state = self.loop.start_state(plant)
+        if not callable(self.shown):
+            for part in str(self.shown).split("."):
+                if not hasattr(state, part):
+                    raise BlockError(f"{plant.name}: output={self.shown!r} is not a field of its state {state._fields}")
+                state = getattr(state, part)
+            return as_floats(state)
+        wanted = self.shown.__code__.co_varnames[: self.shown.__code__.co_argcount]
+        given = {"p": self.loop.prepared(plant, "plant"), "s": state}
+        if not set(wanted) <= set(given):
+            raise BlockError(f"{plant.name}: its output function may take p and s, not {', '.join(wanted)}")
+        return as_floats(self.space[self.names["shown"]](*(given[n] for n in wanted)))
+
+
+def example_signals(loop: Loop) -> dict[str, Any]:
+    """One example of each signal at the first period.
+
+    Raises:
+        BlockError, SubsetError: a step that returns something else than its kind does, or cannot be compiled.
+    """
+    probe = _Probe(loop)
+    clock: dict[str, Any] = {"t": 0.0, "dt": loop.period, "noise": Noise(loop.seed, 0, 0, 0)}
+    command = probe.call("reference", **clock)
+    load = probe.call("disturbance", **clock)
+    actual = probe.actual()
+    feedback = probe.call("sensor", actual=actual, **clock)
+    feedback = actual if feedback is None else feedback
+    output = probe.call("controller", command=command, feedback=feedback, **clock)
+    applied = probe.call("actuator", output=output, **clock)
+    applied = output if applied is None else applied
+    load = 0.0 if load is None else load
+    probe.call("output_disturbance", **clock)
+    plant_dt = {"dt": loop.step, "t": 0.0}
+    plant = loop.blocks["plant"]
+    assert plant is not None
+    probe.call("plant", u=applied, load=load, **plant_dt)
+    found = {"command": command, "feedback": feedback, "output": output, "applied": applied, "actual": actual, "load": load}
+    found["_all"] = bundle("Signals", found)
+    return found

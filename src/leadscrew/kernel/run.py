@@ -1,0 +1,184 @@
+"""What a run gives: signals, metrics, and the manifest that says how to get the same bits again."""
+
+from __future__ import annotations
+
+import json
+import os
+import shutil
+import tempfile
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from leadscrew.kernel.errors import DataError, Diverged, NameUnknown
+from leadscrew.kernel.layout import is_branch
+from leadscrew.kernel.sheet import nearest
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from leadscrew.kernel.loop import Loop
+
+
+class Metrics(dict[str, float]):
+    """Metrics by name, as items or attributes."""
+
+    def __getattr__(self, name: str) -> float:
+        try:
+            return self[name]
+        except KeyError:
+            raise AttributeError(f"there is no metric {name!r}{nearest(name, list(self))}") from None
+
+
+@dataclass(frozen=True)
+class Divergence:
+    """Where a loop was lost."""
+
+    time: float
+    period: int
+    state: str
+    value: float
+    bound: float | None = None
+    place: str = ""
+    """File, line and division that lost it, where the Python engine saw one."""
+
+    def __str__(self) -> str:
+        what = f"left its bound of {self.bound:g}" if self.bound is not None else "is not finite"
+        place = f"; first lost at {self.place}" if self.place else ""
+        return f"diverged at t = {self.time:g} s (period {self.period}): {self.state} {what}{place}"
+
+
+@dataclass(frozen=True)
+class Run:
+    """The result of one run."""
+
+    loop: Loop
+    signals: dict[str, np.ndarray]
+    metrics: Metrics
+    diverged: Divergence | None
+    engine: str
+    wall_s: float
+    duration: float
+    start: float = 0.0
+    run_number: int = 0
+    every: int = 1
+
+    @property
+    def time(self) -> np.ndarray:
+        """Seconds since the start, one for each recorded row."""
+        return self.signals["time"]
+
+    def __getitem__(self, name: str) -> np.ndarray:
+        """A recorded signal; a NamedTuple signal's own name gives its first number."""
+        if name in self.signals:
+            return self.signals[name]
+        for key, value in self.signals.items():
+            if key.startswith(f"{name}."):
+                return value
+        raise NameUnknown(f"{name!r} was not recorded{nearest(name, list(self.signals))}")
+
+    def signal(self, name: str, example: Any) -> Any:
+        """The last value of a signal in its own type."""
+        if not is_branch(example):
+            return float(self.signals[name][-1])
+        return type(example)(*(self.signal(f"{name}.{f}", v) for f, v in zip(example._fields, example, strict=True)))
+
+    def check(self) -> Run:
+        """This run, if it did not diverge.
+
+        Raises:
+            Diverged: with this run inside.
+        """
+        if self.diverged is not None:
+            raise Diverged(f"{self.loop.name} {self.diverged}", self)
+        return self
+
+    @property
+    def manifest(self) -> dict[str, Any]:
+        """Everything needed to run it again."""
+        return {
+            **self.loop.manifest(self.engine),
+            "run": self.run_number,
+            "start_s": self.start,
+            "duration_s": self.duration,
+            "every": self.every,
+            "record": list(self.signals),
+            "wall_s": self.wall_s,
+            "diverged": None if self.diverged is None else {**self.diverged.__dict__, "value": repr(self.diverged.value)},
+            "metrics": {k: v if np.isfinite(v) else None for k, v in self.metrics.items()},
+        }
+
+    def save(self, folder: str | Path) -> Path:
+        """Writes ``signals.parquet`` and ``run.json`` into a folder that appears only when complete.
+
+        Raises:
+            DataError: the folder exists already and is not empty, or cannot be written.
+        """
+        import pyarrow as pa
+        import pyarrow.parquet as pq
+
+        target = Path(folder)
+        if target.exists() and (not target.is_dir() or any(target.iterdir())):
+            raise DataError(f"{target} exists already; choose another folder or remove it")
+        try:
+            target.parent.mkdir(parents=True, exist_ok=True)
+            beside = Path(tempfile.mkdtemp(prefix=f".{target.name}-", suffix=".partial", dir=target.parent))
+        except OSError as error:
+            raise DataError(f"{target} cannot be written: {error.strerror or error}") from None
+        try:
+            table = pa.table({k: pa.array(v) for k, v in self.signals.items()})
+            pq.write_table(table, beside / "signals.parquet")
+            (beside / "run.json").write_text(json.dumps(self.manifest, indent=1, allow_nan=False), encoding="utf-8")
+            beside.chmod(0o755)
+            if target.exists():
+                target.rmdir()
+            os.replace(beside, target)
+        except OSError as error:
+            shutil.rmtree(beside, ignore_errors=True)
+            raise DataError(f"{target} cannot be written: {error.strerror or error}") from None
+        except BaseException:
+            shutil.rmtree(beside, ignore_errors=True)
+            raise
+        return target
+
+    def plot(self) -> Figure:
+        """Command, true output, error and controller output against time."""
+        from leadscrew.report.plots import run_figure
+
+        return run_figure(self)
+
+    def _repr_html_(self) -> str:
+        rows = "".join(f"<tr><td>{k}</td><td>{v:.6g}</td></tr>" for k, v in self.metrics.items())
+        state = f"<p><b>{self.diverged}</b></p>" if self.diverged else ""
+        return f"<h4>{self.loop.name}: {self.duration:g} s</h4>{state}<table>{rows}</table>"
+
+    def __repr__(self) -> str:
+        metrics = ", ".join(f"{k}={v:.4g}" for k, v in self.metrics.items())
+        return f"<Run {self.loop.name} {self.duration:g} s{f' {self.diverged}' if self.diverged else ''}: {metrics}>"
+
+
+def load(folder: str | Path) -> tuple[dict[str, Any], dict[str, np.ndarray]]:
+    """Manifest and signals of a saved run.
+
+    Raises:
+        DataError: no run folder, or an incomplete or foreign one.
+    """
+    import pyarrow.parquet as pq
+
+    path = Path(folder)
+    path = path.parent if path.name == "run.json" else path
+    if path.name.startswith(".") and path.name.endswith(".partial"):
+        raise DataError(f"{path} is a run that was cut off while it was being written")
+    for file in ("run.json", "signals.parquet"):
+        if not (path / file).is_file():
+            raise DataError(f"{path} is not a run folder: {file} is missing")
+    try:
+        manifest = json.loads((path / "run.json").read_text(encoding="utf-8"))
+        table = pq.read_table(path / "signals.parquet")
+    except (ValueError, OSError) as error:
+        raise DataError(f"{path}: cannot be read ({error})") from None
+    if manifest.get("schema_version") != 1:
+        raise DataError(f"{path}/run.json: schema_version = {manifest.get('schema_version')!r}; this version reads 1")
+    return manifest, {name: table.column(name).to_numpy() for name in table.column_names}

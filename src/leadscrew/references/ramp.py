@@ -1,0 +1,23 @@
+"""A ramp that holds: ``initial + rate (t - start)`` for ``duration``, constant before and after."""
+
+from __future__ import annotations
+
+from typing import Annotated, NamedTuple
+
+from leadscrew.kernel.block import reference
+from leadscrew.kernel.sheet import Doc, Ge, Unit
+
+
+class RampParams(NamedTuple):
+    """A ramp in the unit of the loop's command."""
+
+    initial: Annotated[float, Doc("command before the ramp")] = 0.0
+    rate: Annotated[float, Unit("1/s"), Doc("change of the command per second, either sign")] = 1.0
+    start: Annotated[float, Unit("s"), Ge(0), Doc("when the ramp starts")] = 0.0
+    duration: Annotated[float, Unit("s"), Ge(0), Doc("how long the command changes; it holds from then on")] = 1.0
+
+
+@reference(RampParams())
+def ramp(p, t):
+    """``initial + rate`` times the time spent on the ramp."""
+    return p.initial + p.rate * min(max(t - p.start, 0.0), p.duration)

@@ -1,0 +1,124 @@
+"""The simulations that the study's claims and figures need, and their loops."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from leadscrew.controllers.vud import duty_pd, power_law, vud, vud_beta_e
+from leadscrew.kernel.block import Block
+from leadscrew.kernel.metrics import chatter, overshoot, rms_error, settling_time, steady_state_error
+from leadscrew.plants.lathe_servo import lathe_servo
+from leadscrew.sensors.encoder_count import encoder_count
+from leadscrew.sensors.grating_count import grating_count
+from leadscrew.studies.study import Scenario
+from leadscrew.studies.vud_lathe.scenarios import SCENARIOS, command
+
+if TYPE_CHECKING:
+    from leadscrew.kernel.loop import Loop
+
+PERIOD_S = 0.001
+"""Sample period of the controller (section IV.b, end)."""
+
+CONTROLLERS: dict[str, Block] = {
+    "paper.vud": vud,
+    "corrected.vud_beta_e": vud_beta_e,
+    "corrected.vud_beta_e_half": vud_beta_e(output_gain=1.0, output_tau=0.5),
+    "ours.original_fit": power_law,
+    "ours.pd": duty_pd,
+}
+"""The printed law; its two corrections; our fit of the servo that it replaced; a plain PD."""
+
+SENSORS: dict[str, Block] = {"power_law": encoder_count}
+"""The original servo reads the encoder (Figure 1), every other controller the grating (Figure 2)."""
+
+METRICS: dict[str, Block] = {
+    "settling_1pct": settling_time(percent=1.0),
+    "settling_2um": settling_time(percent=0.0, band=0.002),
+    "overshoot": overshoot,
+    "error_after_2s": steady_state_error(from_time=2.0),
+    "rms_error": rms_error,
+    "chatter": chatter(from_time=2.0),
+}
+"""Seconds and millimetres of the true position."""
+
+STEPS = ("fig11a_step_m50", "fig11b_step_m170")
+TABLE_1_STEPS = {"r=-190": "step_m190", "r=-50": "fig11a_step_m50", "r=50": "step_p50", "r=190": "step_p190"}
+GENTLE = ("trapezoid_m170", "s_curve_m170")
+GAINS_MM_S = np.linspace(259.0, 334.0, 16)
+"""Speeds at full duty that Table 1's moves ask for one by one (285 to 341), widened downwards."""
+PRINTED_SECONDS = 32.0
+"""How long the printed law needs to arrive at -170 mm, and two seconds more."""
+
+SIGNALS = ("command", "actual.position", "feedback", "output")
+INSIDE = ("controller.e", "controller.ec", "controller.alpha_e", "controller.alpha_ec", "controller.beta")
+
+
+def build(controller: Block, scenario: Scenario) -> Loop:
+    """The loop of a controller in a scenario: the lathe axis, and the sensor that the controller had."""
+    from leadscrew.kernel.loop import Loop
+
+    return Loop(
+        reference=command(scenario.params),
+        controller=controller,
+        plant=lathe_servo,
+        sensor=SENSORS.get(controller.name, grating_count),
+        period=PERIOD_S,
+        metrics=METRICS,
+    )
+
+
+def plan() -> list[tuple[str, str, float]]:
+    """Scenario, controller and duration of every run."""
+    runs = [
+        (scenario, controller, PRINTED_SECONDS if controller == "paper.vud" else 4.0)
+        for scenario in STEPS
+        for controller in CONTROLLERS
+    ]
+    runs += [(scenario, "ours.original_fit", 4.0) for scenario in TABLE_1_STEPS.values() if scenario not in STEPS]
+    runs += [(scenario, c, 4.0) for scenario in GENTLE for c in ("corrected.vud_beta_e", "ours.pd")]
+    return runs
+
+
+def simulate(progress: Callable[[str, float], None]) -> dict[str, Any]:
+    """All runs, by ``scenario/controller``."""
+    runs: dict[str, Any] = {}
+    wanted = plan()
+    for number, (scenario, controller, seconds) in enumerate(wanted):
+        progress(f"{controller} in {scenario}", number / len(wanted))
+        inside = INSIDE if "vud" in controller else ()
+        loop = build(CONTROLLERS[controller], SCENARIOS[scenario])
+        runs[f"{scenario}/{controller}"] = loop.run(seconds, record=(*SIGNALS, *inside))
+    progress("gain sweep", 1.0)
+    return runs
+
+
+def sweep_gain(controller: str, scenario: str) -> Any:
+    """The batch of a controller over :data:`GAINS_MM_S`."""
+    loop = build(CONTROLLERS[controller], SCENARIOS[scenario])
+    return loop.batch(4.0, {"plant.full_duty_speed_mm_s": GAINS_MM_S})
+
+
+def true_error_um(run: Any) -> np.ndarray:
+    """Command minus true position, in micrometres."""
+    return 1000.0 * (run["command"] - run["actual.position"])
+
+
+def speed_between(run: Any, first_s: float, last_s: float) -> float:
+    """Mean speed of the slide between two times, in mm/s, positive."""
+    first, last = round(first_s / PERIOD_S), round(last_s / PERIOD_S)
+    x = run["actual.position"]
+    return float(abs(x[last] - x[first]) / (last_s - first_s))
+
+
+def table_misfit_percent(runs: Mapping[str, Any], moves: Mapping[str, Any]) -> dict[str, float]:
+    """Root mean square distance of our fit of the original servo from Table 1, in percent of each way."""
+    misfit = {}
+    for name, scenario in TABLE_1_STEPS.items():
+        move = moves[name]
+        at = np.rint(move.time_s / PERIOD_S).astype(int)
+        simulated = (move.target_mm - runs[f"{scenario}/ours.original_fit"]["actual.position"][at]) / 190.0
+        misfit[name] = float(100.0 * np.sqrt(np.mean((simulated - move.error) ** 2)) / abs(move.error[0]))
+    return misfit

@@ -1,0 +1,314 @@
+"""The portable functions: accurate against mpmath, and the same bits in plain Python and in Numba's vectorised loops."""
+
+import ast
+import inspect
+import itertools
+import math
+import sys
+
+import mpmath
+import numba
+import numpy as np
+import pytest
+from mpmath import mp, mpf
+from numba import njit
+
+import leadscrew.kernel.bits_numba  # noqa: F401
+from leadscrew.kernel import bits, noise, portable
+from leadscrew.kernel.portable import basic, circular, exponential, hyperbolic, powers
+
+LEAF = njit(error_model="numpy", forceinline=True)
+LOOPS: dict = {}
+"""Compiled loops by leaf: compiling takes longer than running."""
+INF, NAN = math.inf, math.nan
+SPECIAL = np.array(
+    [0.0, -0.0, 1.0, -1.0, 0.5, -0.5, 1.5, 2.0, -2.0, 2.5, 3.0, -3.0, INF, -INF, NAN, 5e-324, -5e-324, 2.2250738585072014e-308,
+     2.225073858507201e-308, 1e-310, 1e-300, 1e-17, 1e-8, 1.7976931348623157e308, -1.7976931348623157e308, 1e300, 1e15, 2.0**31,
+     2.0**51, 2.0**52 + 1, 2.0**53, 2.0**63, -(2.0**63), 709.782712893384, 709.79, -745.13, -745.2, 0.9999999999999999,
+     1.0000000000000002, math.pi / 2, math.pi, 1e5, 1e7, 1e12, 1.1e12, -1e22, 4503599627370495.5, 0.49999999999999994]
+)  # fmt: skip
+
+
+def compiled() -> dict:
+    """All portable functions and the noise as Numba leaves in one name space, as a generated module has them."""
+    space = {"math": math, "NamedTuple": tuple, "Noise": noise.Noise}
+    space |= {name: getattr(bits, name) for name in bits.INTRINSICS}
+    for module in (basic, exponential, powers, circular, hyperbolic, noise):
+        space |= {k: v for k, v in vars(module).items() if isinstance(v, (int, float))}
+        for node in ast.parse(inspect.getsource(module)).body:
+            if isinstance(node, ast.FunctionDef):
+                node.returns = None
+                for argument in node.args.args:
+                    argument.annotation = None
+                tree = ast.fix_missing_locations(ast.Module([node], []))
+                exec(compile(tree, module.__file__, "exec"), space)
+                space[node.name] = LEAF(space[node.name])
+    return space
+
+
+@pytest.fixture(scope="session")
+def numba_leaves():
+    return compiled()
+
+
+def looped(leaf, inputs: list[np.ndarray]) -> np.ndarray:
+    """The leaf over arrays, inside compiled code: the vectorised form."""
+    names = ", ".join("xyz"[: len(inputs)])
+    each = ", ".join(f"{n}[i]" for n in "xyz"[: len(inputs)])
+    if leaf not in LOOPS:
+        space = {"leaf": leaf}
+        exec(f"def run({names}, out):\n for i in range(out.size): out[i] = leaf({each})", space)
+        LOOPS[leaf] = njit(error_model="numpy")(space["run"])
+    kind = np.int64 if inputs[0].dtype == np.int64 or leaf.__name__ == "to_int" else np.float64
+    out = np.empty(inputs[0].size, kind)
+    LOOPS[leaf](*inputs, out)
+    return out
+
+
+def patterns(x: np.ndarray) -> np.ndarray:
+    """Bits of an array, with one pattern for every NaN: their signs differ between engines."""
+    return np.where(np.isnan(x), NAN, x).view(np.int64) if x.dtype == np.float64 else x
+
+
+def log_even(rng, low, high, n):
+    """Points even in log scale, of both signs."""
+    return np.exp(rng.uniform(math.log(low), math.log(high), n)) * rng.choice([-1.0, 1.0], n)
+
+
+def any_double(rng, n):
+    return rng.integers(-(2**63), 2**63 - 1, n).view(np.float64)
+
+
+def near_quadrants(rng, n):
+    """The doubles next to multiples of pi/2, up to 2**23 of them."""
+    count = np.concatenate([np.arange(1, n // 2), rng.integers(1, 2**23, n // 2)])
+    with mp.workprec(120):
+        return np.array([float(int(k) * mp.pi / 2) for k in count]) * rng.choice([-1.0, 1.0], count.size)
+
+
+def angles(rng):
+    return np.concatenate([log_even(rng, 1e-9, 1.3e7, 800), rng.uniform(-10, 10, 800), near_quadrants(rng, 800)])
+
+
+def positives(rng):
+    near_one = 1 + log_even(rng, 1e-16, 0.3, 800)
+    wide = np.abs(log_even(rng, 5e-324, 1.7e308, 600))
+    return np.concatenate([wide, near_one, rng.uniform(0.3, 3, 800), [5e-324, 1e-310, 1.7e308]])
+
+
+def exponents(rng):
+    return np.concatenate([rng.uniform(-745, 709.7, 900), rng.uniform(-2, 2, 900), log_even(rng, 1e-20, 1, 400)])
+
+
+def unit(rng):
+    steep = 1 - np.abs(log_even(rng, 1e-16, 0.5, 700))
+    return np.concatenate([rng.uniform(-1, 1, 1200), log_even(rng, 1e-20, 1, 300), steep, -steep])
+
+
+def moderate(rng):
+    return np.concatenate([rng.uniform(-3, 3, 1600), log_even(rng, 1e-20, 700, 800)])
+
+
+ACCURACY = {
+    "exp": (1.0, exponents, mpmath.exp),
+    "expm1": (1.1, moderate, mpmath.expm1),
+    "log": (0.9, positives, mpmath.log),
+    "log2": (0.55, positives, lambda x: mpmath.log(x) / mpmath.log(2)),
+    "log10": (0.55, positives, lambda x: mpmath.log(x) / mpmath.log(10)),
+    "log1p": (1.6, lambda rng: np.concatenate([rng.uniform(-0.99, 3, 1200), log_even(rng, 1e-20, 0.9, 900)]), mpmath.log1p),
+    "sin": (0.9, angles, mpmath.sin),
+    "cos": (0.9, angles, mpmath.cos),
+    "tan": (1.2, angles, mpmath.tan),
+    "atan": (1.1, moderate, mpmath.atan),
+    "asin": (0.9, unit, mpmath.asin),
+    "acos": (0.9, unit, mpmath.acos),
+    "tanh": (1.3, moderate, mpmath.tanh),
+    "sinh": (1.6, moderate, mpmath.sinh),
+    "cosh": (1.4, moderate, mpmath.cosh),
+    "cbrt": (0.7, lambda rng: np.abs(log_even(rng, 5e-324, 1e308, 1500)), mpmath.cbrt),
+}
+"""Function: the bound in its docstring (ulp), points, truth."""
+
+
+def worst_ulp(got: np.ndarray, truths) -> float:
+    return max(float(abs(mpf(float(g)) - t) / mpf(math.ulp(float(t)))) for g, t in zip(got, truths, strict=True))
+
+
+@pytest.mark.parametrize("name", ACCURACY)
+def test_error_against_mpmath_stays_within_the_stated_bound(name, numba_leaves):
+    bound, points, truth = ACCURACY[name]
+    x = points(np.random.default_rng(7))
+    assert f"{bound} ulp" in getattr(portable, name).__doc__
+    with mp.workprec(110):
+        assert worst_ulp(looped(numba_leaves[name], [x]), [mpmath.re(truth(mpf(float(v)))) for v in x]) <= bound
+
+
+def pow_inputs():
+    rng = np.random.default_rng(8)
+    x = np.concatenate([np.abs(log_even(rng, 1e-300, 1e300, 900)), rng.uniform(0, 3, 1200), 1 + log_even(rng, 1e-15, 0.3, 900)])
+    largest = np.minimum(1e18, 1021.9 / np.maximum(np.abs(np.log2(x)), 1e-17))
+    near_limit = rng.choice([-1, 1], x.size) * rng.uniform(0.9, 1, x.size) * largest
+    y = np.where(rng.random(x.size) < 0.5, near_limit, rng.uniform(-1, 1, x.size) * np.minimum(largest, 5))
+    return x, y
+
+
+def test_pow_atan2_and_hypot_against_mpmath(numba_leaves):
+    rng = np.random.default_rng(9)
+    plane = [np.concatenate([log_even(rng, 1e-300, 1e300, 600), rng.uniform(-3, 3, 1200)]) for _ in range(2)]
+    for name, bound, (x, y), truth in (
+        ("pow", 1.4, pow_inputs(), mpmath.power),
+        ("atan2", 1.2, plane, mpmath.atan2),
+        ("hypot", 1.2, plane, mpmath.hypot),
+    ):
+        assert f"{bound} ulp" in getattr(portable, name).__doc__
+        with mp.workprec(110):
+            truths = [truth(mpf(float(a)), mpf(float(b))) for a, b in zip(x, y, strict=True)]
+            kept = [i for i, t in enumerate(truths) if abs(t) > 1e-307]
+            got = looped(numba_leaves[name], [x, y])
+            assert worst_ulp(got[kept], [truths[i] for i in kept]) <= bound, name
+
+
+UNARY = [*ACCURACY, "fabs", "sign", "sqrt", "floor", "ceil", "trunc", "round_half_even", "flush", "to_int", "is_finite", "is_nan",
+         "is_infinite"]  # fmt: skip
+BINARY = ["pow", "atan2", "hypot", "copysign", "maximum", "minimum", "float_mod", "float_floordiv"]
+
+
+@pytest.mark.parametrize("name", UNARY)
+def test_numba_loop_gives_the_bits_of_plain_python(name, numba_leaves):
+    rng = np.random.default_rng(10)
+    x = np.concatenate([SPECIAL, any_double(rng, 6000), rng.uniform(-3, 3, 9000), log_even(rng, 1e-12, 1e12, 5000)])
+    got = looped(numba_leaves[name], [x])
+    expected = np.array([getattr(portable, name)(v) for v in x.tolist()], got.dtype)
+    assert np.array_equal(patterns(got), patterns(expected))
+
+
+@pytest.mark.parametrize("name", BINARY)
+def test_numba_loop_gives_the_bits_of_plain_python_for_two_arguments(name, numba_leaves):
+    rng = np.random.default_rng(11)
+    pairs = np.array(list(itertools.product(SPECIAL, SPECIAL)))
+    more = [[any_double(rng, 4000), rng.uniform(0, 3, 9000), log_even(rng, 1e-12, 1e12, 5000)] for _ in range(2)]
+    x, y = (np.concatenate([pairs[:, i], *more[i]]) for i in (0, 1))
+    got = looped(numba_leaves[name], [x, y])
+    expected = np.array([getattr(portable, name)(a, b) for a, b in zip(x.tolist(), y.tolist(), strict=True)])
+    assert np.array_equal(patterns(got), patterns(expected))
+
+
+@pytest.mark.parametrize("name", ["int_mod", "int_floordiv"])
+def test_integer_division_is_that_of_python_in_both_engines(name, numba_leaves):
+    rng = np.random.default_rng(12)
+    a = np.concatenate([rng.integers(-50, 50, 9000), rng.integers(-(2**53), 2**53, 12000), [2**53, -(2**53), 2**53 - 1]])
+    b = np.concatenate([rng.integers(-9, 9, 15000), rng.integers(-(2**53), 2**53, 6000), [1, 1, -1]])
+    ours = np.array([getattr(portable, name)(i, j) for i, j in zip(a.tolist(), b.tolist(), strict=True)])
+    operator = {"int_mod": lambda i, j: i % j, "int_floordiv": lambda i, j: i // j}[name]
+    assert ours.tolist() == [operator(i, j) if j else 0 for i, j in zip(a.tolist(), b.tolist(), strict=True)]
+    assert np.array_equal(looped(numba_leaves[name], [a, b]), ours)
+
+
+def c_library(function, *args):
+    """The C99 value: NaN where Python raises a domain error, infinity where it reports overflow."""
+    try:
+        return function(*args)
+    except OverflowError:
+        return None
+    except (ValueError, ZeroDivisionError):
+        return NAN
+
+
+def same(a, b):
+    return (a != a and b != b) or (a == b and math.copysign(1, a) == math.copysign(1, b))
+
+
+def test_special_values_of_pow_and_atan2_are_those_of_c99():
+    exact = [0.0, -0.0, 1.0, -1.0, INF, -INF, NAN, 2.0, -2.0, 0.5, -0.5, 3.0, -3.0, 2.0**53, 2.0**53 + 2, 1e300, -1e300, 5e-324]
+    for x, y in itertools.product(exact, exact):
+        expected = c_library(math.pow, x, y)
+        if x == 0 and y < 0:
+            expected = math.copysign(INF, x) if y == int(max(y, -1e300)) and y % 2 == 1 else INF
+        if expected is None:
+            assert abs(portable.pow(x, y)) == INF
+        else:
+            assert same(portable.pow(x, y), expected), (x, y)
+        assert same(portable.atan2(x, y), math.atan2(x, y)) or abs(portable.atan2(x, y) - math.atan2(x, y)) < 5e-16, (x, y)
+
+
+def test_special_values_of_the_others():
+    p = portable
+    for f in (p.sin, p.tan, p.atan, p.asin, p.tanh, p.sinh, p.expm1, p.log1p, p.cbrt, p.sqrt, p.floor, p.ceil, p.trunc, p.round_half_even):
+        assert same(f(-0.0), -0.0) and same(f(0.0), 0.0), f
+    for f in (p.sin, p.cos, p.tan):
+        assert all(math.isnan(f(v)) for v in (INF, -INF, NAN, 2e12))
+        assert all(abs(f(v) - getattr(math, f.__name__)(v)) < 1e-3 for v in (1e9, 9.9e11))
+    for f in (p.log, p.log2, p.log10, p.sqrt):
+        assert math.isnan(f(-1.0)) and math.isnan(f(NAN)) and f(INF) == INF
+    assert (p.log(0.0), p.log1p(-1.0), p.exp(-INF), p.exp(INF), p.expm1(-INF)) == (-INF, -INF, 0.0, INF, -1.0)
+    assert (p.tanh(INF), p.tanh(-INF), p.sinh(-INF), p.cosh(-INF), p.hypot(INF, NAN)) == (1.0, -1.0, -INF, INF, INF)
+    assert math.isnan(p.asin(1.1)) and math.isnan(p.acos(-1.1)) and math.isnan(p.log1p(-1.1))
+    assert (p.to_int(NAN), p.to_int(INF), p.to_int(-1e300), p.to_int(-2.9)) == (0, 2**53, -(2**53), -2)
+    assert (p.flush(1e-301), p.flush(-1e-301), p.flush(1e-299)) == (0.0, 0.0, 1e-299)
+
+
+def test_exact_results_where_a_user_expects_them():
+    for n in range(-300, 309):
+        assert portable.log10(float(f"1e{n}")) == n
+    for n in range(-1074, 1024):
+        assert portable.log2(math.ldexp(1, n)) == n and portable.pow(2.0, float(n)) == math.ldexp(1, n)
+    for n in range(1, 60):
+        assert portable.pow(float(n), 2.0) == n * n and portable.cbrt(float(n**3)) == n
+
+
+def test_rounding_and_float_division_are_those_of_python():
+    rng = np.random.default_rng(13)
+    x = np.concatenate([rng.uniform(-9, 9, 3000), rng.integers(-20, 20, 500) / 2, log_even(rng, 1e-3, 1e17, 2000)]).tolist()
+    for ours, theirs in ((portable.floor, math.floor), (portable.ceil, math.ceil), (portable.trunc, math.trunc), (portable.round_half_even, round)):
+        assert all(ours(v) == theirs(v) for v in x)
+    for a, b in itertools.chain(zip(x, reversed(x), strict=True), itertools.product(SPECIAL.tolist(), SPECIAL.tolist())):
+        if b != 0 and abs(a) < INF and abs(a / b if abs(b) > 1e-290 else INF) < 2**51:
+            assert same(portable.float_mod(a, b), a % b), (a, b)
+            assert same(portable.float_floordiv(a, b), a // b), (a, b)
+    assert math.isnan(portable.float_mod(1.0, 0.0)) and math.isnan(portable.float_floordiv(1e300, 1.0))
+
+
+@pytest.mark.parametrize("name", ["exp", "log", "tanh", "atan", "cbrt", "sinh"])
+def test_rising_functions_rise_between_neighbours_a_few_ulp_apart(name):
+    f = getattr(portable, name)
+    for start in (0.3, 0.4142, 0.5, 0.7071, 0.9999999, 1.0, 1.4142, 7.9):
+        x = [start * (1 + 64 * i * 2.0**-52) for i in range(200)]
+        assert all(f(a) <= f(b) for a, b in itertools.pairwise(x)), start
+
+
+@pytest.mark.skipif("avx2" not in numba.core.codegen.ll.get_host_cpu_features().flatten(), reason="needs 256 bit vectors")
+@pytest.mark.parametrize("name", ["exp", "sin", "pow"])
+def test_hot_functions_vectorise(name, numba_leaves):
+    arity = 2 if name == "pow" else 1
+    each = ", ".join(["x[i]"] * arity)
+    space = {"leaf": numba_leaves[name]}
+    exec(f"def run(x, out):\n for i in range(out.size): out[i] = leaf({each})", space)
+    run = njit(["void(float64[::1], float64[::1])"], error_model="numpy")(space["run"])
+    packed = [line for line in run.inspect_asm(run.signatures[0]).splitlines() if "vmulpd" in line and ("ymm" in line or "zmm" in line)]
+    assert len(packed) > 5
+
+
+def test_arrays_on_the_stack():
+    def total(n):
+        table = bits.stack_array2(2, 16)
+        row = numba.carray(bits.stack_buffer(16), (16,)) if False else bits.stack_array2(1, 16)
+        for lane in range(16):
+            table[0, lane] = 0.5 * lane
+            table[1, lane] = n
+            row[0, lane] = 1.0
+        result = 0.0
+        for lane in range(16):
+            result += table[0, lane] * table[1, lane] + row[0, lane]
+        return result
+
+    assert total(3.0) == njit(total)(3.0) == 196.0
+    assert bits.stack_buffer(5).shape == (5,)
+
+
+def test_bits_go_both_ways_without_numpy_or_numba():
+    assert [bits.float_to_bits(v) for v in (0.0, 1.0, -0.0)] == [0, 0x3FF0000000000000, -(2**63)]
+    assert all(bits.bits_to_float(bits.float_to_bits(v)) == v for v in SPECIAL.tolist() if v == v)
+    source = "import sys, leadscrew.kernel.portable; assert not {'numpy', 'numba'} & set(sys.modules)"
+    import subprocess
+
+    subprocess.run([sys.executable, "-c", source], check=True)
