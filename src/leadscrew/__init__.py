@@ -1,3 +1,88 @@
-"""Leadscrew: intelligent control of machine-tool axes and cutting processes."""
+"""Leadscrew: intelligent control of machine-tool axes and cutting processes.
+
+Everything public is here. Names load what they need when they are first used, so that ``import leadscrew`` itself
+stays light.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
 
 __version__ = "0.1.0"
+
+if TYPE_CHECKING:
+    from leadscrew.catalogue import block, study
+    from leadscrew.kernel.batch import Batch
+    from leadscrew.kernel.block import Block, actuator, controller, disturbance, metric, plant, reference, sensor
+    from leadscrew.kernel.errors import (
+        BlockError,
+        DataError,
+        Diverged,
+        LeadscrewError,
+        NameUnknown,
+        SubsetError,
+        ValueRefused,
+    )
+    from leadscrew.kernel.live import Live
+    from leadscrew.kernel.loop import DivergenceWarning, Loop
+    from leadscrew.kernel.run import Run, load
+    from leadscrew.kernel.sheet import Doc, Ge, Gt, Le, Lt, Unit
+
+__all__ = [
+    "Batch",
+    "Block",
+    "BlockError",
+    "DataError",
+    "Diverged",
+    "DivergenceWarning",
+    "Doc",
+    "Ge",
+    "Gt",
+    "Le",
+    "LeadscrewError",
+    "Live",
+    "Loop",
+    "Lt",
+    "NameUnknown",
+    "Run",
+    "SubsetError",
+    "Unit",
+    "ValueRefused",
+    "actuator",
+    "block",
+    "controller",
+    "disturbance",
+    "load",
+    "metric",
+    "plant",
+    "reference",
+    "sensor",
+    "study",
+]
+
+_HOMES = {
+    "catalogue": "block study",
+    "kernel.batch": "Batch",
+    "kernel.block": "Block actuator controller disturbance metric plant reference sensor",
+    "kernel.errors": "BlockError DataError Diverged LeadscrewError NameUnknown SubsetError ValueRefused",
+    "kernel.live": "Live",
+    "kernel.loop": "DivergenceWarning Loop",
+    "kernel.run": "Run load",
+    "kernel.sheet": "Doc Ge Gt Le Lt Unit",
+}
+"""The module of each public name."""
+
+
+def __getattr__(name: str) -> Any:
+    for home, names in _HOMES.items():
+        if name in names.split():
+            from importlib import import_module
+
+            found = getattr(import_module(f"{__name__}.{home}"), name)
+            globals()[name] = found
+            return found
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *__all__})

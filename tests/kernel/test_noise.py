@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from numba import njit
 from scipy import stats
-from test_portable import compiled
 
 from leadscrew.kernel.noise import Noise, normal, threefry4x32, uniform
+from tests.kernel.test_portable import compiled
 
 ONES = 0xFFFFFFFF
 PUBLISHED = {
@@ -24,8 +24,19 @@ PUBLISHED = {
 
 
 @pytest.fixture(scope="module")
-def numba_leaves():
-    return compiled()
+def draws():
+    """A compiled loop over periods: uniform and normal draws into the two rows of its array."""
+    leaves = compiled()
+    space = {"uniform": leaves["uniform"], "normal": leaves["normal"], "Noise": Noise}
+    source = """
+def run(seed, out):
+    for i in range(out.shape[1]):
+        noise = Noise(seed, i & 3, i & 7, i * 1000003)
+        out[0, i] = uniform(noise, 0)
+        out[1, i] = normal(noise, 1)
+"""
+    exec(source, space)
+    return njit(error_model="numpy")(space["run"])
 
 
 @pytest.mark.parametrize("name", PUBLISHED)
@@ -34,23 +45,13 @@ def test_threefry_gives_the_published_words(name):
     assert threefry4x32(*words) == expected
 
 
-def test_numba_draws_the_bits_of_plain_python(numba_leaves):
-    space = {"uniform": numba_leaves["uniform"], "normal": numba_leaves["normal"], "Noise": Noise}
-    source = """
-def run(seed, out):
-    for i in range(out.shape[0]):
-        noise = Noise(seed + i, i & 3, i & 7, i * 1000003)
-        out[i, 0] = uniform(noise, i & 1)
-        out[i, 1] = normal(noise, i & 1)
-"""
-    exec(source, space)
-    run = njit(error_model="numpy")(space["run"])
+def test_numba_draws_the_bits_of_plain_python(draws):
     for seed in (-(2**63), -1, 0, 2**62):
-        got = np.empty((500, 2))
-        run(seed, got)
+        got = np.empty((2, 500))
+        draws(seed, got)
         for i in range(500):
-            noise = Noise(seed + i, i & 3, i & 7, i * 1000003)
-            assert (uniform(noise, i & 1), normal(noise, i & 1)) == tuple(got[i])
+            noise = Noise(seed, i & 3, i & 7, i * 1000003)
+            assert (uniform(noise, 0), normal(noise, 1)) == tuple(got[:, i])
 
 
 def test_every_part_of_the_token_changes_the_draw():
@@ -67,18 +68,10 @@ def test_uniform_never_reaches_its_ends():
     assert _open_unit(ONES, ONES) == 1 - 2.0**-53
 
 
-def test_draws_follow_their_distributions(numba_leaves):
-    space = {"uniform": numba_leaves["uniform"], "normal": numba_leaves["normal"], "Noise": Noise}
-    exec(
-        "def run(out):\n"
-        " for i in range(out.shape[1]):\n"
-        "  out[0, i] = uniform(Noise(2024, 0, 1, i), 0)\n"
-        "  out[1, i] = normal(Noise(2024, 0, 1, i), 1)\n",
-        space,
-    )
+def test_draws_follow_their_distributions(draws):
     n = 100_000
     out = np.empty((2, n))
-    njit(error_model="numpy")(space["run"])(out)
+    draws(2024, out)
     even, bell = out
     assert abs(bell.mean()) < 4 / math.sqrt(n)
     assert abs(bell.var() - 1) < 4 * math.sqrt(2 / n)

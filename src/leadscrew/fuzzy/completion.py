@@ -101,7 +101,8 @@ def _fold(learned: LearnedRules, n: int) -> dict[tuple[int, int], Seed]:
 
 
 def _monotone(seeds: dict[tuple[int, int], Seed]) -> tuple[dict, dict]:
-    kept, dropped = dict(seeds), {}
+    kept = dict(seeds)
+    dropped: dict[tuple[int, int], Seed] = {}
     while True:
         pairs = [
             (p, q)

@@ -15,7 +15,6 @@ from dataclasses import dataclass
 from typing import Literal, NamedTuple
 
 import numpy as np
-from scipy import signal
 
 from leadscrew.kernel.errors import DataError, ValueRefused
 
@@ -54,6 +53,8 @@ class GainFit:
 
 def unit_travel(record: Record, lags_s: Sequence[float], hold: Hold = "linear") -> np.ndarray:
     """Position that a plant of unit gain would reach under the record's input."""
+    from scipy import signal
+
     denominator = np.array([1.0, 0.0])
     for lag in lags_s:
         denominator = np.polymul(denominator, [lag, 1.0])

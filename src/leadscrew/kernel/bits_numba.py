@@ -12,7 +12,8 @@ from leadscrew.kernel import bits
 
 
 @intrinsic
-def _cast_to_int(typing_context: Any, x: Any) -> Any:
+def float_to_bits(typing_context: Any, x: Any) -> Any:
+    """The bits of a float, for generated modules."""
     def generate(context: Any, builder: Any, signature: Any, args: Any) -> Any:
         return builder.bitcast(args[0], ir.IntType(64))
 
@@ -20,7 +21,8 @@ def _cast_to_int(typing_context: Any, x: Any) -> Any:
 
 
 @intrinsic
-def _cast_to_float(typing_context: Any, i: Any) -> Any:
+def bits_to_float(typing_context: Any, i: Any) -> Any:
+    """The float of some bits, for generated modules."""
     def generate(context: Any, builder: Any, signature: Any, args: Any) -> Any:
         return builder.bitcast(args[0], ir.DoubleType())
 
@@ -43,17 +45,29 @@ def _stack_pointer(typing_context: Any, n: Any) -> Any:
     return types.CPointer(types.float64)(n), generate
 
 
+@intrinsic
+def ieee_select(typing_context: Any, condition: Any, yes: Any, no: Any) -> Any:
+    """``yes if condition else no`` without a branch; both are computed."""
+    kind = typing_context.unify_types(yes, no)
+
+    def generate(context: Any, builder: Any, signature: Any, args: Any) -> Any:
+        return builder.select(args[0], args[1], args[2])
+
+    return kind(types.boolean, kind, kind), generate
+
+
+# ---- for functions that are compiled on their own, outside a generated module
 @overload(bits.float_to_bits, inline="never")
 def _float_to_bits(x):
     if isinstance(x, (types.Float, types.Integer, types.Boolean)):
-        return lambda x: _cast_to_int(float(x))
+        return lambda x: float_to_bits(float(x))
     return None
 
 
 @overload(bits.bits_to_float, inline="never")
 def _bits_to_float(i):
     if isinstance(i, types.Integer):
-        return lambda i: _cast_to_float(i)
+        return lambda i: bits_to_float(i)
     return None
 
 

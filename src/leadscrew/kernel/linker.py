@@ -69,6 +69,7 @@ class Linker:
     def __init__(self, plan: Plan) -> None:
         self.plan = plan
         self.module = Module()
+        self.module.constants.update(RTOL=plan.rtol, ATOL=plan.atol, TIMED=False, LANES=LANES)
         self.state_parts = {p.key: p for p in self._parts(plan.state.tree)}
         self.trees = {k: Layout(v).tree for k, v in plan.signals.items()}
         self.actual_pairs = pairs(self.trees["command"], self.trees["actual"])
@@ -246,6 +247,7 @@ class Linker:
         """Links the integrator of a plant that gives its derivative."""
         tree = self.state_parts["plant"]
         self.vector(tree, scalar_leaves(tree), "plant.")
+        self.module.constants["TIMED"] = "t" in plant.signals
         if self.plan.method != "rk4":
             f = self.module.names[id(holes.derivative)]
             spread = self.module.names[id(holes.spread)]
@@ -255,7 +257,6 @@ class Linker:
             self.jacobian(plant)
         else:
             self.steps(tree)
-        self.module.constants["TIMED"] = "t" in plant.signals
         self.module.link(holes.plant_step, self.module.function(METHODS[self.plan.method]))
 
     def steps(self, tree: Leaf | Branch) -> None:
@@ -368,8 +369,8 @@ class Linker:
         self.row()
         self.soundness()
         m.constants.update(
-            PARAMS=max(1, len(self.plan.params.scalars)), STATES=max(1, len(self.plan.state.scalars)), LANES=LANES,
-            ROW=len(self.plan.columns), RTOL=self.plan.rtol, ATOL=self.plan.atol,
+            PARAMS=max(1, len(self.plan.params.scalars)), STATES=max(1, len(self.plan.state.scalars)),
+            ROW=len(self.plan.columns),
         )  # fmt: skip
 
     @staticmethod
@@ -384,7 +385,7 @@ class Linker:
         """Writes of every scalar below a node into a vector (of one run) or a matrix (of lanes)."""
         array, *lane = target
         return [
-            put(array, (x.at, *lane), call("float", f"{source}.{x.key.removeprefix(prefix)}"))
+            put(array, (x.at, *lane), times(ast.Constant(1.0), f"{source}.{x.key.removeprefix(prefix)}"))
             for x in scalar_leaves(node)
             if not is_absent(x)
         ]
@@ -438,7 +439,7 @@ class Linker:
             if x.key.split(".")[0] in SLOTS and "." in x.key:
                 columns[x.key] = name(f"s.{x.key}")
         self.plan.columns = list(columns)
-        writes = [put("R", (i, "lane"), call("float", v)) for i, v in enumerate(columns.values())]
+        writes = [put("R", (i, "lane"), times(ast.Constant(1.0), v)) for i, v in enumerate(columns.values())]
         self.define(holes.keep_row, "R lane x s t", [*writes, give(ast.Constant(0))])
 
     @staticmethod

@@ -19,6 +19,7 @@ import numpy as np
 from leadscrew.kernel import bits, guards
 from leadscrew.kernel.block import Block
 from leadscrew.kernel.drivers import holes
+from leadscrew.kernel.branchless import Branchless
 from leadscrew.kernel.errors import SubsetError
 from leadscrew.kernel.fuse import Fuser, reached
 from leadscrew.kernel.ieee import OPERATORS
@@ -33,10 +34,9 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from leadscrew.kernel.bits import {intrinsics}
-from leadscrew.kernel.jit import entry, leaf
+from leadscrew.kernel.jit import bits_to_float, entry, float_to_bits, leaf, ieee_select, stack_array2, stack_buffer
 '''
-_RESERVED = {"np", "math", "entry", "leaf", "NamedTuple", "float", "int", "bool", "abs", "len", "range", *bits.INTRINSICS}
+_RESERVED = {"ieee_select", "np", "math", "entry", "leaf", "NamedTuple", "float", "int", "bool", "abs", "len", "range", *bits.INTRINSICS}
 
 
 @dataclass
@@ -205,7 +205,7 @@ class Module:
 
     def text(self) -> str:
         """The module for the Numba engine."""
-        parts = [HEAD.format(intrinsics=", ".join(sorted(bits.INTRINSICS)))]
+        parts = [HEAD]
         steps = {i.name: i.node for i in self.items.values() if isinstance(i.node, ast.FunctionDef) and i.kind == "leaf"}
         fuser = Fuser(steps)
         classes = fields_of([i.node for i in self.ordered() if isinstance(i.node, ast.ClassDef)])
@@ -213,7 +213,7 @@ class Module:
 
         def compact(node: ast.FunctionDef) -> ast.FunctionDef:
             whole = Scalariser(classes).function(fuser.function(node))
-            return without_dead(without_copies(without_dead(whole, harmless)), harmless)
+            return Branchless().visit(without_dead(without_copies(without_dead(whole, harmless)), harmless))
 
         entries = {i.name: compact(i.node) for i in self.ordered() if i.kind == "entry"}  # type: ignore[arg-type]
         left = set().union(*(reached(node, steps) for node in entries.values()))

@@ -32,29 +32,24 @@ class Noise(NamedTuple):
     period: int
 
 
-def _rotate(x: int, n: int) -> int:
-    """``x`` of 32 bits, turned left by ``n``."""
-    return ((x << n) & LOW32) | (x >> (32 - n))
-
-
 def _four_rounds(x0, x1, x2, x3, r0, r1, r2, r3, r4, r5, r6, r7):
-    """Four rounds of mixing; the words change partners between them."""
+    """Four rounds: add, turn left within 32 bits, exclusive or. The words change partners between rounds."""
     x0 = (x0 + x1) & LOW32
-    x1 = _rotate(x1, r0) ^ x0
+    x1 = (((x1 << r0) & LOW32) | (x1 >> (32 - r0))) ^ x0
     x2 = (x2 + x3) & LOW32
-    x3 = _rotate(x3, r1) ^ x2
+    x3 = (((x3 << r1) & LOW32) | (x3 >> (32 - r1))) ^ x2
     x0 = (x0 + x3) & LOW32
-    x3 = _rotate(x3, r2) ^ x0
+    x3 = (((x3 << r2) & LOW32) | (x3 >> (32 - r2))) ^ x0
     x2 = (x2 + x1) & LOW32
-    x1 = _rotate(x1, r3) ^ x2
+    x1 = (((x1 << r3) & LOW32) | (x1 >> (32 - r3))) ^ x2
     x0 = (x0 + x1) & LOW32
-    x1 = _rotate(x1, r4) ^ x0
+    x1 = (((x1 << r4) & LOW32) | (x1 >> (32 - r4))) ^ x0
     x2 = (x2 + x3) & LOW32
-    x3 = _rotate(x3, r5) ^ x2
+    x3 = (((x3 << r5) & LOW32) | (x3 >> (32 - r5))) ^ x2
     x0 = (x0 + x3) & LOW32
-    x3 = _rotate(x3, r6) ^ x0
+    x3 = (((x3 << r6) & LOW32) | (x3 >> (32 - r6))) ^ x0
     x2 = (x2 + x1) & LOW32
-    x1 = _rotate(x1, r7) ^ x2
+    x1 = (((x1 << r7) & LOW32) | (x1 >> (32 - r7))) ^ x2
     return x0, x1, x2, x3
 
 

@@ -391,9 +391,18 @@ class Normaliser(ast.NodeTransformer):
             kind = leaf_type(sheet.get(field), None) if not is_named_tuple_type(sheet.get(field)) else ""
             base = getattr(sheet.get(field), "__origin__", sheet.get(field))
             cast = kind in ("float", "int", "bool") and base in (float, int, bool) and not self.trusted
-            args.append(call(kind, value) if cast and not isinstance(value, ast.Constant) else
-                        literal(float(value.value)) if cast and kind == "float" else value)  # type: ignore[attr-defined] # fmt: skip
-        return ast.copy_location(call(self.module.callable(cls, self), *args), node)  # type: ignore[type-var]
+            args.append(self.cast(kind, value) if cast else value)
+        return ast.fix_missing_locations(ast.copy_location(call(self.module.callable(cls, self), *args), node))  # type: ignore[type-var]
+
+    def cast(self, kind: str, value: ast.expr) -> ast.expr:
+        """A value as ``float``, ``int`` or ``bool``, with one meaning on every engine."""
+        if kind == "float":
+            if isinstance(value, ast.Constant):
+                return literal(float(value.value))  # type: ignore[arg-type]
+            return ast.BinOp(ast.Constant(1.0), ast.Mult(), value)
+        if isinstance(value, ast.Constant) and isinstance(value.value, int):
+            return value if kind == "bool" and isinstance(value.value, bool) else ast.Constant({"int": int, "bool": bool}[kind](value.value))
+        return call(self.module.function(portable.to_int), value) if kind == "int" else call("bool", value)
 
     def replaced(self, node: ast.Call) -> ast.expr:
         """``x._replace(a=1)`` as a full constructor call."""
@@ -414,7 +423,7 @@ class Normaliser(ast.NodeTransformer):
     def mathematics(self, node: ast.Call, found: Any, name: str) -> ast.expr:
         args = [self.visit(a) for a in node.args]
         if name == "float64" and len(args) == 1:
-            return ast.copy_location(call("float", *args), node)
+            return ast.fix_missing_locations(ast.copy_location(self.cast("float", args[0]), node))
         if name in _SHAPERS:
             return ast.copy_location(ast.Call(ast.Attribute(ast.Name("np", ast.Load()), name, ast.Load()), args, []), node)
         if name not in MATHS or node.keywords:
@@ -431,8 +440,10 @@ class Normaliser(ast.NodeTransformer):
             for other in args[1:]:
                 made = call(pick, made, other)
             return ast.fix_missing_locations(ast.copy_location(made, node))
-        if name in ("abs", "float", "bool", "len", "range") and args:
+        if name in ("abs", "bool", "len", "range") and args:
             return ast.copy_location(call(name, *args), node)
+        if name == "float" and len(args) == 1:
+            return ast.fix_missing_locations(ast.copy_location(self.cast("float", args[0]), node))
         if name == "int" and len(args) == 1:
             if self.trusted:
                 return ast.copy_location(call("int", *args), node)

@@ -102,7 +102,7 @@ def _exp_scaled(x: float, doublings: int) -> float:
 def exp(x: float) -> float:
     """The number e to the power ``x``.
 
-    Range: all doubles. Error: at most 1.0 ulp, measured, subnormal results included.
+    Range: all doubles. Error: at most 1.1 ulp, measured, subnormal results included.
     exp(-inf) = 0, exp(inf) = inf, NaN of NaN; 0 below -745.14, inf above 709.79.
     """
     return _exp_scaled(x, 0)
@@ -131,7 +131,7 @@ def _expm1_parts(x: float):
 def expm1(x: float) -> float:
     """The number e to the power ``x``, less 1, without loss near 0.
 
-    Range: all doubles. Error: at most 1.1 ulp, measured. Keeps -0.0; expm1(-inf) = -1, expm1(inf) = inf, NaN of NaN.
+    Range: all doubles. Error: at most 1.5 ulp, measured. Keeps -0.0; expm1(-inf) = -1, expm1(inf) = inf, NaN of NaN.
     """
     near, _ = _expm1_parts(x)
     result = exp(x) if x > 45.0 else near
@@ -201,7 +201,9 @@ def _log_parts(x: float):
     z4 = z2 * z2
     tail = ((PW0 + PW1 * z) + z2 * (PW2 + PW3 * z)) + z4 * ((PW4 + PW5 * z) + z2 * (PW6 + PW7 * z))
     square = coarse * coarse
-    rest = 3.0 * s_lower + (finer * (z + s * coarse + square) + (z2 * s) * tail)
+    # 0.6 s**5 with the rounding error of s taken back: five times that error would show in the last bit of pow.
+    fifth = (z2 * s) * tail + (3.0 * z2) * ((s_upper - s) + s_lower)
+    rest = 3.0 * s_lower + (finer * (z + s * coarse + square) + fifth)
     return k, upper, ((3.0 * s_upper - upper) + square * coarse) + rest
 
 

@@ -18,7 +18,7 @@ SINH6 = 7.746178593018827e-13
 def tanh(x: float) -> float:
     """Hyperbolic tangent, ``-e/(2 + e)`` with ``e = exp(-2|x|) - 1`` carried to extra bits.
 
-    Range: all doubles. Error: at most 1.3 ulp, measured. Keeps -0.0; 1 or -1 of the infinities, NaN of NaN.
+    Range: all doubles. Error: at most 1.4 ulp, measured. Keeps -0.0; 1 or -1 of the infinities, NaN of NaN.
     """
     e, e_lost = _expm1_parts(-2.0 * fabs(x))
     bottom = 2.0 + e
@@ -31,7 +31,7 @@ def tanh(x: float) -> float:
 def cosh(x: float) -> float:
     """Hyperbolic cosine, ``h + 1/(4 h)`` with ``h = exp(|x|)/2``.
 
-    Range: all doubles. Error: at most 1.4 ulp, measured. inf above 710.47, NaN of NaN.
+    Range: all doubles. Error: at most 1.5 ulp, measured. inf above 710.47, NaN of NaN.
     """
     half = _exp_scaled(fabs(x), -1)
     return half + 0.25 / half
@@ -40,7 +40,7 @@ def cosh(x: float) -> float:
 def sinh(x: float) -> float:
     """Hyperbolic sine: a polynomial below 1, ``h - 1/(4 h)`` with ``h = exp(|x|)/2`` above.
 
-    Range: all doubles. Error: at most 1.6 ulp, measured. Keeps -0.0; inf above 710.47, NaN of NaN.
+    Range: all doubles. Error: at most 1.7 ulp, measured. Keeps -0.0; inf above 710.47, NaN of NaN.
     """
     size = fabs(x)
     half = _exp_scaled(size, -1)

@@ -57,7 +57,7 @@ CBRT_4 = 1.5874010519681994
 def pow(x: float, y: float) -> float:
     """``x`` to the power ``y``.
 
-    Range: all doubles. Error: at most 1.4 ulp, measured where the result is a normal number.
+    Range: all doubles. Error: at most 1.6 ulp, measured where the result is a normal number.
     As C99 has it: 1 where y is 0 or x is 1, whatever the other; NaN of a finite negative x to a power that is not
     an integer; the sign of x (also of -0.0) kept for odd integers y; 0 and infinite x give 0 or inf.
 

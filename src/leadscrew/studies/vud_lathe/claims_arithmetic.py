@@ -34,8 +34,8 @@ def _number(
 ) -> Claim:
     goal = paper if target is None else target
     return Claim(
-        f"vud_lathe.{name}", source, "as printed", "arithmetic", statement, paper, measured, unit, "=", goal, tolerance,
-        kind, verdict, reason,
+        f"vud_lathe.{name}", source, "as printed", "arithmetic", statement, paper, float(measured), unit, "=", goal,
+        tolerance, kind, verdict, reason,
     )  # fmt: skip
 
 

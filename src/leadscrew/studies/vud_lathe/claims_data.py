@@ -44,8 +44,9 @@ def _claim(
     kind: Kind = "required",
     sense: str = "=",
 ) -> Claim:
+    value = measured if isinstance(measured, str) else float(measured)
     return Claim(
-        f"vud_lathe.{name}", source, "as printed", "paper's data", statement, paper, measured, unit, sense,  # type: ignore[arg-type]
+        f"vud_lathe.{name}", source, "as printed", "paper's data", statement, paper, value, unit, sense,  # type: ignore[arg-type]
         target, tolerance, kind, verdict, reason,
     )  # fmt: skip
 

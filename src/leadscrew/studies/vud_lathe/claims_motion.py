@@ -42,8 +42,9 @@ def _claim(
     reason: str,
     kind: Kind = "required",
 ) -> Claim:
+    value = measured if isinstance(measured, str) else float(measured)
     return Claim(
-        f"vud_lathe.{name}", source, group, "reconstructed plant", statement, paper, measured, unit, sense, target,
+        f"vud_lathe.{name}", source, group, "reconstructed plant", statement, paper, value, unit, sense, target,
         tolerance, kind, verdict, reason,
     )  # fmt: skip
 

@@ -13,13 +13,14 @@ from leadscrew.fuzzy.partition import Partition
 from leadscrew.report.style import BLUE, ORANGE, colour, pen
 from leadscrew.studies.study import Picture
 from leadscrew.studies.vud_lathe.rules import SETS
-from leadscrew.studies.vud_lathe.runs import GENTLE, STEPS, TABLE_1_STEPS, true_error_um
+from leadscrew.studies.vud_lathe.runs import GENTLE, STEPS, TABLE_1_STEPS, speed_between, true_error_um
 from leadscrew.studies.vud_lathe.tables import Move
 
 COMPARED = ("paper.vud", "corrected.vud_beta_e", "ours.original_fit")
 TARGET = {STEPS[0]: -50.0, STEPS[1]: -170.0}
 ARRIVAL_S = {STEPS[0]: 1.0, STEPS[1]: 1.25}
-EXAMPLE_TIMES_S = (0.05, 0.2, 0.4, 0.6, 0.8, 1.0)
+PHASE_TIMES_S = {"paper.vud": (3.0, 7.0, 8.0, 10.0), "corrected.vud_beta_e": (0.05, 0.4, 0.6, 0.8, 1.15)}
+"""When the phase picture draws the contracted universe, for each controller's own way."""
 
 
 def pictures(runs: Mapping[str, Any], moves: Mapping[str, Move], example: tuple[Partition, Partition]) -> list[Picture]:
@@ -44,6 +45,12 @@ def _figure(rows: int = 1, columns: int = 1, height: float = 4.0) -> tuple[Figur
     return figure, figure.subplots(rows, columns)
 
 
+def _legend(figure: Figure, axes: Any) -> None:
+    """One legend for the whole figure, below it, where it hides nothing."""
+    handles, labels = axes.get_legend_handles_labels()
+    figure.legend(handles, labels, loc="outside lower center", ncols=2, frameon=False)
+
+
 def position(runs: Mapping[str, Any], scenario: str) -> Figure:
     """Position against time for the printed law, the corrected one and the original servo."""
     figure, axes = _figure()
@@ -55,7 +62,7 @@ def position(runs: Mapping[str, Any], scenario: str) -> Figure:
     axes.axhline(target, color="0.7", linewidth=0.8, zorder=0)
     axes.plot([arrival, arrival], [0.0, target], **pen("paper says", f"paper: near target at {arrival} s"))
     axes.set(xlabel="time (s)", ylabel="true position (mm)", title=f"Step to {target:g} mm")
-    axes.legend(frameon=False, loc="center right")
+    _legend(figure, axes)
     return figure
 
 
@@ -69,24 +76,26 @@ def error(runs: Mapping[str, Any]) -> Figure:
             axes.plot(run.time[shown], true_error_um(run)[shown], **pen(controller))
         for band in (-2.0, 2.0):
             axes.axhline(band, **pen("paper says", "paper: VUD within 2 µm" if band > 0 else None))
-        printed = float(np.max(np.abs(true_error_um(runs[f"{scenario}/paper.vud"])[2000:4000]))) / 1000.0
+        printed = runs[f"{scenario}/paper.vud"].metrics["error_after_2s"]
         axes.text(0.98, 0.03, f"paper.vud: still up to {printed:.0f} mm away", color=colour("paper.vud"), ha="right",
                   transform=axes.transAxes)  # fmt: skip
-        axes.set(xlabel="time (s)", ylabel="true error (µm)", title=f"Step to {TARGET[scenario]:g} mm", ylim=(-3, 5.5))
-        axes.legend(frameon=False, loc="upper right", fontsize="small")
+        axes.set(xlabel="time (s)", title=f"Step to {TARGET[scenario]:g} mm", ylim=(-2.9, 2.9))
+    panels[0].set_ylabel("true error (µm)")
+    _legend(figure, panels[0])
     return figure
 
 
 def creep(runs: Mapping[str, Any]) -> Figure:
     """The printed law over its whole way, beside the corrected one."""
     figure, axes = _figure()
+    speed = speed_between(runs[f"{STEPS[1]}/paper.vud"], 3.0, 5.0)
     for scenario in STEPS:
         for controller in ("paper.vud", "corrected.vud_beta_e"):
             run = runs[f"{scenario}/{controller}"]
             label = controller if scenario == STEPS[0] else None
             axes.plot(run.time[::20], run["actual.position"][::20], **pen(controller, label))
-    axes.set(xlabel="time (s)", ylabel="true position (mm)", title="The printed law creeps: 6.04 mm/s")
-    axes.legend(frameon=False)
+    axes.set(xlabel="time (s)", ylabel="true position (mm)", title=f"The printed law creeps: {speed:.2f} mm/s")
+    _legend(figure, axes)
     return figure
 
 
@@ -103,7 +112,7 @@ def universes(runs: Mapping[str, Any], scenario: str) -> Figure:
         axes.set_yscale("symlog", linthresh=1e-3)
         axes.set(ylabel=f"{symbol} (1)")
         axes.legend(frameon=False, loc="upper right")
-    panels[0].set_title(f"corrected.vud_beta_e, step to {TARGET[scenario]:g} mm: universes shrink with their inputs")
+    panels[0].set_title(f"corrected.vud_beta_e, step to {TARGET[scenario]:g} mm")
     panels[-1].set_xlabel("time (s)")
     return figure
 
@@ -112,22 +121,25 @@ def phase(runs: Mapping[str, Any], scenario: str) -> Figure:
     """The way in the plane of e and ec, with the contracted universe drawn at a few times."""
     from matplotlib.patches import Rectangle
 
-    figure, panels = _figure(1, 2, height=4.4)
-    for axes, controller, linthresh in zip(panels, ("paper.vud", "corrected.vud_beta_e"), (1e-3, 1e-3), strict=True):
+    figure, panels = _figure(1, 2, height=4.6)
+    ticks = (-1.0, -0.1, -0.01, 0.0, 0.01, 0.1, 1.0)
+    for axes, (controller, times) in zip(panels, PHASE_TIMES_S.items(), strict=True):
         run = runs[f"{scenario}/{controller}"]
         e, ec = run["controller.e"], run["controller.ec"]
-        until = len(e) if controller == "paper.vud" else 1300
-        axes.plot(e[:until], ec[:until], color=colour(controller), linewidth=1.0)
-        times = [10.0 * t for t in EXAMPLE_TIMES_S] if controller == "paper.vud" else EXAMPLE_TIMES_S
+        until = round(1000 * times[-1]) + 200
+        axes.plot(e[:until], ec[:until], color=colour(controller), linewidth=0.9)
         for t in times:
             k = round(1000 * t)
             half_e, half_ec = run["controller.alpha_e"][k], run["controller.alpha_ec"][k]
-            axes.add_patch(Rectangle((-half_e, -half_ec), 2 * half_e, 2 * half_ec, fill=False, color="0.45", lw=0.7))
+            axes.add_patch(Rectangle((-half_e, -half_ec), 2 * half_e, 2 * half_ec, fill=False, color="0.45", lw=0.8))
             axes.plot(e[k], ec[k], "o", color=colour(controller), markersize=3.5)
-            axes.annotate(f"{t:g} s", (e[k], ec[k]), textcoords="offset points", xytext=(4, 4), fontsize="x-small")
-        axes.set_xscale("symlog", linthresh=linthresh)
-        axes.set_yscale("symlog", linthresh=linthresh)
-        axes.set(xlabel="e (1)", ylabel="ec (1)", xlim=(-1.2, 1.2), ylim=(-1.2, 1.2), title=controller)
+            axes.annotate(f"{t:g} s", (half_e, -half_ec), textcoords="offset points", xytext=(-1, 2), ha="right",
+                          fontsize="x-small")  # fmt: skip
+        axes.set_xscale("symlog", linthresh=1e-3)
+        axes.set_yscale("symlog", linthresh=1e-3)
+        axes.set_xticks(ticks, [f"{x:g}" for x in ticks], fontsize="small")
+        axes.set_yticks(ticks, [f"{x:g}" for x in ticks], fontsize="small")
+        axes.set(xlabel="e (1)", ylabel="ec (1)", xlim=(-1.5, 1.5), ylim=(-1.5, 1.5), title=controller)
     return figure
 
 
@@ -145,7 +157,8 @@ def initial_sets(sets: Partition) -> Figure:
     figure, axes = _figure(height=2.8)
     _draw_sets(axes, sets, "e, ec, duty")
     axes.axvspan(-0.33, 0.33, color="0.93", zorder=0)
-    axes.text(0.0, 0.08, "no set at zero: gap 0.66 against 0.34", ha="center", fontsize="small")
+    axes.set_ylim(0.0, 1.3)
+    axes.text(0.0, 1.17, "no set at zero: gap 0.66 against 0.34", ha="center", fontsize="small")
     return figure
 
 
@@ -183,5 +196,5 @@ def gentle(runs: Mapping[str, Any]) -> Figure:
             shown = run.time <= 2.0
             axes.plot(run.time[shown], 0.001 * true_error_um(run)[shown], **pen(controller))
         axes.set(xlabel="time (s)", ylabel="true error (mm)", title=scenario)
-        axes.legend(frameon=False)
+    _legend(figure, panels[0])
     return figure

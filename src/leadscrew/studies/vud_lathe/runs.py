@@ -10,6 +10,7 @@ import numpy as np
 from leadscrew.controllers.vud import duty_pd, power_law, vud, vud_beta_e
 from leadscrew.kernel.block import Block
 from leadscrew.kernel.metrics import chatter, overshoot, rms_error, settling_time, steady_state_error
+from leadscrew.kernel.sheet import entries
 from leadscrew.plants.lathe_servo import lathe_servo
 from leadscrew.sensors.encoder_count import encoder_count
 from leadscrew.sensors.grating_count import grating_count
@@ -82,23 +83,40 @@ def plan() -> list[tuple[str, str, float]]:
     return runs
 
 
-def simulate(progress: Callable[[str, float], None]) -> dict[str, Any]:
+class Loops:
+    """Loops of the study; those that differ in parameters alone share one compiled program."""
+
+    def __init__(self) -> None:
+        self._kept: dict[tuple[str, str], Loop] = {}
+
+    def get(self, controller: str, scenario: str) -> Loop:
+        """The loop of :func:`build` for these names."""
+        block, asked = CONTROLLERS[controller], command(SCENARIOS[scenario].params)
+        family = (block.name, asked.name)
+        if family not in self._kept:
+            self._kept[family] = build(block, SCENARIOS[scenario])
+            _ = self._kept[family].program  # built once here, so that the loops derived from it share it
+        changes = {
+            e.key: e.default for e in (*entries(block.params, "controller."), *entries(asked.params, "reference."))
+        }
+        return self._kept[family].using(changes)
+
+
+def simulate(progress: Callable[[str, float], None], loops: Loops) -> dict[str, Any]:
     """All runs, by ``scenario/controller``."""
     runs: dict[str, Any] = {}
     wanted = plan()
     for number, (scenario, controller, seconds) in enumerate(wanted):
         progress(f"{controller} in {scenario}", number / len(wanted))
         inside = INSIDE if "vud" in controller else ()
-        loop = build(CONTROLLERS[controller], SCENARIOS[scenario])
-        runs[f"{scenario}/{controller}"] = loop.run(seconds, record=(*SIGNALS, *inside))
+        runs[f"{scenario}/{controller}"] = loops.get(controller, scenario).run(seconds, record=(*SIGNALS, *inside))
     progress("gain sweep", 1.0)
     return runs
 
 
-def sweep_gain(controller: str, scenario: str) -> Any:
+def sweep_gain(controller: str, scenario: str, loops: Loops) -> Any:
     """The batch of a controller over :data:`GAINS_MM_S`."""
-    loop = build(CONTROLLERS[controller], SCENARIOS[scenario])
-    return loop.batch(4.0, {"plant.full_duty_speed_mm_s": GAINS_MM_S})
+    return loops.get(controller, scenario).batch(4.0, {"plant.full_duty_speed_mm_s": GAINS_MM_S})
 
 
 def true_error_um(run: Any) -> np.ndarray:

@@ -1,0 +1,70 @@
+# Each target makes .venv where there is none and installs what it needs, once. Nothing needs root.
+SHELL := /bin/sh
+.DEFAULT_GOAL := help
+.PHONY: help demo test bench lint docs clean
+
+BIN := .venv/bin
+INSTALL = $(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt
+RECIPE := pyproject.toml constraints.txt
+PYTEST_ARGS ?=
+
+help:
+	@echo "make demo    the lathe servo under three controllers, beside the paper's numbers"
+	@echo "make test    the tests, without the slow sweeps"
+	@echo "make bench   speed, beside C, plain Python and other libraries"
+	@echo "make lint    ruff and mypy"
+	@echo "make docs    the HTML documentation, in docs/_build/html"
+	@echo "make clean   removes what the other targets made, .venv included"
+
+demo: .venv/.core
+	$(BIN)/leadscrew demo
+
+test: .venv/.dev
+	$(BIN)/python -m pytest -n auto --maxprocesses 8 -m "not slow" $(PYTEST_ARGS)
+
+bench: .venv/.bench
+	$(BIN)/leadscrew bench
+
+lint: .venv/.dev
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	$(BIN)/mypy
+
+docs: .venv/.docs
+	$(BIN)/python -m sphinx -W --keep-going -q -b html docs docs/_build/html
+	@echo "open docs/_build/html/index.html"
+
+clean:
+	rm -rf .venv build dist docs/_build docs/studies/generated docs/reference/generated report .coverage .coverage.* \
+	  .pytest_cache .ruff_cache .mypy_cache .hypothesis
+	find src tests docs -name __pycache__ -type d -prune -exec rm -rf {} +
+
+# ---- installing: a stamp in .venv for each set of extras
+.venv/.core: $(RECIPE) | .venv/bin/pip
+	@echo "Installing Leadscrew into .venv (once) ..."
+	@$(INSTALL) -e .
+	@touch $@
+
+.venv/.dev: $(RECIPE) | .venv/bin/pip
+	@echo "Installing Leadscrew and its test tools into .venv (once) ..."
+	@$(INSTALL) -e ".[dev]"
+	@touch $@ .venv/.core
+
+.venv/.docs: $(RECIPE) | .venv/bin/pip
+	@echo "Installing Leadscrew and its documentation tools into .venv (once) ..."
+	@$(INSTALL) -e ".[dev,docs]"
+	@touch $@ .venv/.core .venv/.dev
+
+.venv/.bench: $(RECIPE) | .venv/bin/pip
+	@echo "Installing Leadscrew and what it is measured against into .venv (once) ..."
+	@$(INSTALL) -e ".[bench]"
+	@touch $@ .venv/.core
+
+.venv/bin/pip:
+	@for python in $(PYTHON) python3 python3.14 python3.13 python3.12 python3.11; do \
+	  if $$python -c 'import sys, venv, ensurepip; sys.exit(sys.version_info < (3, 11))' 2>/dev/null; then \
+	    exec $$python -m venv .venv; \
+	  fi; \
+	done; \
+	echo "Leadscrew needs Python 3.11 or newer with its venv module, and none was found; name one: make PYTHON=/path/to/python3" >&2; \
+	exit 1

@@ -1,0 +1,39 @@
+"""Sphinx configuration. The study pages are written by their own runs, before Sphinx reads its sources."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).parent))
+
+import leadscrew
+
+project = "Leadscrew"
+author = "The Leadscrew authors"
+copyright = "2026, The Leadscrew authors"
+version = release = leadscrew.__version__
+
+extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.napoleon", "sphinx.ext.viewcode"]
+source_suffix = {".md": "markdown"}
+exclude_patterns = ["_build", "**.ipynb_checkpoints"]
+myst_enable_extensions = ["colon_fence"]
+myst_heading_anchors = 3
+
+html_theme = "furo"
+html_title = f"Leadscrew {version}"
+html_copy_source = False
+
+autodoc_member_order = "bysource"
+autodoc_typehints = "description"
+autodoc_typehints_description_target = "documented"
+napoleon_numpy_docstring = False
+nitpicky = False
+suppress_warnings = ["myst.header"]
+
+
+def setup(app):
+    """Writes what is generated: a page for each study, the pages of blocks."""
+    import generate
+
+    app.connect("builder-inited", lambda app: generate.everything(Path(app.srcdir)))

@@ -1,0 +1,117 @@
+"""Writes the generated pages: each study from its own run, and the data sheets of all blocks from the catalogue.
+
+    python docs/generate.py            writes docs/studies/generated and docs/reference/generated
+
+Nothing is computed here: claims, figures and notes come from the study, sheets from the blocks.
+"""
+
+from __future__ import annotations
+
+import csv
+import sys
+from collections import Counter
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+
+from leadscrew import catalogue
+from leadscrew.kernel.sheet import entries
+from leadscrew.report import tables
+from leadscrew.studies.study import Study, StudyResult
+
+
+def cell(value: object) -> str:
+    """A value inside a table of Markdown."""
+    return tables.number(value).replace("|", "\\|").replace("\n", " ").replace("<", "&lt;").replace("*", "\\*").replace("_", "\\_")
+
+
+def table(head: Sequence[str], rows: Iterable[Sequence[object]]) -> str:
+    """A Markdown table."""
+    lines = [" | ".join(head), " | ".join("---" for _ in head), *(" | ".join(map(cell, row)) for row in rows)]
+    return "\n".join(f"| {line} |" for line in lines)
+
+
+def claims_table(result: StudyResult) -> str:
+    """Every claim: what the paper says, what we measured, and the verdict with its reason."""
+    head = ["claim", "source", "whose", "paper", "measured", "unit", "verdict", "reason"]
+    rows = [
+        (c.statement, c.source, f"{c.group}; {c.basis}", c.paper, c.measured, c.unit, c.verdict, c.reason)
+        for c in result.claims
+    ]
+    return table(head, rows)
+
+
+def items_table(study: Study) -> str:
+    """Every equation, table, figure and experiment of the paper, with what covers it."""
+    with (study.folder / "paper_items.csv").open(encoding="utf-8", newline="") as file:
+        head, *rows = csv.reader(file)
+    return table(head, rows)
+
+
+def study_page(study: Study, folder: Path) -> str:
+    """The page of a study; its figures go to ``folder``."""
+    result = study.evaluate(lambda what, done: None)
+    verdicts = Counter(c.verdict for c in result.claims)
+    parts = [
+        f"# {study.title}",
+        f"{study.paper}",
+        study.summary,
+        "This page was written by the run that measured its numbers. All results are for a simulated plant; nothing here "
+        "is evidence about the real machine.",
+        "```console\n"
+        f"$ leadscrew run {study.name}\n$ leadscrew list {study.name}\n```",
+        "## Findings",
+        "\n".join(f"- {note}" for note in result.notes),
+        "## Claims",
+        f"{len(result.claims)} claims: " + ", ".join(f"{n} {verdict}" for verdict, n in verdicts.most_common()) + ".",
+        claims_table(result),
+        "## Figures",
+    ]
+    for picture in result.pictures:
+        file = f"{study.name}_{picture.name}.svg"
+        picture.draw().savefig(folder / file, metadata={"Date": None})
+        parts.append(f":::{{figure}} {file}\n{picture.caption}\n:::")
+    parts += ["## Controllers", table(["name", "block", "what it is"], (
+        (name, block.name, tables.first_line(block.doc)) for name, block in study.controllers.items()
+    ))]  # fmt: skip
+    parts += ["## Scenarios", table(["name", "seconds", "what it asks"], (
+        (s.name, s.duration_s, s.doc) for s in study.scenarios.values()
+    ))]  # fmt: skip
+    parts += ["## The paper, item by item", items_table(study)]
+    return "\n\n".join(parts) + "\n"
+
+
+def blocks_page() -> str:
+    """The data sheets of all blocks that have a name."""
+    parts = ["# Blocks by name", "What `leadscrew list` shows: every block, its parameters, units, defaults and ranges."]
+    found = [(name, catalogue.block(name)) for name in catalogue.BLOCKS]
+    for kind in dict.fromkeys(block.kind for _, block in found):
+        parts.append(f"## {kind.capitalize()}s")
+        for name, block in found:
+            if block.kind != kind:
+                continue
+            module = catalogue.BLOCKS[name].split(":")[0]
+            parts += [f"### {name}", f"{tables.first_line(block.doc)} In `{module}`."]
+            rows = [(e.key, e.default, e.unit, e.range, e.doc) for e in entries(block.params)]
+            if rows:
+                parts.append(table(["parameter", "default", "unit", "range", "meaning"], rows))
+    return "\n\n".join(parts) + "\n"
+
+
+def write(file: Path, text: str) -> None:
+    """Writes a page unless it stands there already, so that Sphinx need not read it again."""
+    file.parent.mkdir(parents=True, exist_ok=True)
+    if not file.exists() or file.read_text(encoding="utf-8") != text:
+        file.write_text(text, encoding="utf-8", newline="\n")
+
+
+def everything(docs: Path) -> None:
+    """All generated pages."""
+    write(docs / "reference" / "generated" / "blocks_by_name.md", blocks_page())
+    pages = docs / "studies" / "generated"
+    pages.mkdir(parents=True, exist_ok=True)
+    for name in catalogue.STUDIES:
+        write(pages / f"{name}.md", study_page(catalogue.study(name), pages))
+
+
+if __name__ == "__main__":
+    everything(Path(sys.argv[1]) if len(sys.argv) > 1 else Path(__file__).parent)

@@ -1,0 +1,73 @@
+"""The same loop in other tools: sensor and controller in plain Python, the plant theirs."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from importlib.util import find_spec
+
+import numpy as np
+
+from leadscrew.bench import plain
+from leadscrew.bench.yardstick import Lathe
+
+
+def solve_ivp(p: Lathe, periods: int, method: str, rtol: float, atol: float = 1e-12) -> np.ndarray:
+    """SciPy, one call per control period; positions at the start of each period."""
+    from scipy.integrate import solve_ivp as solve
+
+    control, x, seen = plain.Controller(p), np.zeros(5), []
+    for _ in range(periods):
+        seen.append(x[3])
+        duty = control.duty(float(x[4]))
+        x = solve(lambda t, s, u=duty: plain.rates(p, s, u), (0.0, p.period), x, method=method, rtol=rtol, atol=atol).y[:, -1]
+    return np.array(seen)
+
+
+def python_control(p: Lathe, periods: int) -> np.ndarray:
+    """python-control's ``input_output_response`` on the closed loop in discrete time with the exact hold."""
+    import control
+
+    a, b = np.zeros((5, 5)), np.array(list(p.b))
+    values = iter(p.a)
+    for i in range(5):
+        for j in range(i + 1):
+            a[i, j] = 1.0 if (i, j) == (3, 3) else next(values)
+    law = plain.Controller(p)
+
+    def update(t, x, u, params):
+        law.e, law.started = float(x[5]), float(x[6])
+        duty = law.duty(float(x[4]))
+        return np.concatenate((a @ x[:5] - b * (p.full_duty_speed * duty), (law.e, 1.0)))
+
+    system = control.NonlinearIOSystem(update, lambda t, x, u, params: x[3:4], inputs=1, outputs=1, states=7, dt=p.period)
+    time = np.arange(periods) * p.period
+    return np.asarray(control.input_output_response(system, time, np.zeros(periods), np.zeros(7)).outputs).ravel()
+
+
+def pathsim(p: Lathe, periods: int) -> np.ndarray:
+    """PathSim with a sampled controller and RK4 at a tenth of the period."""
+    from pathsim import Connection, Simulation
+    from pathsim.blocks import ODE, Scope, Wrapper
+    from pathsim.solvers import RK4
+
+    law = plain.Controller(p)
+    axis = ODE(lambda x, u, t: np.array(plain.rates(p, x, float(u[0]))), np.zeros(5))
+    held = Wrapper(lambda reading: law.duty(float(reading)), T=p.period)
+    scope = Scope(sampling_period=p.period)
+    links = [Connection(axis[4], held), Connection(held, axis), Connection(axis[3], scope)]
+    simulation = Simulation([axis, held, scope], links, dt=p.period / 10, Solver=RK4, log=False)
+    simulation.run(periods * p.period)
+    return np.asarray(scope.read()[1])[0][:periods]
+
+
+PEERS: dict[str, tuple[str, str, Callable[[Lathe, int], np.ndarray]]] = {
+    "solve_ivp RK45": ("scipy", "RK45, rtol 1e-6, per control period", lambda p, n: solve_ivp(p, n, "RK45", 1e-6, 1e-9)),
+    "solve_ivp LSODA": ("scipy", "LSODA, rtol 1e-6, per control period", lambda p, n: solve_ivp(p, n, "LSODA", 1e-6, 1e-9)),
+    "python-control": ("control", "input_output_response, discrete 1 kHz, exact hold", python_control),
+    "PathSim": ("pathsim", "RK4, 10 steps a period", pathsim),
+}
+
+
+def missing(package: str) -> bool:
+    """Whether a package is not installed."""
+    return find_spec(package) is None

@@ -1,0 +1,28 @@
+"""Interleaved timing: every contender in turn, round after round, process CPU time, medians."""
+
+from __future__ import annotations
+
+import os
+import time
+from collections.abc import Callable, Mapping
+from statistics import median
+
+
+def interleaved(
+    contenders: Mapping[str, Callable[[], object]], rounds: int, clock: Callable[[], float] = time.process_time
+) -> dict[str, float]:
+    """Median seconds of one call of each contender; each is called once before."""
+    for call in contenders.values():
+        call()
+    seen: dict[str, list[float]] = {name: [] for name in contenders}
+    for _ in range(rounds):
+        for name, call in contenders.items():
+            began = clock()
+            call()
+            seen[name].append(clock() - began)
+    return {name: median(times) for name, times in seen.items()}
+
+
+def load() -> float:
+    """The machine's load over the last minute, NaN where the system does not tell."""
+    return os.getloadavg()[0] if hasattr(os, "getloadavg") else float("nan")

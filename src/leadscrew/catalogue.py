@@ -1,0 +1,176 @@
+"""Every block and study by name: plain tables, and the look-up that also takes plug-ins and a user's own file.
+
+Adding a block is one file and one row here. An installed package joins through the entry points ``leadscrew.blocks``
+and ``leadscrew.studies``; a file of one's own is named ``path/file.py:name`` wherever a name is asked for.
+"""
+
+from __future__ import annotations
+
+from importlib import import_module, metadata
+from typing import TYPE_CHECKING, Any
+
+from leadscrew import userfile
+from leadscrew.kernel.errors import BlockError, LeadscrewError, NameUnknown
+from leadscrew.kernel.sheet import nearest
+
+if TYPE_CHECKING:
+    from leadscrew.kernel.block import Block
+    from leadscrew.studies.study import Study
+
+BLOCKS: dict[str, str] = {
+    # references
+    "chirp": "leadscrew.references.chirp:chirp",
+    "log_chirp": "leadscrew.references.chirp:log_chirp",
+    "ramp": "leadscrew.references.ramp:ramp",
+    "s_curve": "leadscrew.references.s_curve:s_curve",
+    "sine": "leadscrew.references.sine:sine",
+    "sine_motion": "leadscrew.references.sine:sine_motion",
+    "step": "leadscrew.references.step:step",
+    "trapezoid": "leadscrew.references.trapezoid:trapezoid",
+    # sensors
+    "encoder_count": "leadscrew.sensors.encoder_count:encoder_count",
+    "grating_count": "leadscrew.sensors.grating_count:grating_count",
+    "ideal": "leadscrew.sensors.ideal:ideal",
+    "lag": "leadscrew.sensors.lag:lag",
+    "noisy_ruler": "leadscrew.sensors.noisy_ruler:noisy_ruler",
+    "ruler": "leadscrew.sensors.ruler:ruler",
+    # controllers
+    "duty_pd": "leadscrew.controllers.vud.duty_pd:duty_pd",
+    "power_law": "leadscrew.controllers.vud.power_law:power_law",
+    "vud": "leadscrew.controllers.vud.literal:vud",
+    "vud_beta_e": "leadscrew.controllers.vud.error_factor:vud_beta_e",
+    # actuators
+    "limits": "leadscrew.actuators.limits:limits",
+    "saturation": "leadscrew.actuators.saturation:saturation",
+    # plants
+    "lathe_servo": "leadscrew.plants.lathe_servo:lathe_servo",
+    # disturbances
+    "pulse_load": "leadscrew.disturbances.pulse_load:pulse_load",
+    "sine_load": "leadscrew.disturbances.sine_load:sine_load",
+    "step_load": "leadscrew.disturbances.step_load:step_load",
+    "white_noise": "leadscrew.disturbances.white_noise:white_noise",
+    # metrics
+    "metrics.chatter": "leadscrew.kernel.metrics:chatter",
+    "metrics.effort": "leadscrew.kernel.metrics:effort",
+    "metrics.iae": "leadscrew.kernel.metrics:iae",
+    "metrics.ise": "leadscrew.kernel.metrics:ise",
+    "metrics.itae": "leadscrew.kernel.metrics:itae",
+    "metrics.max_error": "leadscrew.kernel.metrics:max_error",
+    "metrics.overshoot": "leadscrew.kernel.metrics:overshoot",
+    "metrics.rise_time": "leadscrew.kernel.metrics:rise_time",
+    "metrics.rms_error": "leadscrew.kernel.metrics:rms_error",
+    "metrics.settling_time": "leadscrew.kernel.metrics:settling_time",
+    "metrics.steady_state_error": "leadscrew.kernel.metrics:steady_state_error",
+    "metrics.zero_crossing_rate": "leadscrew.kernel.metrics:zero_crossing_rate",
+}
+"""Blocks that are ready to use."""
+
+MAKERS: dict[str, str] = {
+    "path": "leadscrew.references.path:path",
+    "path_from_gcode": "leadscrew.references.gcode:path_from_gcode",
+    "state_space": "leadscrew.plants.linear:state_space",
+    "transfer_function": "leadscrew.plants.linear:transfer_function",
+    "waypoints": "leadscrew.references.waypoints:waypoints",
+}
+"""Functions that make a block from data: a path, matrices."""
+
+STUDIES: dict[str, str] = {
+    "vud_lathe": "leadscrew.studies.vud_lathe.study:STUDY",
+}
+"""The published systems."""
+
+BLOCK_GROUP, STUDY_GROUP = "leadscrew.blocks", "leadscrew.studies"
+
+
+def _plug_ins(group: str) -> dict[str, metadata.EntryPoint]:
+    return {point.name: point for point in metadata.entry_points(group=group)}
+
+
+def _from_table(target: str) -> Any:
+    module, attribute = target.split(":")
+    return getattr(import_module(module), attribute)
+
+
+def _from_plug_in(point: metadata.EntryPoint) -> Any:
+    try:
+        return point.load()
+    except Exception as error:
+        raise LeadscrewError(
+            f"the plug-in {point.name!r} ({point.value}) cannot be loaded: {type(error).__name__}: {error}"
+        ) from error
+
+
+def _find(name: str, table: dict[str, str], group: str, what: str) -> Any:
+    if userfile.is_reference(name):
+        return userfile.load(name)
+    if name in table:
+        return _from_table(table[name])
+    points = _plug_ins(group)
+    if name in points:
+        return _from_plug_in(points[name])
+    raise NameUnknown(f"there is no {what} {name!r}{nearest(name, [*table, *points])}")
+
+
+def block(name: str, kind: str | None = None) -> Block:
+    """The block of a name: from the table, an installed plug-in, or ``path/file.py:name``.
+
+    Raises:
+        NameUnknown: no such block; names the nearest.
+        BlockError: what is there is not a block, or not of that ``kind``.
+        DataError: the file is missing or does not load.
+    """
+    from leadscrew.kernel.block import Block
+
+    if name in MAKERS:
+        raise BlockError(
+            f"{name} is made from data by a function: call {MAKERS[name].replace(':', '.')}(...) in a file"
+        )
+    found = _find(name, BLOCKS, BLOCK_GROUP, "block")
+    if not isinstance(found, Block):
+        raise BlockError(
+            f"{name} is a {type(found).__name__}, not a block; decorate its step, for example @controller(...)"
+        )
+    if kind is not None and found.kind != kind:
+        raise BlockError(f"{name} is a {found.kind}, not a {kind}")
+    return found
+
+
+def study(name: str) -> Study:
+    """The study of a name: from the table, an installed plug-in, or ``path/file.py:name``.
+
+    Raises:
+        NameUnknown: no such study; names the nearest.
+        BlockError: what is there is not a study.
+        DataError: the file is missing or does not load.
+    """
+    from leadscrew.studies.study import Study
+
+    found = _find(name, STUDIES, STUDY_GROUP, "study")
+    if not isinstance(found, Study):
+        raise BlockError(f"{name} is a {type(found).__name__}, not a study")
+    return found
+
+
+def block_names() -> list[str]:
+    """Names of all blocks: ours, then those of plug-ins."""
+    return [*BLOCKS, *(n for n in _plug_ins(BLOCK_GROUP) if n not in BLOCKS)]
+
+
+def study_names() -> list[str]:
+    """Names of all studies: ours, then those of plug-ins."""
+    return [*STUDIES, *(n for n in _plug_ins(STUDY_GROUP) if n not in STUDIES)]
+
+
+def blocks() -> dict[str, Block]:
+    """Every block by name."""
+    return {name: block(name) for name in block_names()}
+
+
+def makers() -> dict[str, Any]:
+    """The functions that make a block from data, by name."""
+    return {name: _from_table(target) for name, target in MAKERS.items()}
+
+
+def maker_kind(name: str) -> str:
+    """The kind of block that a function of :data:`MAKERS` makes."""
+    return MAKERS[name].split(".")[1].removesuffix("s")

@@ -1,0 +1,37 @@
+"""``leadscrew bench``: how fast, beside others, on this machine."""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import Annotated, Any
+
+import typer
+
+from leadscrew.cli.output import Json, emit, print_table, progress
+
+
+def bench(
+    quick: Annotated[bool, typer.Option("--quick", help="Fewer repetitions.")] = False,
+    as_json: Json = False,
+) -> None:
+    """Measure the engines beside C, SciPy, python-control and PathSim."""
+    from leadscrew.kernel.errors import LeadscrewError
+
+    try:
+        benches = import_module("leadscrew.bench")
+    except ImportError as error:
+        raise LeadscrewError(f"the benchmarks are not in this installation ({error})") from None
+    with progress() as report:
+        rows = benches.run(quick=quick, progress=report)
+    if as_json:
+        emit({"schema_version": 1, "rows": rows})
+        return
+    columns = list(dict.fromkeys(key for row in rows for key in row))
+    numeric = [c for c in columns if all(isinstance(row.get(c), int | float | None) for row in rows)]
+    print_table(columns, [[_cell(row.get(c)) for c in columns] for row in rows], right=numeric)
+
+
+def _cell(value: Any) -> str:
+    from leadscrew.report.tables import number
+
+    return "" if value is None else number(value)

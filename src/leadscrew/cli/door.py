@@ -1,0 +1,62 @@
+"""Where errors become one sentence and an exit code."""
+
+from __future__ import annotations
+
+import contextlib
+import errno
+import os
+import sys
+import traceback
+import warnings
+from typing import Any, TextIO
+
+import typer
+from typer.core import TyperGroup
+
+from leadscrew.kernel.errors import Diverged, LeadscrewError
+
+MISSED, REFUSED, DIVERGED, INTERNAL, INTERRUPTED, PIPE_CLOSED = 1, 2, 3, 70, 130, 141
+"""Exit codes: a target missed, bad input, a loop diverged, a fault of ours, Ctrl-C, the reader of a pipe gone."""
+
+
+class Door(TyperGroup):
+    """The group of commands; what they raise on purpose leaves here as one sentence on stderr."""
+
+    def invoke(self, ctx: Any) -> Any:
+        """Runs the command."""
+        with warnings.catch_warnings():
+            warnings.showwarning = _one_line  # type: ignore[assignment]
+            try:
+                return super().invoke(ctx)
+            except LeadscrewError as error:
+                if ctx.params.get("debug"):
+                    traceback.print_exc()
+                say(f"leadscrew: {one_line(str(error))}")
+                raise typer.Exit(DIVERGED if isinstance(error, Diverged) else REFUSED) from None
+            except KeyboardInterrupt:
+                raise typer.Exit(INTERRUPTED) from None
+            except OSError as error:
+                if error.errno != errno.EPIPE:
+                    raise
+                to_nowhere(sys.stdout)
+                raise typer.Exit(PIPE_CLOSED) from None
+
+
+def one_line(text: str) -> str:
+    """The text without line breaks or other control characters."""
+    return " ".join("".join(c if c.isprintable() else " " for c in text).split())
+
+
+def say(text: str) -> None:
+    """One line on stderr."""
+    typer.echo(text, err=True)
+
+
+def _one_line(message: Warning | str, category: type[Warning], filename: str, lineno: int, *_: Any) -> None:
+    say(f"warning: {one_line(str(message))}")
+
+
+def to_nowhere(stream: TextIO) -> None:
+    """Nobody reads this stream any more; what is left in it goes to the null device."""
+    with contextlib.suppress(OSError, ValueError):
+        os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())

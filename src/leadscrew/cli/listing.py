@@ -1,0 +1,157 @@
+"""``leadscrew list``: blocks, studies, and what can be set in them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from leadscrew.cli.output import Json, emit, print_table
+from leadscrew.cli.subject import study_of
+
+if TYPE_CHECKING:
+    from leadscrew.kernel.block import Block
+    from leadscrew.report.tables import Setting
+    from leadscrew.studies.study import Study
+
+
+def list_(
+    name: Annotated[
+        str | None,
+        typer.Argument(metavar="[NAME]", help="A block, a study, path/file.py:NAME, or an experiment file (.toml)."),
+    ] = None,
+    as_json: Json = False,
+) -> None:
+    """List blocks and studies; with a name, everything that can be set in it."""
+    if name is None:
+        _everything(as_json)
+        return
+    found = _found(name)
+    from leadscrew.studies.study import Study
+
+    if isinstance(found, Study):
+        _study(found, as_json)
+    else:
+        _block(name, found, as_json)
+
+
+def _found(name: str) -> Study | Block:
+    """The study or block of a name.
+
+    Raises:
+        LeadscrewError: there is neither.
+    """
+    from leadscrew import catalogue, experiment, userfile
+    from leadscrew.kernel.errors import NameUnknown
+    from leadscrew.kernel.sheet import nearest
+    from leadscrew.studies.study import Study
+
+    if experiment.is_file(name):
+        return study_of(name)
+    if userfile.is_reference(name):
+        found = userfile.load(name)
+        return found if isinstance(found, Study) else catalogue.block(name)
+    if name in catalogue.study_names():
+        return catalogue.study(name)
+    if name in catalogue.block_names() or name in catalogue.MAKERS:
+        return catalogue.block(name)
+    known = [*catalogue.study_names(), *catalogue.block_names()]
+    raise NameUnknown(f"there is no block or study {name!r}{nearest(name, known)}")
+
+
+def _everything(as_json: bool) -> None:
+    from leadscrew import catalogue
+    from leadscrew.kernel.errors import LeadscrewError
+    from leadscrew.report.tables import first_line
+
+    def one(kind: str, name: str, what: Any) -> dict[str, str]:
+        try:
+            found = what(name)
+        except LeadscrewError as error:
+            return {"name": name, "kind": kind, "doc": str(error)}
+        return {
+            "name": name,
+            "kind": getattr(found, "kind", kind),
+            "doc": first_line(getattr(found, "title", "") or getattr(found, "doc", "")),
+        }
+
+    studies = [one("study", n, catalogue.study) for n in catalogue.study_names()]
+    blocks = [one("block", n, catalogue.block) for n in catalogue.block_names()]
+    makers = [
+        {"name": n, "kind": catalogue.maker_kind(n), "doc": first_line(f.__doc__ or "")}
+        for n, f in catalogue.makers().items()
+    ]
+    if as_json:
+        emit({"studies": studies, "blocks": blocks, "makers": makers})
+        return
+    print_table(["study", "title"], [(r["name"], r["doc"]) for r in studies])
+    typer.echo()
+    print_table(["block", "kind", "what it is"], [(r["name"], r["kind"], r["doc"]) for r in blocks])
+    typer.echo()
+    print_table(
+        ["made in Python by", "kind", "what it is"], [(r["name"] + "(...)", r["kind"], r["doc"]) for r in makers]
+    )
+    typer.echo("\nleadscrew list NAME shows what can be set, with unit, default and range.")
+
+
+def _block(name: str, block: Block, as_json: bool) -> None:
+    from leadscrew.kernel.sheet import entries
+    from leadscrew.report.tables import Setting, plain
+
+    sheet = [Setting(e) for e in entries(block.params)]
+    if as_json:
+        emit(
+            {
+                "name": name, "kind": block.kind, "unit": block.unit, "signals": block.signals, "doc": block.doc,
+                "parameters": [s.as_dict() for s in sheet],
+            }
+        )  # fmt: skip
+        return
+    unit = f", in {block.unit}" if block.unit and block.unit != "1" else ""
+    typer.echo(f"{name}: {block.kind}{unit}; takes {', '.join(block.signals) or 'nothing'}\n\n{plain(block.doc)}\n")
+    if sheet:
+        _settings(sheet, "parameter")
+    else:
+        typer.echo("It has no parameters.")
+
+
+def _study(study: Study, as_json: bool) -> None:
+    from leadscrew.report.tables import first_line, metric_unit, settings
+
+    loop = study.loop(next(iter(study.controllers)), next(iter(study.scenarios)))
+    controllers = [{"name": n, "doc": first_line(b.doc)} for n, b in study.controllers.items()]
+    scenarios = [{"name": s.name, "duration_s": s.duration_s, "doc": s.doc} for s in study.scenarios.values()]
+    metrics = [{"name": n, "unit": metric_unit(loop, m), "doc": first_line(m.doc)} for n, m in loop.metrics.items()]
+    found = settings(study)
+    if as_json:
+        emit(
+            {
+                "study": study.name, "title": study.title, "paper": study.paper, "controllers": controllers,
+                "scenarios": scenarios, "settings": [s.as_dict() for s in found], "metrics": metrics,
+            }
+        )  # fmt: skip
+        return
+    typer.echo(f"{study.name}: {study.title}\n{study.paper}\n")
+    print_table(["controller", "what it is"], [(r["name"], r["doc"]) for r in controllers])
+    typer.echo()
+    rows = [(s.name, f"{s.duration_s:g} s", s.doc) for s in study.scenarios.values()]
+    print_table(["scenario", "runs for", "what is asked"], rows, right=("runs for",))
+    typer.echo()
+    _settings(found, "--set")
+    typer.echo()
+    print_table(["metric", "unit", "what it is"], [(r["name"], r["unit"], r["doc"]) for r in metrics])
+
+
+def _settings(found: Iterable[Setting], title: str) -> None:
+    from leadscrew.report.tables import number
+
+    found = list(found)
+    several = any(s.where for s in found)
+    rows = [
+        [s.entry.key, number(s.entry.default), s.entry.unit, s.entry.range, s.entry.doc]
+        + ([", ".join(s.where)] if several else [])
+        for s in found
+    ]
+    columns = [title, "default", "unit", "range", "what it is"] + (["only in"] if several else [])
+    print_table(columns, rows, right=("default",))

@@ -1,0 +1,106 @@
+"""What the commands print: strict JSON, tables, progress."""
+
+from __future__ import annotations
+
+import json
+import sys
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import contextmanager
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+if TYPE_CHECKING:
+    from rich.console import Console
+
+Json = Annotated[bool, typer.Option("--json", help="Print one JSON object instead.")]
+"""The option that every command with a result has."""
+
+WIDEST = 100_000
+"""Columns where no terminal limits them: a row of a table is one line in a pipe."""
+
+
+def emit(value: Any) -> None:
+    """Exactly one JSON object on stdout; a number that is not finite is ``null``."""
+    from leadscrew.report.strict import strict
+
+    typer.echo(json.dumps(strict(value), allow_nan=False))
+
+
+def console() -> Console:
+    """Standard output."""
+    from rich.console import Console
+
+    class Quiet(Console):
+        def on_broken_pipe(self) -> None:
+            raise BrokenPipeError(32, "Broken pipe")
+
+    plain = not sys.stdout.isatty()
+    return Quiet(width=WIDEST if plain else None, soft_wrap=False, highlight=False, markup=False, emoji=False)
+
+
+def width() -> int:
+    """Columns that a table may take."""
+    return console().width
+
+
+def print_table(columns: Sequence[str], rows: Iterable[Sequence[str]], right: Sequence[str] = ()) -> None:
+    """A table; texts are taken literally, ``right`` names the columns of numbers."""
+    from rich import box
+    from rich.table import Table
+    from rich.text import Text
+
+    table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
+    table.show_edge = False
+    for name in columns:
+        table.add_column(Text(name), justify="right" if name in right else "left", overflow="fold")
+    for row in rows:
+        table.add_row(*(Text(str(cell), style=STYLES.get(str(cell), "")) for cell in row))
+    out = console()
+    if not out.is_terminal:
+        # Rich pads every line to the width of the table; a pipe does not need that.
+        with out.capture() as held:
+            out.print(table)
+        typer.echo("\n".join(line.rstrip() for line in held.get().splitlines()))
+        return
+    out.print(table)
+
+
+STYLES = {
+    "reproduced": "green",
+    "reproduced with change": "blue",
+    "not reproduced": "red",
+    "cannot be checked": "dim",
+    "NO": "bold red",
+}
+"""Words that a terminal shows in colour; the words themselves always stand there."""
+
+
+@contextmanager
+def progress() -> Iterator[Callable[[str, float], None]]:
+    """A progress bar on stderr, gone when done; give it what happens now and the fraction done."""
+    from rich.console import Console
+    from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
+
+    err = Console(stderr=True)
+    columns = (BarColumn(bar_width=30), TextColumn("{task.description}", markup=False), TimeElapsedColumn())
+    with Progress(*columns, console=err, transient=True, disable=not err.is_terminal) as bar:
+        task = bar.add_task("starting", total=None)
+
+        def report(what: str, done: float) -> None:
+            bar.update(task, description=what, completed=done, total=1.0)
+
+        yield report
+
+
+@contextmanager
+def busy(what: str) -> Iterator[None]:
+    """A moving bar with the time elapsed, on stderr, around work that cannot say how far it is."""
+    from rich.console import Console
+    from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
+
+    err = Console(stderr=True)
+    columns = (BarColumn(bar_width=30), TextColumn("{task.description}", markup=False), TimeElapsedColumn())
+    with Progress(*columns, console=err, transient=True, disable=not err.is_terminal) as bar:
+        bar.add_task(what, total=None)
+        yield

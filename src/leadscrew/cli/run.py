@@ -1,0 +1,92 @@
+"""``leadscrew run``: judge the claims of a study and write its report."""
+
+from __future__ import annotations
+
+import time
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from leadscrew.cli.door import MISSED
+from leadscrew.cli.output import Json, emit, print_table, progress, width
+from leadscrew.cli.subject import StudyName, whole_study
+
+if TYPE_CHECKING:
+    from leadscrew.report.claim import Claim
+    from leadscrew.studies.study import StudyResult
+
+WIDE = 170
+"""Columns from which the reasons stand beside the claims."""
+
+
+def run(
+    study: StudyName,
+    out: Annotated[Path | None, typer.Option(help="Folder of the report; report/STUDY unless given.")] = None,
+    figures: Annotated[bool, typer.Option("--figures/--no-figures", help="Draw the figures.")] = True,
+    as_json: Json = False,
+) -> None:
+    """Judge every claim of a study; write report.html and the runs.
+
+    Exit code 1 when a required target is missed.
+    """
+    result, folder, wall = judged(study, out, figures, as_json)
+    if not as_json:
+        typer.echo(f"\n{folder / 'report.html'}   ({wall:.1f} s)")
+    leave(result)
+
+
+def judged(study: str, out: Path | None, figures: bool, as_json: bool) -> tuple[StudyResult, Path, float]:
+    """Runs a study, writes its report, prints its claims; gives result, folder and seconds."""
+    from leadscrew.report import folder as report
+
+    began = time.perf_counter()
+    origin, found = whole_study(study)
+    target = report.claimable(out if out is not None else Path("report") / found.name)
+    with progress() as report_progress:
+        result = found.evaluate(report_progress)
+        evaluated = time.perf_counter() - began
+        report.write(
+            found, result, target, wall_s=evaluated, origin=origin, figures=figures, progress=report_progress
+        )  # fmt: skip
+    wall = time.perf_counter() - began
+    if as_json:
+        emit(report.summary(found, result, wall, target / "report.html"))
+    else:
+        print_claims(result.claims)
+    return result, target, wall
+
+
+def leave(result: StudyResult) -> None:
+    """Exit code 1 when a required target is missed."""
+    from leadscrew.report.tables import missed
+
+    if missed(result.claims):
+        raise typer.Exit(MISSED)
+
+
+def print_claims(claims: list[Claim]) -> None:
+    """The table of claims, and what it adds up to."""
+    from leadscrew.report import tables
+
+    columns = ["claim", "source", "paper", "measured", "unit", "verdict", "met"]
+    beside = width() >= WIDE
+    print_table(
+        [*columns, "reason"] if beside else columns,
+        [
+            [c.id, c.source, tables.number(c.paper), tables.number(c.measured), c.unit, c.verdict, tables.met(c)]
+            + ([c.reason] if beside else [])
+            for c in claims
+        ],
+        right=("paper", "measured"),
+    )
+    if not beside:
+        typer.echo("\nWhy:")
+        for c in claims:
+            if c.reason and c.verdict != "reproduced":
+                typer.echo(f"  {c.id}: {c.reason}")
+    sums = tables.tally(claims)
+    typer.echo("\n" + ", ".join(f"{n} {verdict}" for verdict, n in sums.verdicts.items() if n))
+    typer.echo(f"{sums.required_met} of {sums.required} required targets met")
+    for claim in tables.missed(claims):
+        typer.echo(f"MISSED {claim.id}: {tables.number(claim.measured)} {claim.unit}, wanted {tables.target(claim)}")

@@ -1,0 +1,48 @@
+"""What a command is about: a study by name, from a file, from a plug-in, or from an experiment file."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+if TYPE_CHECKING:
+    from leadscrew.experiment import Experiment
+    from leadscrew.studies.study import Study
+
+StudyName = Annotated[
+    str, typer.Argument(metavar="STUDY", help="A study's name, path/file.py:NAME, or an experiment file (.toml).")
+]
+
+
+def experiment_of(name: str) -> Experiment:
+    """The experiment of a file, or an empty one about the study or loop of that name."""
+    from leadscrew import experiment
+
+    return experiment.read(name) if experiment.is_file(name) else experiment.Experiment(name)
+
+
+def study_of(name: str) -> Study:
+    """The study of a name or of an experiment file.
+
+    Raises:
+        LeadscrewError: there is none.
+    """
+    from leadscrew import catalogue
+
+    return catalogue.study(experiment_of(name).study)
+
+
+def whole_study(name: str) -> tuple[str, Study]:
+    """Its name and the study, for a command that judges all of it.
+
+    Raises:
+        ValueRefused: an experiment file that asks for one loop.
+    """
+    from leadscrew import catalogue, userfile
+    from leadscrew.kernel.errors import ValueRefused
+
+    found = experiment_of(name)
+    if found.controller or found.scenario or found.changes:
+        raise ValueRefused(f"{name} describes one loop: use leadscrew simulate {name}; run judges a whole study")
+    return userfile.absolute(found.study), catalogue.study(found.study)

@@ -1,0 +1,204 @@
+"""An experiment: one loop of a study, or of one's own file, with changes; and the file that describes it.
+
+::
+
+    schema_version = 1
+    study = "vud_lathe"
+    controller = "corrected.vud_beta_e"
+    scenario = "fig11a_step_m50"
+    duration = 4.0                      # seconds; the scenario's own unless given
+
+    [set]
+    scenario.target_mm = -120
+    plant.full_duty_speed_mm_s = 300
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from leadscrew import catalogue, userfile
+from leadscrew.kernel.errors import BlockError, DataError, LeadscrewError, NameUnknown, ValueRefused
+from leadscrew.kernel.sheet import Entry, entries, nearest
+
+if TYPE_CHECKING:
+    from leadscrew.kernel.block import Block
+    from leadscrew.kernel.loop import Loop
+    from leadscrew.studies.study import Study
+
+SCHEMA_VERSION = 1
+
+
+@dataclass(frozen=True)
+class Experiment:
+    """One loop: of a study by controller and scenario, or from a file, with parameters changed by dotted key."""
+
+    study: str
+    """A study's name, or ``path/file.py:name`` of a study, a loop, or a function that returns a loop."""
+    controller: str | None = None
+    """A controller of the study, a block of the catalogue, or ``path/file.py:name``."""
+    scenario: str | None = None
+    changes: Mapping[str, Any] = field(default_factory=dict)
+    duration_s: float | None = None
+    engine: str | None = None
+    every: int = 1
+    record: tuple[str, ...] | None = None
+    seed: int | None = None
+    source: str = ""
+    """The file that it was read from, for error texts."""
+
+    def settable(self) -> dict[str, Entry]:
+        """Everything that ``changes`` may name, by dotted key."""
+        found = self._subject()
+        if isinstance(found, _Loop()):
+            return dict(found.sheet)
+        controller, scenario = self._parts(found)
+        sheet = {e.key: e for e in entries(found.scenario(scenario).params, "scenario.")}
+        return sheet | found.loop(controller, scenario).sheet
+
+    def loop(self) -> Loop:
+        """The loop with the changes made; its ``origin`` says how to build it again.
+
+        Raises:
+            LeadscrewError: a name that does not exist or a value that is refused, with the file that it came from.
+        """
+        try:
+            return self._loop()
+        except LeadscrewError as error:
+            if not self.source:
+                raise
+            raise type(error)(f"{self.source}: {error}") from error
+
+    def _loop(self) -> Loop:
+        unknown = [k for k in self.changes if k not in (sheet := self.settable())]
+        if unknown:
+            raise NameUnknown(f"there is no parameter {unknown[0]!r}{nearest(unknown[0], list(sheet))}")
+        found = self._subject()
+        if isinstance(found, _Loop()):
+            loop = found.using(self.changes)
+        else:
+            controller, scenario = self._parts(found)
+            loop = found.loop(controller, scenario, self.changes)
+            loop = loop.using(name=f"{found.name} {self.controller} {scenario}")
+        if self.seed is not None:
+            loop = loop.using(seed=self.seed)
+        loop.origin = self.origin
+        return loop
+
+    @property
+    def origin(self) -> dict[str, Any]:
+        """How to build the loop again; part of a run's manifest."""
+        return {
+            "study": userfile.absolute(self.study),
+            "controller": None if self.controller is None else userfile.absolute(self.controller),
+            "scenario": self.scenario,
+            "changes": {k: v.tolist() if hasattr(v, "tolist") else v for k, v in self.changes.items()},
+        }
+
+    def seconds(self) -> float:
+        """How long to run.
+
+        Raises:
+            ValueRefused: a loop of one's own, and no duration given.
+        """
+        if self.duration_s is not None:
+            return self.duration_s
+        found = self._subject()
+        if isinstance(found, _Loop()):
+            raise ValueRefused(f"{self.study} is a loop without a scenario: give its duration in seconds")
+        return float(found.scenario(self._parts(found)[1]).duration_s)
+
+    def _subject(self) -> Any:
+        """The study or the loop that the experiment is about."""
+        if not userfile.is_reference(self.study):
+            return catalogue.study(self.study)
+        from leadscrew.studies.study import Study
+
+        found = userfile.load(self.study)
+        if isinstance(found, Study):
+            return found
+        made = _made(found, self.study)
+        if self.controller is not None or self.scenario is not None:
+            raise ValueRefused(f"{self.study} is a loop, not a study: it takes no controller and no scenario")
+        return made
+
+    def _parts(self, study: Study) -> tuple[Block, str]:
+        """Controller block and scenario name, both checked."""
+        if self.scenario is None:
+            raise ValueRefused(f"scenario is missing; {study.name} has {', '.join(study.scenarios)}")
+        study.scenario(self.scenario)
+        if self.controller is None:
+            raise ValueRefused(f"controller is missing; {study.name} has {', '.join(study.controllers)}")
+        return controller(study, self.controller), self.scenario
+
+
+def controller(study: Study, name: str) -> Block:
+    """A controller of the study by its name there, a controller of the catalogue, or ``path/file.py:name``.
+
+    Raises:
+        NameUnknown: none of these.
+    """
+    if name in study.controllers:
+        return study.controllers[name]
+    if userfile.is_reference(name) or name in catalogue.block_names():
+        return catalogue.block(name, "controller")
+    known = [*study.controllers, *catalogue.block_names()]
+    raise NameUnknown(f"{study.name} has no controller {name!r}{nearest(name, known)}")
+
+
+def _Loop() -> type[Loop]:  # noqa: N802
+    from leadscrew.kernel.loop import Loop
+
+    return Loop
+
+
+def _made(found: Any, name: str) -> Loop:
+    from leadscrew.kernel.block import Block
+
+    loop = found
+    if callable(found) and not isinstance(found, Block | type):
+        try:
+            loop = found()
+        except LeadscrewError:
+            raise
+        except Exception as error:
+            raise DataError(f"{name}() failed: {type(error).__name__}: {error}") from error
+    if not isinstance(loop, _Loop()):
+        raise BlockError(
+            f"{name} is a {type(loop).__name__}; expected a study, a Loop, or a function that returns a Loop"
+        )
+    return loop
+
+
+def is_file(name: str) -> bool:
+    """Whether a name means an experiment file."""
+    return name.endswith(".toml")
+
+
+def read(path: str | Path) -> Experiment:
+    """An experiment from its TOML file; files that it names are looked for beside it.
+
+    Raises:
+        DataError: no such file, bad TOML, an unknown key or a value of the wrong type; names file and key.
+    """
+    import tomllib
+
+    from leadscrew.experiment_file import validated
+
+    where = Path(path)
+    try:
+        table = tomllib.loads(where.read_text(encoding="utf-8"))
+    except FileNotFoundError:
+        raise DataError(f"there is no file {str(where)!r}") from None
+    except (OSError, ValueError, RecursionError) as error:
+        raise DataError(f"{where}: cannot be read as TOML: {error}") from None
+    found = validated(table, str(where))
+    beside = where.resolve().parent
+    return replace(
+        found,
+        study=userfile.absolute(found.study, beside),
+        controller=None if found.controller is None else userfile.absolute(found.controller, beside),
+    )

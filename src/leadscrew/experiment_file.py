@@ -1,0 +1,69 @@
+"""The schema of an experiment file; imported only when one is read, because pydantic is heavy."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import Annotated, Any, Literal
+
+from pydantic import BaseModel, ConfigDict, Field, ValidationError
+
+from leadscrew.experiment import Experiment
+from leadscrew.kernel.errors import DataError
+from leadscrew.kernel.sheet import nearest
+
+
+class ExperimentFile(BaseModel):
+    """The keys of the file."""
+
+    model_config = ConfigDict(extra="forbid", strict=True)
+
+    schema_version: Literal[1]
+    study: Annotated[str, Field(min_length=1)]
+    controller: str | None = None
+    scenario: str | None = None
+    duration: Annotated[float, Field(gt=0, allow_inf_nan=False)] | None = None
+    engine: Literal["numba", "python"] | None = None
+    every: Annotated[int, Field(ge=1)] = 1
+    record: list[str] | None = None
+    seed: Annotated[int, Field(ge=0)] | None = None
+    changes: Annotated[dict[str, Any], Field(alias="set")] = {}
+
+
+def validated(table: Mapping[str, Any], where: str) -> Experiment:
+    """The experiment that a TOML table describes.
+
+    Raises:
+        DataError: names file and key of what is wrong.
+    """
+    try:
+        file = ExperimentFile.model_validate(table)
+    except ValidationError as error:
+        first = error.errors()[0]
+        key = ".".join(map(str, first["loc"]))
+        if first["type"] == "extra_forbidden":
+            known = [f.alias or n for n, f in ExperimentFile.model_fields.items()]
+            raise DataError(f"{where}: there is no key {key!r}{nearest(key, known)}") from None
+        if first["type"] == "missing":
+            raise DataError(f"{where}: the key {key!r} is missing") from None
+        raise DataError(f"{where}: {key} = {first['input']!r}: {first['msg']}") from None
+    return Experiment(
+        study=file.study,
+        controller=file.controller,
+        scenario=file.scenario,
+        changes=dict(flat(file.changes)),
+        duration_s=file.duration,
+        engine=file.engine,
+        every=file.every,
+        record=None if file.record is None else tuple(file.record),
+        seed=file.seed,
+        source=where,
+    )
+
+
+def flat(table: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, Any]]:
+    """Nested tables as dotted keys."""
+    for key, value in table.items():
+        if isinstance(value, Mapping):
+            yield from flat(value, f"{prefix}{key}.")
+        else:
+            yield f"{prefix}{key}", value

@@ -1,0 +1,129 @@
+"""Runs a saved run again and compares it bit for bit."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from leadscrew.experiment import Experiment
+from leadscrew.kernel.errors import DataError, LeadscrewError
+from leadscrew.kernel.run import load
+
+if TYPE_CHECKING:
+    from leadscrew.kernel.loop import Loop
+
+
+@dataclass(frozen=True)
+class Replay:
+    """What came of it."""
+
+    folder: Path
+    identical: bool
+    difference: str
+    """Where the two part first, in words; empty where they do not."""
+    causes: tuple[str, ...]
+    """What is known to differ from when the run was saved: versions, platform, source of the blocks."""
+    rows: int
+    signals: tuple[str, ...]
+    wall_s: float
+
+
+def replay(folder: str | Path) -> Replay:
+    """Builds the loop of a run folder again from its manifest, runs it, compares every signal bit for bit.
+
+    Raises:
+        DataError: no run folder, or its manifest does not say how to build the loop.
+    """
+    manifest, saved = load(folder)
+    path = Path(folder)
+    path = path.parent if path.name == "run.json" else path
+    loop = rebuilt(manifest, str(path))
+    try:
+        number, every, engine = int(manifest["run"]), int(manifest["every"]), str(manifest["engine"])
+        duration, start = float(manifest["duration_s"]), float(manifest["start_s"])
+        record = [name for name in manifest["record"] if name != "time"]
+    except (KeyError, TypeError, ValueError) as error:
+        raise _malformed(str(path), error) from None
+    if start != 0.0:
+        raise DataError(f"{path} is a part of a live loop, from t = {start:g} s on; only runs from 0 can be replayed")
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        run = loop.run(duration, record=record, every=every if saved else 0, engine=engine, run=number)
+    difference = first_difference(saved, run.signals) or _other_end(manifest, run)
+    return Replay(
+        path, not difference, difference, _causes(manifest, loop.manifest(engine)), len(saved.get("time", ())),
+        tuple(saved), run.wall_s,
+    )  # fmt: skip
+
+
+def rebuilt(manifest: Mapping[str, Any], where: str) -> Loop:
+    """The loop of a manifest: built as its origin says, then with every parameter as saved."""
+    origin = manifest.get("origin")
+    if not isinstance(origin, dict) or not origin.get("study"):
+        raise DataError(
+            f"{where}/run.json does not say how to build its loop (origin is empty): it was made in Python, "
+            "not by leadscrew simulate or run"
+        )
+    try:
+        experiment = Experiment(
+            origin["study"], origin.get("controller"), origin.get("scenario"), origin.get("changes") or {}
+        )
+        saved, seed, bound = dict(manifest["parameters"]), manifest["seed"], manifest["bound"]
+    except (KeyError, TypeError, ValueError) as error:
+        raise _malformed(where, error) from None
+    try:
+        loop = experiment.loop()
+        now = loop.parameters
+        changed = {k: v for k, v in saved.items() if k not in now or not np.array_equal(now[k], v)}
+        loop = loop.using(changed, seed=seed, **({} if bound is None else {"bound": bound}))
+    except LeadscrewError as error:
+        raise type(error)(f"{where}/run.json: {error}") from error
+    loop.origin = origin
+    return loop
+
+
+def _malformed(where: str, error: Exception) -> DataError:
+    return DataError(f"{where}/run.json: is not a whole manifest ({type(error).__name__}: {error})")
+
+
+def first_difference(saved: Mapping[str, np.ndarray], now: Mapping[str, np.ndarray]) -> str:
+    """The earliest row in which two sets of signals differ in any bit, in words; empty where they are the same."""
+    if list(saved) != list(now):
+        odd = sorted(set(saved) ^ set(now)) or ["their order"]
+        return f"the recorded signals differ: {', '.join(odd)}"
+    found: tuple[int, str] | None = None
+    for name, values in saved.items():
+        a, b = (np.ascontiguousarray(x, dtype=np.float64).view(np.uint64) for x in (values, now[name]))
+        n = min(len(a), len(b))
+        rows = np.flatnonzero(a[:n] != b[:n])
+        if rows.size and (found is None or rows[0] < found[0]):
+            found = (int(rows[0]), name)
+    if found is not None:
+        row, name = found
+        time = f", t = {saved['time'][row]:g} s" if "time" in saved else ""
+        return f"{name} at row {row}{time}: saved {float(saved[name][row])!r}, now {float(now[name][row])!r}"
+    lengths = {len(v) for v in saved.values()}, {len(v) for v in now.values()}
+    return "" if lengths[0] == lengths[1] else f"saved {max(lengths[0])} rows, now {max(lengths[1])}"
+
+
+def _other_end(manifest: Mapping[str, Any], run: Any) -> str:
+    """How the two runs end differently, where no signal shows it."""
+    if (manifest.get("diverged") is None) != (run.diverged is None):
+        return f"saved {'without' if manifest.get('diverged') is None else 'with'} divergence, now the other way round"
+    metrics = manifest.get("metrics") or {}
+    for name, value in run.metrics.items():
+        now = value if np.isfinite(value) else None
+        if name in metrics and metrics[name] != now:
+            return f"metric {name}: saved {metrics[name]!r}, now {now!r}"
+    return ""
+
+
+def _causes(saved: Mapping[str, Any], now: Mapping[str, Any]) -> tuple[str, ...]:
+    names = ("leadscrew", "module", "period_s", "sample_s", "substeps", "method", "computation_delay_s",
+             "transport_delay_s", "blocks", "platform", "versions")  # fmt: skip
+    return tuple(f"{n}: saved {saved.get(n)}, now {now[n]}" for n in names if saved.get(n) != now[n])

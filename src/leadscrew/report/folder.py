@@ -1,0 +1,163 @@
+"""The folder of a report: ``report.html``, ``report.json`` and the runs, there when complete and replaced at once."""
+
+from __future__ import annotations
+
+import json
+import platform
+import re
+import shutil
+import tempfile
+import time
+from collections.abc import Callable
+from importlib.metadata import version
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from leadscrew.kernel.errors import DataError
+from leadscrew.report.claim import SCHEMA_VERSION
+from leadscrew.report.strict import strict
+
+if TYPE_CHECKING:
+    from leadscrew.studies.study import Study, StudyResult
+
+KIND = "leadscrew report"
+"""By this, in its ``report.json``, a folder is known to be ours to replace."""
+
+
+def claimable(folder: str | Path) -> Path:
+    """The folder, if a report may be written there: it does not exist, is empty, or holds an older report.
+
+    Raises:
+        DataError: it holds something else, or cannot be written.
+    """
+    target = Path(folder)
+    try:
+        if target.is_symlink() or (target.exists() and not target.is_dir()):
+            raise DataError(f"{target} is not a folder; choose another place for the report")
+        if target.exists() and any(target.iterdir()) and not _is_report(target):
+            raise DataError(f"{target} holds something that is not a report of ours; choose another folder")
+        target.parent.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryFile(dir=target.parent):
+            pass
+    except (OSError, ValueError) as error:
+        if isinstance(error, DataError):
+            raise
+        raise DataError(f"{target} cannot be written: {getattr(error, 'strerror', None) or error}") from None
+    return target
+
+
+def _is_report(folder: Path) -> bool:
+    try:
+        found = json.loads((folder / "report.json").read_text(encoding="utf-8"))
+    except (OSError, ValueError):
+        return False
+    return isinstance(found, dict) and found.get("kind") == KIND and "schema_version" in found
+
+
+def summary(study: Study, result: StudyResult, wall_s: float, report: Path) -> dict[str, Any]:
+    """The result as the one JSON object that ``leadscrew run --json`` prints."""
+    from leadscrew import __version__
+
+    found: dict[str, Any] = strict(
+        {
+            "study": study.name,
+            "version": __version__,
+            "schema_version": SCHEMA_VERSION,
+            "wall_s": wall_s,
+            "claims": [c.as_dict() for c in result.claims],
+            "report": str(report),
+        }
+    )
+    return found
+
+
+def write(
+    study: Study,
+    result: StudyResult,
+    folder: str | Path,
+    *,
+    wall_s: float,
+    origin: str,
+    figures: bool = True,
+    progress: Callable[[str, float], None] = lambda what, done: None,
+) -> Path:
+    """Writes the report beside ``folder``, then puts it in its place; ``origin`` is the name that found the study.
+
+    Raises:
+        DataError: see :func:`claimable`; or the disk refuses.
+    """
+    target = claimable(folder)
+    beside = Path(tempfile.mkdtemp(prefix=f".{target.name}-", suffix=".partial", dir=target.parent))
+    try:
+        _fill(beside, study, result, wall_s, origin, figures, progress, target)
+        beside.chmod(0o755)
+        _replace(target, beside)
+    except OSError as error:
+        raise DataError(f"{target} cannot be written: {error.strerror or error}") from None
+    finally:
+        shutil.rmtree(beside, ignore_errors=True)
+    return target
+
+
+def _fill(
+    beside: Path,
+    study: Study,
+    result: StudyResult,
+    wall_s: float,
+    origin: str,
+    figures: bool,
+    progress: Callable[[str, float], None],
+    target: Path,
+) -> None:
+    from leadscrew.report.html import render
+
+    saved = {key: run for key, run in result.runs.items() if hasattr(run, "save")}
+    folders = {}
+    for at, (key, run) in enumerate(saved.items()):
+        progress(f"saving {key}", at / len(saved))
+        scenario, _, controller = key.partition("/")
+        if not run.loop.origin:
+            run.loop.origin = {"study": origin, "controller": controller, "scenario": scenario, "changes": {}}
+        name = re.sub(r"[^\w.-]+", "_", f"{scenario}__{controller}" if controller else scenario)
+        folders[key] = f"runs/{name}"
+        run.save(beside / "runs" / name)
+    progress("drawing", 1.0)
+    page = render(
+        study,
+        result,
+        manifest=manifest(wall_s) | {"command": f"leadscrew run {origin} --out {target}"},
+        folders=folders,
+        pictures=result.pictures if figures else (),
+    )
+    (beside / "report.html").write_text(page, encoding="utf-8", newline="\n")
+    found = {"kind": KIND, **summary(study, result, wall_s, target / "report.html"), "manifest": manifest(wall_s)}
+    (beside / "report.json").write_text(json.dumps(found, indent=1, allow_nan=False), encoding="utf-8", newline="\n")
+
+
+def manifest(wall_s: float) -> dict[str, Any]:
+    """What the report was made with."""
+    from leadscrew import __version__
+
+    return {
+        "leadscrew": __version__,
+        "created": time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime()),
+        "wall time of the study": f"{wall_s:.2f} s",
+        "platform": f"{platform.system()} {platform.machine()}, Python {platform.python_version()}",
+        **{p: version(p) for p in ("numba", "numpy", "scipy")},
+    }
+
+
+def _replace(target: Path, beside: Path) -> None:
+    """Puts a finished folder in the place of an older one, which stays until the new one stands."""
+    if not target.exists():
+        beside.rename(target)
+        return
+    aside = Path(tempfile.mkdtemp(prefix=f".{target.name}-", suffix=".old", dir=target.parent))
+    target.rename(aside / "report")
+    try:
+        beside.rename(target)
+    except OSError:
+        (aside / "report").rename(target)
+        raise
+    finally:
+        shutil.rmtree(aside, ignore_errors=True)

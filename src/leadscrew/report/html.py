@@ -1,0 +1,62 @@
+"""The report of a study as one HTML file that opens anywhere, offline: figures and style are inside."""
+
+from __future__ import annotations
+
+import base64
+import io
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+from leadscrew.report import tables
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from leadscrew.studies.study import Picture, Study, StudyResult
+
+LARGEST_SVG = 600_000
+"""Bytes; a figure with more points than that is embedded as a picture of 160 dots an inch."""
+
+
+def embedded(figure: Figure, name: str) -> str:
+    """A figure as the ``src`` of an image; the same figure gives the same text."""
+    from matplotlib import rc_context
+
+    buffer = io.BytesIO()
+    with rc_context({"svg.hashsalt": name}):
+        figure.savefig(buffer, format="svg", metadata={"Date": None})
+    kind = "svg+xml"
+    if buffer.tell() > LARGEST_SVG:
+        buffer = io.BytesIO()
+        figure.savefig(buffer, format="png", dpi=160)
+        kind = "png"
+    return f"data:image/{kind};base64,{base64.b64encode(buffer.getvalue()).decode('ascii')}"
+
+
+def render(
+    study: Study,
+    result: StudyResult,
+    *,
+    manifest: Mapping[str, Any],
+    folders: Mapping[str, str],
+    pictures: Sequence[Picture] = (),
+) -> str:
+    """The page. ``folders`` are the run folders beside it, by the key of the run."""
+    from jinja2 import Environment, PackageLoader, StrictUndefined
+
+    environment = Environment(
+        loader=PackageLoader("leadscrew.report"), autoescape=True, undefined=StrictUndefined, trim_blocks=True,
+        lstrip_blocks=True,
+    )  # fmt: skip
+    environment.filters["number"] = tables.number
+    drawn = [(p.name, p.caption, embedded(p.draw(), p.name)) for p in pictures]
+    rows = [(c, tables.three_columns(c), tables.target(c), tables.met(c)) for c in result.claims]
+    runs = [
+        (key, folders[key], run.duration, run.diverged, tables.metric_rows(run.loop, run.metrics))
+        for key, run in result.runs.items()
+        if key in folders
+    ]
+    return environment.get_template("report.html.j2").render(
+        study=study, result=result, rows=rows, tally=tables.tally(result.claims), missed=tables.missed(result.claims),
+        pictures=drawn, runs=runs, manifest=manifest,
+    )  # fmt: skip

@@ -1,0 +1,44 @@
+"""How plots look everywhere: one colour a controller, one line a kind of source.
+
+Colours are those of Okabe and Ito (*Color Universal Design*, 2008), told apart with every common colour blindness.
+Lines say whose result it is: dotted what the paper says, dashed the paper's controller as printed, solid corrected or
+ours.
+"""
+
+from __future__ import annotations
+
+from zlib import crc32
+
+BLACK, ORANGE, SKY, GREEN, YELLOW, BLUE, VERMILION, PURPLE = (
+    "#000000", "#E69F00", "#56B4E9", "#009E73", "#F0E442", "#0072B2", "#D55E00", "#CC79A7",
+)  # fmt: skip
+
+LINES = {"paper says": ":", "paper": "--", "corrected": "-", "ours": "-"}
+"""Line style by the part of a controller's name before the dot."""
+
+COLOURS = {
+    "paper says": BLACK,
+    "paper.vud": VERMILION,
+    "corrected.vud_beta_e": BLUE,
+    "corrected.vud_beta_e_half": SKY,
+    "ours.original_fit": ORANGE,
+    "ours.pd": GREEN,
+}
+"""Colour by controller, kept across all figures; others get one of the rest by their name."""
+
+_OTHERS = (PURPLE, GREEN, ORANGE, SKY, BLUE, VERMILION)
+
+
+def colour(controller: str) -> str:
+    """The colour of a controller, the same in every figure and every session."""
+    return COLOURS.get(controller) or _OTHERS[crc32(controller.encode()) % len(_OTHERS)]
+
+
+def line(controller: str) -> str:
+    """The line style of a controller: by whose it is."""
+    return LINES.get(controller.split(".")[0], "-")
+
+
+def pen(controller: str, label: str | None = "") -> dict[str, str | None]:
+    """Keyword arguments for a plotted line: ``axes.plot(t, x, **pen("paper.vud"))``; the label is the name."""
+    return {"color": colour(controller), "linestyle": line(controller), "label": controller if label == "" else label}

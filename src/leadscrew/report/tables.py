@@ -1,0 +1,208 @@
+"""Results as rows of words: what the terminal and the HTML report both show."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections import Counter
+from collections.abc import Iterable, Mapping
+from dataclasses import asdict, dataclass, replace
+from typing import TYPE_CHECKING, Any, NamedTuple, get_args
+
+from leadscrew.kernel.sheet import Entry, entries
+from leadscrew.report.claim import Claim, Verdict
+
+if TYPE_CHECKING:
+    from leadscrew.kernel.block import Block
+    from leadscrew.kernel.loop import Loop
+    from leadscrew.studies.study import Study
+
+NOTHING = "–"
+
+
+def number(value: Any) -> str:
+    """A value for a table: six digits, or its words; a dash for what does not exist."""
+    if value is None:
+        return NOTHING
+    if isinstance(value, bool):
+        return "yes" if value else "no"
+    if isinstance(value, str):
+        return value or NOTHING
+    if hasattr(value, "shape") and value.shape:
+        return f"array {' x '.join(map(str, value.shape))}"
+    if isinstance(value, list | tuple):
+        return f"array of {len(value)}"
+    return NOTHING if math.isnan(value) else f"{value:.6g}"
+
+
+_ROLE = re.compile(r":\w+:`~?(?:[\w.]+\.)?(\w+)`")
+
+
+def plain(text: str) -> str:
+    """A docstring without the marks of the documentation."""
+    return _ROLE.sub(r"\1", text).replace("``", "")
+
+
+def first_line(text: str) -> str:
+    """The first line of a docstring, plain."""
+    return plain(text.strip().splitlines()[0].strip()) if text.strip() else ""
+
+
+# ---- claims
+def met(claim: Claim) -> str:
+    """Whether our own target is met, in a word."""
+    return {True: "yes", False: "NO", None: NOTHING}[None if claim.passed is None else bool(claim.passed)]
+
+
+def target(claim: Claim) -> str:
+    """What we asked of ourselves."""
+    if claim.target is None or claim.kind == "report":
+        return NOTHING
+    wanted = number(claim.target)
+    if claim.sense in ("yes/no", "order"):
+        return wanted
+    slack = f" ± {number(claim.tolerance)}" if claim.tolerance else ""
+    return f"{ {'<=': '≤ ', '>=': '≥ '}.get(claim.sense, '') }{wanted}{slack}"
+
+
+class ThreeColumns(NamedTuple):
+    """A claim's numbers by whose they are."""
+
+    paper_says: str
+    as_printed: str
+    corrected_or_ours: str
+
+
+def three_columns(claim: Claim) -> ThreeColumns:
+    """The paper's number, and ours in the column of the group that it belongs to."""
+    ours = number(claim.measured)
+    printed = claim.group == "as printed"
+    return ThreeColumns(number(claim.paper), ours if printed else "", "" if printed else ours)
+
+
+class Tally(NamedTuple):
+    """How a study came out."""
+
+    verdicts: dict[str, int]
+    required: int
+    required_met: int
+
+
+def tally(claims: Iterable[Claim]) -> Tally:
+    """Counts of verdicts, and of required targets met."""
+    claims = list(claims)
+    counted = Counter(c.verdict for c in claims)
+    required = [c for c in claims if c.kind == "required"]
+    return Tally(
+        {v: counted.get(v, 0) for v in get_args(Verdict)}, len(required), sum(c.passed is not False for c in required)
+    )
+
+
+def missed(claims: Iterable[Claim]) -> list[Claim]:
+    """The claims whose required target is missed."""
+    return [c for c in claims if c.kind == "required" and c.passed is not None and not c.passed]
+
+
+# ---- metrics and units
+def signal_unit(loop: Loop, signal: str) -> str:
+    """The unit of a loop's signal as far as its blocks say."""
+
+    def of(*slots: str) -> str:
+        return next((b.unit for s in slots if (b := loop.blocks[s]) is not None and b.unit), "")
+
+    root = signal.split(".")[0]
+    if root == "time":
+        return "s"
+    if root in ("output", "applied"):
+        return of("controller")
+    if root == "disturbance":
+        return of("disturbance")
+    return of("plant", "sensor", "reference")
+
+
+class MetricRow(NamedTuple):
+    """One metric of a run."""
+
+    name: str
+    value: float
+    unit: str
+    doc: str
+
+
+def metric_unit(loop: Loop, metric: Block) -> str:
+    """A metric's unit in this loop; a ``?`` stands where a block does not say its unit."""
+    unit = metric.unit
+    for mark, signal in (("[error]", "error"), ("[output]", "output")):
+        if mark in unit:
+            unit = unit.replace(mark, signal_unit(loop, signal) or "?")
+    return unit
+
+
+def metric_rows(loop: Loop, metrics: Mapping[str, float]) -> list[MetricRow]:
+    """The metrics of a run, with units."""
+    return [
+        MetricRow(name, float(value), metric_unit(loop, loop.metrics[name]), first_line(loop.metrics[name].doc))
+        for name, value in metrics.items()
+    ]
+
+
+# ---- what can be set
+@dataclass(frozen=True)
+class Setting:
+    """One parameter that can be set, and in which controllers or scenarios it is there with this default."""
+
+    entry: Entry
+    where: tuple[str, ...] = ()
+
+    def as_dict(self) -> dict[str, Any]:
+        """For JSON."""
+        row = asdict(self.entry)
+        row = {k: row[k] for k in ("key", "type", "default", "unit", "doc")}
+        return row | {"range": self.entry.range, "where": list(self.where)}
+
+
+def settings(study: Study) -> list[Setting]:
+    """Everything that can be set in a study, each distinct default once."""
+    controllers, scenarios = list(study.controllers), list(study.scenarios)
+    found: list[Setting] = []
+    for name in scenarios:
+        _merge(found, entries(study.scenarios[name].params, "scenario."), name)
+    for name in controllers:
+        _merge(found, _without(study.loop(name, scenarios[0]), "reference."), name)
+    for name in scenarios:
+        sheet = study.loop(controllers[0], name).sheet
+        _merge(found, (e for k, e in sheet.items() if k.startswith("reference.")), name)
+    whole = (set(controllers), set(scenarios))
+    found = [replace(s, where=()) if set(s.where) in whole else s for s in found]
+    order = ("scenario", "reference", "sensor", "controller", "actuator", "plant")
+    keys = list(dict.fromkeys(s.entry.key for s in found))
+
+    def place(setting: Setting) -> tuple[int, int]:
+        root = _root(setting)
+        return order.index(root) if root in order else len(order), keys.index(setting.entry.key)
+
+    return sorted(found, key=place)
+
+
+def _root(setting: Setting) -> str:
+    return setting.entry.key.split(".")[0]
+
+
+def _without(loop: Loop, prefix: str) -> Iterable[Entry]:
+    return (e for k, e in loop.sheet.items() if not k.startswith(prefix))
+
+
+def _merge(found: list[Setting], sheet: Iterable[Entry], name: str) -> None:
+    for entry in sheet:
+        for at, known in enumerate(found):
+            if _same(known.entry, entry):
+                found[at] = replace(known, where=(*known.where, name))
+                break
+        else:
+            found.append(Setting(entry, (name,)))
+
+
+def _same(a: Entry, b: Entry) -> bool:
+    import numpy as np
+
+    return a.key == b.key and (a.unit, a.range) == (b.unit, b.range) and np.array_equal(a.default, b.default)

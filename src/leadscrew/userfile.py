@@ -1,0 +1,103 @@
+"""Objects from a user's own file, named ``path/file.py:name``."""
+
+from __future__ import annotations
+
+import hashlib
+import importlib.util
+import re
+import sys
+import traceback
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+from leadscrew.kernel.errors import DataError, NameUnknown
+from leadscrew.kernel.sheet import nearest
+
+_REFERENCE = re.compile(r"(?P<path>.*\.py)(?::(?P<name>[^:/\\]*))?", re.DOTALL)
+_loaded: dict[Path, tuple[int, ModuleType]] = {}
+
+
+def is_reference(text: str) -> bool:
+    """Whether a name means a file."""
+    return _REFERENCE.fullmatch(text) is not None
+
+
+def absolute(reference: str, folder: Path | None = None) -> str:
+    """The reference with its path made absolute, from ``folder`` or the working directory; other names unchanged."""
+    found = _REFERENCE.fullmatch(reference)
+    if found is None:
+        return reference
+    path = ((folder or Path()) / Path(found["path"]).expanduser()).resolve()
+    return f"{path}:{found['name']}" if found["name"] else str(path)
+
+
+def load(reference: str) -> Any:
+    """The object that ``path/file.py:name`` names.
+
+    Raises:
+        DataError: no such file, or it does not load; names the line.
+        NameUnknown: no such name in it; names the nearest.
+    """
+    found = _REFERENCE.fullmatch(reference)
+    if found is None:
+        raise DataError(f"{reference!r}: expected path/file.py:name")
+    module = module_of(Path(found["path"]))
+    public = {k: v for k, v in vars(module).items() if not k.startswith("_")}
+    if not found["name"]:
+        raise NameUnknown(f"{found['path']}: say which object, as {found['path']}:NAME; it has {_listed(public)}")
+    if found["name"] not in public:
+        raise NameUnknown(f"{found['path']} has no {found['name']!r}{nearest(found['name'], _ours(public))}")
+    return public[found["name"]]
+
+
+def _ours(public: dict[str, Any]) -> list[str]:
+    """The names worth offering: not modules, classes or what a block file imports."""
+    helpers = ("leadscrew.kernel.", "typing", "__future__", "annotated_types")
+    return [
+        k
+        for k, v in public.items()
+        if (not isinstance(v, ModuleType | type) and not str(getattr(v, "__module__", "")).startswith(helpers))
+        or type(v).__name__ in ("Block", "Study", "Loop")
+    ]
+
+
+def _listed(public: dict[str, Any]) -> str:
+    return ", ".join(_ours(public)) or "none"
+
+
+def module_of(path: Path) -> ModuleType:
+    """A file as a module, read anew when it has changed; what lies beside it can be imported by it.
+
+    Raises:
+        DataError: no such file, or it does not load; names the line.
+    """
+    try:
+        whole = path.expanduser().resolve(strict=True)
+        stamp = whole.stat().st_mtime_ns
+    except (OSError, RuntimeError, ValueError):
+        raise DataError(f"there is no file {str(path)!r}") from None
+    if whole in _loaded and _loaded[whole][0] == stamp:
+        return _loaded[whole][1]
+    name = f"leadscrew_user_{whole.stem}_{hashlib.sha256(str(whole).encode()).hexdigest()[:12]}"
+    spec = importlib.util.spec_from_file_location(name, whole)
+    assert spec is not None and spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    if str(whole.parent) not in sys.path:
+        sys.path.append(str(whole.parent))
+    # NamedTuples look up their annotations through sys.modules.
+    sys.modules[name] = module
+    try:
+        spec.loader.exec_module(module)
+    except Exception as error:
+        del sys.modules[name]
+        raise DataError(f"{path}{_line(error, whole)} does not load: {type(error).__name__}: {error}") from error
+    _loaded[whole] = (stamp, module)
+    return module
+
+
+def _line(error: Exception, path: Path) -> str:
+    if isinstance(error, SyntaxError) and error.lineno:
+        return f":{error.lineno}"
+    lines = [f.lineno for f in traceback.extract_tb(error.__traceback__) if f.filename == str(path)]
+    return f":{lines[-1]}" if lines else ""

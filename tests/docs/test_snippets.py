@@ -1,0 +1,79 @@
+"""Every example that a reader sees works: the Python blocks and the commands of README and docs, and the notebook."""
+
+from __future__ import annotations
+
+import importlib.util
+import shlex
+import subprocess
+import sys
+from pathlib import Path
+
+import matplotlib
+import pytest
+
+from tests.docs.snippets import PAGES, ROOT, blocks, commands_of, python_of
+
+matplotlib.use("Agg")
+LONG = ("leadscrew demo", "leadscrew run", "leadscrew bench", "leadscrew cache clear")
+"""Commands that other tests run, or that would disturb this machine."""
+COMMANDS = list(dict.fromkeys(c for page in PAGES for c in commands_of(page) if not c.startswith(LONG)))
+
+
+@pytest.mark.parametrize("page", [p for p in PAGES if blocks(p, ("python",))], ids=lambda p: p.name)
+def test_python_of_page_runs(page: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    name = f"page_{page.stem.lower()}"
+    file = tmp_path / f"{name}.py"
+    file.write_text(python_of(page), encoding="utf-8")
+    monkeypatch.chdir(tmp_path)
+    spec = importlib.util.spec_from_file_location(name, file)
+    assert spec is not None and spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    monkeypatch.setitem(sys.modules, name, module)
+    spec.loader.exec_module(module)
+
+
+def test_first_loop_of_the_readme_is_short() -> None:
+    _, first = blocks(ROOT / "README.md", ("python",))[0]
+    assert len([line for line in first if line.strip()]) <= 25
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_command_of_a_page_runs(command: str, tmp_path: Path) -> None:
+    if importlib.util.find_spec("leadscrew.cli") is None:
+        pytest.skip("the command line is not there yet")
+    program = [sys.executable, "-c", "from leadscrew.cli import main; main()", *shlex.split(command)[1:]]
+    done = subprocess.run(program, cwd=tmp_path, capture_output=True, text=True, timeout=120)
+    assert done.returncode == 0, done.stdout + done.stderr
+
+
+def test_links_between_pages_lead_somewhere() -> None:
+    import re
+
+    for page in PAGES:
+        text = page.read_text(encoding="utf-8")
+        for target in re.findall(r"\]\(([^)#\s]+?\.(?:md|cff|png)|LICENSE|NOTICE)\)", text):
+            assert (page.parent / target).exists(), f"{page.name}: {target}"
+
+
+def test_notebook_runs(tmp_path: Path) -> None:
+    nbclient = pytest.importorskip("nbclient", reason="nbclient is missing: pip install leadscrew[dev]")
+    nbformat = pytest.importorskip("nbformat", reason="nbformat is missing: pip install leadscrew[dev]")
+    pytest.importorskip("ipykernel", reason="ipykernel is missing: pip install leadscrew[dev]")
+    from jupyter_client.kernelspec import KernelSpec
+    from jupyter_client.manager import AsyncKernelManager
+
+    class ThisPython(AsyncKernelManager):
+        """A kernel of the Python that runs the tests, whatever kernels are installed for the user."""
+
+        @property
+        def kernel_spec(self) -> KernelSpec:
+            argv = [sys.executable, "-m", "ipykernel_launcher", "-f", "{connection_file}"]
+            return KernelSpec(argv=argv, display_name="Python", language="python")
+
+    notebook = nbformat.read(ROOT / "docs" / "notebooks" / "first_loop.ipynb", as_version=4)
+    client = nbclient.NotebookClient(
+        notebook, timeout=180, kernel_manager_class=ThisPython, resources={"metadata": {"path": str(tmp_path)}}
+    )
+    client.execute()
+    shown = [out for cell in notebook.cells if cell.cell_type == "code" for out in cell.outputs]
+    assert any("text/html" in out.get("data", {}) for out in shown), "a run shows a table"
