@@ -38,11 +38,11 @@ def same(a: np.ndarray, b: np.ndarray) -> bool:
 
 
 @pytest.mark.parametrize("name", LOOPS)
-def test_python_and_numba_give_the_same_bits_on_every_signal_and_state(name):
+def test_python_and_machine_code_give_the_same_bits_on_every_signal_and_state(name):
     loop = made(name)
     every_column = loop.program.plan.columns
     a = loop.run(0.3, record=every_column, engine="python")
-    b = loop.run(0.3, record=every_column, engine="numba")
+    b = loop.run(0.3, record=every_column, engine="llvm")
     assert a.diverged is None
     for column in every_column:
         assert same(a[column], b[column]), column
@@ -50,6 +50,14 @@ def test_python_and_numba_give_the_same_bits_on_every_signal_and_state(name):
     assert dict(a.metrics) == dict(b.metrics) or all(
         x == y or (np.isnan(x) and np.isnan(y)) for x, y in zip(a.metrics.values(), b.metrics.values(), strict=True)
     )
+
+
+@pytest.mark.parametrize("name", [n if n in ("pid", "delays") else pytest.param(n, marks=pytest.mark.slow) for n in LOOPS])
+def test_numba_gives_the_same_bits_as_our_own_lowering(name):
+    loop = made(name)
+    a, b = (loop.run(0.3, engine=e) for e in ("llvm", "numba"))
+    for column in a.signals:
+        assert same(a[column], b[column]), column
 
 
 @pytest.mark.parametrize("name", LOOPS)

@@ -8,6 +8,7 @@ from importlib.util import find_spec
 import numpy as np
 
 from leadscrew.bench import plain
+from leadscrew.bench.loops import SUBSTEPS
 from leadscrew.bench.yardstick import Lathe
 
 
@@ -44,6 +45,23 @@ def python_control(p: Lathe, periods: int) -> np.ndarray:
     return np.asarray(control.input_output_response(system, time, np.zeros(periods), np.zeros(7)).outputs).ravel()
 
 
+def python_control_rk4(p: Lathe, periods: int) -> np.ndarray:
+    """The same with RK4 at a tenth of the period, the controller at every tenth step."""
+    import control
+
+    law, h = plain.Controller(p), p.period / SUBSTEPS
+
+    def update(t, x, u, params):
+        law.e, law.started = float(x[5]), float(x[6])
+        duty = float(x[7]) if round(t / h) % SUBSTEPS else law.duty(float(x[4]))
+        return np.array([*plain.rk4_step(p, x[:5].tolist(), duty, h), law.e, 1.0, duty])
+
+    system = control.NonlinearIOSystem(update, lambda t, x, u, params: x[3:4], inputs=1, outputs=1, states=8, dt=h)
+    steps = periods * SUBSTEPS
+    found = control.input_output_response(system, np.arange(steps) * h, np.zeros(steps), np.zeros(8)).outputs
+    return np.asarray(found).ravel()[::SUBSTEPS]
+
+
 def pathsim(p: Lathe, periods: int) -> np.ndarray:
     """PathSim with a sampled controller and RK4 at a tenth of the period."""
     from pathsim import Connection, Simulation
@@ -55,7 +73,7 @@ def pathsim(p: Lathe, periods: int) -> np.ndarray:
     held = Wrapper(lambda reading: law.duty(float(reading)), T=p.period)
     scope = Scope(sampling_period=p.period)
     links = [Connection(axis[4], held), Connection(held, axis), Connection(axis[3], scope)]
-    simulation = Simulation([axis, held, scope], links, dt=p.period / 10, Solver=RK4, log=False)
+    simulation = Simulation([axis, held, scope], links, dt=p.period / SUBSTEPS, Solver=RK4, log=False)
     simulation.run(periods * p.period)
     return np.asarray(scope.read()[1])[0][:periods]
 
@@ -63,7 +81,8 @@ def pathsim(p: Lathe, periods: int) -> np.ndarray:
 PEERS: dict[str, tuple[str, str, Callable[[Lathe, int], np.ndarray]]] = {
     "solve_ivp RK45": ("scipy", "RK45, rtol 1e-6, per control period", lambda p, n: solve_ivp(p, n, "RK45", 1e-6, 1e-9)),
     "solve_ivp LSODA": ("scipy", "LSODA, rtol 1e-6, per control period", lambda p, n: solve_ivp(p, n, "LSODA", 1e-6, 1e-9)),
-    "python-control": ("control", "input_output_response, discrete 1 kHz, exact hold", python_control),
+    "python-control, hold": ("control", "input_output_response, discrete 1 kHz, exact hold", python_control),
+    "python-control, RK4": ("control", "input_output_response, discrete 10 kHz, RK4", python_control_rk4),
     "PathSim": ("pathsim", "RK4, 10 steps a period", pathsim),
 }
 

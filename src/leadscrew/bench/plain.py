@@ -97,13 +97,44 @@ def hold(p: Lathe, periods: int) -> list[float]:
     return seen
 
 
-def rk4_substeps(p: Lathe, x: list[float], duty: float) -> list[float]:
-    """One period by RK4, for tools that only step."""
-    h = p.period / SUBSTEPS
-    for _ in range(SUBSTEPS):
-        k1 = rates(p, x, duty)
-        k2 = rates(p, [s + 0.5 * h * k for s, k in zip(x, k1, strict=True)], duty)
-        k3 = rates(p, [s + 0.5 * h * k for s, k in zip(x, k2, strict=True)], duty)
-        k4 = rates(p, [s + h * k for s, k in zip(x, k3, strict=True)], duty)
-        x = [s + h / 6.0 * (a + 2.0 * b + 2.0 * c + d) for s, a, b, c, d in zip(x, k1, k2, k3, k4, strict=True)]
-    return x
+def rk4(p: Lathe, periods: int) -> list[float]:
+    """The loop with RK4; positions at the start of each period."""
+    control = Controller(p)
+    duty_of = control.duty
+    t_p, t_e, t_m, t_g, dt, target, full = (
+        p.pwm_lag, p.electrical_lag, p.mechanical_lag, p.grating_lag, p.period, p.target, p.full_duty_speed,
+    )  # fmt: skip
+    h = dt / SUBSTEPS
+    half, sixth = 0.5 * h, h / 6.0
+    v = c = w = x = g = squares = absolutes = largest = 0.0
+    seen = []
+    for _ in range(periods):
+        seen.append(x)
+        drive = -full * duty_of(g)
+        size = abs(target - x)
+        squares += size * size * dt
+        absolutes += size * dt
+        largest = size if size > largest else largest
+        for _ in range(SUBSTEPS):
+            v1, c1, w1, x1, g1 = (drive - v) / t_p, (v - c) / t_e, (c - w) / t_m, w, (x - g) / t_g
+            v2, c2, w2, x2, g2 = v + half * v1, c + half * c1, w + half * w1, x + half * x1, g + half * g1
+            v2, c2, w2, x2, g2 = (drive - v2) / t_p, (v2 - c2) / t_e, (c2 - w2) / t_m, w2, (x2 - g2) / t_g
+            v3, c3, w3, x3, g3 = v + half * v2, c + half * c2, w + half * w2, x + half * x2, g + half * g2
+            v3, c3, w3, x3, g3 = (drive - v3) / t_p, (v3 - c3) / t_e, (c3 - w3) / t_m, w3, (x3 - g3) / t_g
+            v4, c4, w4, x4, g4 = v + h * v3, c + h * c3, w + h * w3, x + h * x3, g + h * g3
+            v4, c4, w4, x4, g4 = (drive - v4) / t_p, (v4 - c4) / t_e, (c4 - w4) / t_m, w4, (x4 - g4) / t_g
+            v += sixth * (v1 + 2.0 * v2 + 2.0 * v3 + v4)
+            c += sixth * (c1 + 2.0 * c2 + 2.0 * c3 + c4)
+            w += sixth * (w1 + 2.0 * w2 + 2.0 * w3 + w4)
+            x += sixth * (x1 + 2.0 * x2 + 2.0 * x3 + x4)
+            g += sixth * (g1 + 2.0 * g2 + 2.0 * g3 + g4)
+    return seen
+
+
+def rk4_step(p: Lathe, x: list[float], duty: float, h: float) -> list[float]:
+    """One RK4 step of the plant, for tools that only step."""
+    k1 = rates(p, x, duty)
+    k2 = rates(p, [s + 0.5 * h * k for s, k in zip(x, k1, strict=True)], duty)
+    k3 = rates(p, [s + 0.5 * h * k for s, k in zip(x, k2, strict=True)], duty)
+    k4 = rates(p, [s + h * k for s, k in zip(x, k3, strict=True)], duty)
+    return [s + h / 6.0 * (a + 2.0 * b + 2.0 * c + d) for s, a, b, c, d in zip(x, k1, k2, k3, k4, strict=True)]

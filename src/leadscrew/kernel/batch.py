@@ -13,6 +13,7 @@ import numpy as np
 from leadscrew.kernel import door
 from leadscrew.kernel.errors import NameUnknown, ValueRefused
 from leadscrew.kernel.linker import LANES
+from leadscrew.kernel.program import ENGINES
 from leadscrew.kernel.run import Metrics
 from leadscrew.kernel.sheet import nearest
 
@@ -158,7 +159,7 @@ def run_batch(
     rows = -(-periods // every) if names else 0
     if n * rows * len(names) * 8 > MEMORY:
         raise ValueRefused(f"recording {n} runs of {rows} rows of {len(names)} signals needs {n * rows * len(names) * 8 / 1e9:.0f} GB; record fewer, or a larger every")  # fmt: skip
-    engine = door.one_of("engine", engine or loop.engine, ["numba", "python"])
+    engine = door.one_of("engine", engine or loop.engine, list(ENGINES))
     if engine == "python":
         return _one_by_one(loop, duration, columns, n, names, every, first)
     program = loop.program
@@ -175,7 +176,8 @@ def run_batch(
 
     def work(low: int) -> None:
         span = np.array([low, min(n, low + chunk), periods, every, first], dtype=np.int64)
-        entry(*vectors, places, values, span, select, table, metrics, lost)
+        room = [np.empty(vectors[i].size * LANES) for i in (1, 3)]
+        entry(*vectors, *room, places, values, span, select, table, metrics, lost)
 
     def report(done: int) -> None:
         if progress is not None:

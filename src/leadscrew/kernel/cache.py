@@ -76,8 +76,28 @@ def store(text: str) -> Path:
     return path
 
 
+def read(name: str) -> bytes | None:
+    """A file of the cache, if it is there and whole: its last 32 bytes are the hash of the rest."""
+    try:
+        data = (directory() / name).read_bytes()
+    except OSError:
+        return None
+    code, mark = data[:-32], data[-32:]
+    return code if hashlib.sha256(code).digest() == mark else None
+
+
+def write(name: str, code: bytes) -> None:
+    """Puts a file into the cache, written beside and renamed."""
+    folder = directory()
+    _evict(folder)
+    handle, beside = tempfile.mkstemp(dir=folder, suffix=".tmp")
+    with os.fdopen(handle, "wb") as out:
+        out.write(code + hashlib.sha256(code).digest())
+    Path(beside).replace(folder / name)
+
+
 def _evict(folder: Path) -> None:
-    modules = sorted(folder.glob("loop_*.py"), key=lambda p: p.stat().st_mtime)
+    modules = sorted((p for p in folder.glob("loop_*") if p.suffix in (".py", ".o")), key=lambda p: p.stat().st_mtime)
     for path in modules[: max(0, len(modules) - LIMIT + 1)]:
         path.unlink(missing_ok=True)
         for compiled in (folder / "__pycache__").glob(f"{path.stem}.*"):
@@ -97,7 +117,7 @@ def info() -> CacheInfo:
     """What lies in the cache, all versions together."""
     base = root()
     files = [p for p in base.rglob("*") if p.is_file()] if base.exists() else []
-    modules = [p for p in files if p.name.startswith("loop_") and p.suffix == ".py"]
+    modules = [p for p in files if p.name.startswith("loop_") and p.suffix in (".py", ".o")]
     return CacheInfo(str(base), len(modules), sum(p.stat().st_size for p in files))
 
 

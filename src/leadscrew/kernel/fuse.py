@@ -11,8 +11,7 @@ import ast
 import copy
 from collections.abc import Mapping
 
-LIMIT = 6000
-"""Syntax nodes above which a function that is called more than once stays a function."""
+from leadscrew.kernel.returns import single_exit
 
 
 def _simple(node: ast.expr) -> bool:
@@ -43,9 +42,7 @@ class Fuser:
     """Fuses functions of one module; ``functions`` are the ones that may be fused, by name."""
 
     def __init__(self, functions: Mapping[str, ast.FunctionDef]) -> None:
-        self.functions = {
-            name: node for name, node in functions.items() if _returns(node) == 1 and isinstance(node.body[-1], ast.Return)
-        }
+        self.functions = {name: single_exit(node) for name, node in functions.items() if _returns(node)}
         self.assigned = {
             name: {n.id for n in ast.walk(node) if isinstance(n, ast.Name) and isinstance(n.ctx, ast.Store)}
             for name, node in self.functions.items()
@@ -76,7 +73,13 @@ class Fuser:
             node.iter = self.expression(node.iter, out)
             node.body = self.block(node.body)
         elif isinstance(node, ast.While):
+            before: list[ast.stmt] = []
+            test = self.expression(node.test, before)
             node.body = self.block(node.body)
+            node.test = test
+            if before:
+                node.test = ast.Constant(True)
+                node.body = [*before, ast.If(ast.UnaryOp(ast.Not(), test), [ast.Break()], []), *node.body]
         elif isinstance(node, ast.Assign):
             node.value = self.expression(node.value, out)
             node.targets = [self.expression(t, out) for t in node.targets]

@@ -53,7 +53,7 @@ class Loop:
         seed: of all noise.
         sample: interval between samples of a continuous loop, seconds.
         rtol, atol: tolerances of the adaptive integrator.
-        engine: ``numba`` or ``python``.
+        engine: ``llvm`` (the default), ``numba`` or ``python``; all give the same bits.
         name: for titles and manifests.
     """
 
@@ -78,7 +78,7 @@ class Loop:
         sample: float = 1e-3,
         rtol: float = 1e-6,
         atol: float = 1e-9,
-        engine: str = "numba",
+        engine: str = "llvm",
         name: str = "loop",
     ) -> None:
         given = (reference, disturbance, output_disturbance, sensor, controller, actuator, plant)

@@ -15,7 +15,15 @@ from leadscrew.kernel.errors import ValueRefused
 from leadscrew.kernel.linker import Linker, Plan
 from leadscrew.kernel.module import Module
 
-ENGINES = ("numba", "python")
+ENGINES = ("llvm", "numba", "python")
+RANKS: dict[str, dict[str, tuple[int, str]]] = {
+    "single": {"P": (1, "f"), "A": (1, "f"), "S": (1, "f"), "B": (1, "f"), "counters": (1, "i"), "select": (1, "i"),
+               "Y": (2, "f"), "M": (2, "f")},
+    "lanes": {"P": (1, "f"), "A": (1, "f"), "S": (1, "f"), "B": (1, "f"), "QA": (1, "f"), "ZB": (1, "f"),
+              "places": (1, "i"), "values": (2, "f"), "span": (1, "i"), "select": (1, "i"), "Y": (3, "f"), "M": (2, "f"),
+              "D": (1, "i")},
+}  # fmt: skip
+"""Dimensions and element (``f`` float, ``i`` integer) of what the entries take."""
 """The engines that run a loop."""
 
 
@@ -25,6 +33,7 @@ class Program:
     def __init__(self, plan: Plan) -> None:
         self.plan = plan
         self.module: Module = Linker(plan).link()
+        self._compiled: dict[str, Callable[..., Any]] = {}
 
     @cached_property
     def text(self) -> str:
@@ -56,12 +65,22 @@ class Program:
         Raises:
             ValueRefused: no such engine.
         """
+        if engine == "llvm":
+            return self._native(name)
         if engine == "numba":
             found: Callable[..., Any] = getattr(self._numba, name)
             return found
         if engine == "python":
             return self._overflow_as_ieee(self._python[name])
-        raise ValueRefused(f"engine = {engine!r}: there are {' and '.join(ENGINES)}")
+        raise ValueRefused(f"engine = {engine!r}: there are {', '.join(ENGINES)}")
+
+    def _native(self, name: str) -> Callable[..., Any]:
+        from leadscrew.kernel.native import compiled
+
+        if name not in self._compiled:
+            module, ranks = self.module, RANKS["single" if name == "single" else "lanes"]
+            self._compiled[name] = compiled(module.entries()[name], module.text((name,)), ranks, module.arrays())
+        return self._compiled[name]
 
     @staticmethod
     def _overflow_as_ieee(function: Callable[..., Any]) -> Callable[..., Any]:

@@ -4,18 +4,16 @@ Each stage of a period is a loop over lanes with the same step functions as the 
 on the stack: the compiler then knows that no store touches a rule table.
 """
 
-import numpy as np
-
 from leadscrew.kernel.bits import stack_array2
 from leadscrew.kernel.drivers import holes
 from leadscrew.kernel.drivers.period import sample
 
 
-def lanes(P, A, S, B, places, values, span, select, Y, M, D):
+def lanes(P, A, S, B, QA, ZB, places, values, span, select, Y, M, D):
     """Runs ``span[0]`` to ``span[1]`` (offset ``span[4]`` in the noise) for ``span[2]`` periods, recording every ``span[3]``.
 
     ``values[v, run]`` replaces the number at ``places[v]`` of parameters, array parameters, state and array state laid
-    end to end. ``D[run]`` becomes the period in which a run diverged, else it stays -1.
+    end to end. ``QA`` and ``ZB`` are room for the array parameters and states of all lanes. ``D[run]`` becomes the period in which a run diverged, else it stays -1.
     """
     width = holes.LANES
     Q = stack_array2(holes.PARAMS, holes.LANES)
@@ -23,8 +21,6 @@ def lanes(P, A, S, B, places, values, span, select, Y, M, D):
     U = stack_array2(holes.DRIVES, holes.LANES)
     H = stack_array2(1, holes.LANES)
     R = stack_array2(holes.ROW, holes.LANES)
-    QA = np.empty(A.shape[0] * width)
-    ZB = np.empty(B.shape[0] * width)
     end_p = P.shape[0]
     end_a = end_p + A.shape[0]
     end_s = end_a + S.shape[0]

@@ -1,0 +1,58 @@
+"""What the tests of the command line share."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+from typer.testing import CliRunner, Result
+
+from leadscrew.cli import app
+
+FILE = Path(__file__).parent / "plain_study.py"
+
+
+@pytest.fixture
+def study() -> str:
+    """The name of the tiny study."""
+    return f"{FILE}:STUDY"
+
+
+@pytest.fixture
+def call() -> Callable[..., Result]:
+    """Calls the command line in this process."""
+    runner = CliRunner()
+
+    def run(*args: object, code: int | None = 0) -> Result:
+        result = runner.invoke(app, [str(a) for a in args])
+        if code is not None:
+            assert result.exit_code == code, result.output
+        return result
+
+    return run
+
+
+@pytest.fixture
+def refused(call: Callable[..., Result]) -> Callable[..., str]:
+    """Calls the command line with something that it refuses; gives the one line on stderr."""
+
+    def run(*args: object) -> str:
+        result = call(*args, code=2)
+        assert result.stdout == ""
+        assert result.stderr.count("\n") == 1, result.stderr
+        return result.stderr
+
+    return run
+
+
+def strict_json(text: str) -> Any:
+    """The one JSON object on stdout; NaN and Infinity are errors."""
+
+    def no(name: str) -> None:
+        raise AssertionError(f"{name} in JSON")
+
+    assert text.count("\n") == 1
+    return json.loads(text, parse_constant=no)

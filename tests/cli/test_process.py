@@ -1,0 +1,103 @@
+"""The program as a process: what it imports, pipes, Ctrl-C, SIGKILL."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import time
+
+import pytest
+
+from leadscrew.kernel.errors import DataError
+from leadscrew.kernel.run import load
+from tests.cli.conftest import FILE
+
+HEAVY = ("numpy", "numba", "scipy", "matplotlib", "pyarrow", "pydantic", "jinja2")
+
+
+def program(*args, **options):
+    return subprocess.run([sys.executable, *args], capture_output=True, text=True, timeout=60, **options)
+
+
+@pytest.mark.parametrize("args", ["--help", "simulate --help", "--version", "cache info"])
+def test_help_imports_nothing_heavy(args):
+    code = (
+        "import sys\nfrom leadscrew.cli import app\n"
+        f"try:\n    app({args.split()!r})\nexcept SystemExit as stop:\n    assert not stop.code\n"
+        f"print(sorted({set(HEAVY)!r} & set(sys.modules)))"
+    )
+    done = program("-c", code)
+    assert done.stdout.splitlines()[-1] == "[]", done.stdout + done.stderr
+
+
+def test_bad_input_ends_with_code_2_and_one_line():
+    done = program("-m", "leadscrew", "list", "no\nsuch \udcff thing")
+    assert done.returncode == 2 and done.stdout == ""
+    assert done.stderr.startswith("leadscrew: ") and done.stderr.count("\n") == 1
+    assert "Traceback" in program("-m", "leadscrew", "--debug", "list", "nothing").stderr
+
+
+def test_a_fault_of_ours_is_not_mistaken_for_a_missed_target():
+    code = "from leadscrew import cli, catalogue\ncatalogue.study_names = None\nimport sys\nsys.argv = ['x', 'list']\ncli.main()"
+    done = program("-c", code)
+    assert done.returncode == 70 and "Traceback" in done.stderr
+
+
+@pytest.mark.skipif(os.name != "posix", reason="pipes and signals of POSIX")
+def test_a_closed_pipe_is_quiet():
+    done = program("-m", "leadscrew", "list", stdout_closed=True) if False else None
+    with subprocess.Popen(
+        [sys.executable, "-m", "leadscrew", "list", "vud_lathe"], stdout=subprocess.PIPE, stderr=subprocess.PIPE
+    ) as process:
+        process.stdout.close()
+        said = process.stderr.read()
+        code = process.wait(60)
+    assert done is None and said == b"" and code == 141
+
+
+@pytest.mark.skipif(os.name != "posix", reason="pipes and signals of POSIX")
+def test_ctrl_c_is_quiet(tmp_path):
+    slow = tmp_path / "slow.py"
+    slow.write_text(f"import time\nprint('there', flush=True)\ntime.sleep(60)\n# {FILE}\n")
+    with subprocess.Popen(
+        [sys.executable, "-m", "leadscrew", "list", f"{slow}:x"], stdout=subprocess.PIPE, stderr=subprocess.PIPE
+    ) as process:
+        assert process.stdout.readline() == b"there\n"
+        process.send_signal(signal.SIGINT)
+        said = process.stderr.read()
+        code = process.wait(60)
+    assert said == b"" and code == 130
+
+
+SAVING = f"""
+import sys
+sys.path.insert(0, {str(FILE.parent)!r})
+from plain_study import LOOP
+run = LOOP.run(0.2)
+print("ready", flush=True)
+for k in range(100_000):
+    run.save(f"{{sys.argv[1]}}/run{{k}}")
+"""
+
+
+@pytest.mark.skipif(os.name != "posix", reason="SIGKILL")
+def test_a_killed_save_leaves_nothing_that_passes_for_a_whole_run(tmp_path):
+    whole = 0
+    for attempt, delay in enumerate((0.011, 0.037, 0.05, 0.083)):
+        folder = tmp_path / str(attempt)
+        with subprocess.Popen([sys.executable, "-c", SAVING, str(folder)], stdout=subprocess.PIPE) as process:
+            assert process.stdout.readline() == b"ready\n"
+            time.sleep(delay)
+            process.kill()
+            process.wait(60)
+        for path in folder.iterdir() if folder.exists() else ():
+            if path.name.startswith("run"):
+                manifest, signals = load(path)
+                assert manifest["duration_s"] == 0.2 and len(signals["time"]) == 200
+                whole += 1
+            else:
+                with pytest.raises(DataError):
+                    load(path)
+    assert whole > 0

@@ -1,0 +1,132 @@
+"""The catalogue: every row resolves, every block has a row, plug-ins and files of one's own join."""
+
+from __future__ import annotations
+
+import importlib
+import pkgutil
+
+import pytest
+
+from leadscrew import catalogue, userfile
+from leadscrew.kernel.block import KINDS, Block
+from leadscrew.kernel.errors import BlockError, DataError, LeadscrewError, NameUnknown
+
+PACKAGES = ("references", "sensors", "actuators", "disturbances", "controllers", "plants")
+
+
+def test_every_row_is_a_block_of_its_name():
+    for name, block in catalogue.blocks().items():
+        assert isinstance(block, Block) and block.kind in KINDS
+        assert block.name == name.removeprefix("metrics.") and block.doc
+
+
+def test_every_row_of_the_other_tables_resolves():
+    assert all(callable(made) and made.__doc__ for made in catalogue.makers().values())
+    assert {catalogue.maker_kind(n) for n in catalogue.MAKERS} <= set(KINDS)
+    for name in catalogue.STUDIES:
+        assert catalogue.study(name).name == name
+
+
+def test_every_block_of_the_library_has_a_row():
+    known = {target.replace(":", ".") for target in catalogue.BLOCKS.values()}
+    missing = []
+    for package in PACKAGES:
+        home = importlib.import_module(f"leadscrew.{package}")
+        for info in pkgutil.walk_packages(home.__path__, f"{home.__name__}."):
+            module = importlib.import_module(info.name)
+            for name, found in vars(module).items():
+                if isinstance(found, Block) and found.step.__module__ == info.name and not name.startswith("_"):
+                    missing += [f"{info.name}.{name}"] if f"{info.name}.{name}" not in known else []
+    assert not missing, f"give these blocks a row in leadscrew/catalogue.py: {missing}"
+
+
+def test_every_standard_metric_has_a_row():
+    from leadscrew.kernel.metrics import STANDARD
+
+    assert {n.removeprefix("metrics.") for n in catalogue.BLOCKS if n.startswith("metrics.")} == set(STANDARD)
+
+
+def test_an_unknown_name_gets_the_nearest():
+    with pytest.raises(NameUnknown, match="did you mean .*lathe_servo"):
+        catalogue.block("lathe_srvo")
+    with pytest.raises(NameUnknown, match="vud_lathe"):
+        catalogue.study("vud")
+    with pytest.raises(BlockError, match="state_space"):
+        catalogue.block("state_space")
+    with pytest.raises(BlockError, match="is a reference, not a controller"):
+        catalogue.block("sine", "controller")
+
+
+MINE = '''
+from typing import NamedTuple
+from leadscrew.kernel.block import controller
+
+class MineParams(NamedTuple):
+    """Gain."""
+    kp: float = 3.0
+
+@controller(MineParams())
+def mine(p, command, feedback):
+    """My own."""
+    return p.kp * (command - feedback)
+
+number = 3
+'''
+
+
+def test_an_installed_package_joins(tmp_path, monkeypatch):
+    (tmp_path / "my_blocks.py").write_text(MINE)
+    info = tmp_path / "my_blocks-1.0.dist-info"
+    info.mkdir()
+    (info / "METADATA").write_text("Metadata-Version: 2.1\nName: my-blocks\nVersion: 1.0\n")
+    (info / "entry_points.txt").write_text(
+        "[leadscrew.blocks]\nmine = my_blocks:mine\ngone = my_blocks:gone\nnumber = my_blocks:number\n"
+    )
+    monkeypatch.syspath_prepend(str(tmp_path))
+    assert catalogue.block("mine").params.kp == 3.0
+    assert "mine" in catalogue.block_names() and "mine" not in catalogue.study_names()
+    with pytest.raises(LeadscrewError, match=r"plug-in 'gone' .*cannot be loaded"):
+        catalogue.block("gone")
+    with pytest.raises(BlockError, match="is a int, not a block"):
+        catalogue.block("number")
+    with pytest.raises(NameUnknown, match="mine"):
+        catalogue.block("miner")
+
+
+def test_a_block_of_ones_own_file(tmp_path):
+    path = tmp_path / "mine.py"
+    path.write_text(MINE)
+    assert catalogue.block(f"{path}:mine").params.kp == 3.0
+    with pytest.raises(NameUnknown, match="did you mean mine"):
+        catalogue.block(f"{path}:mines")
+    with pytest.raises(NameUnknown, match="it has .*mine"):
+        catalogue.block(str(path))
+    with pytest.raises(BlockError, match="is a int, not a block"):
+        catalogue.block(f"{path}:number")
+    with pytest.raises(BlockError, match="not a study"):
+        catalogue.study(f"{path}:mine")
+    with pytest.raises(DataError, match="there is no file"):
+        catalogue.block(f"{tmp_path}/none.py:mine")
+
+
+def test_a_file_that_does_not_load_is_refused_with_its_line(tmp_path):
+    path = tmp_path / "bad.py"
+    for text, words in (("x = 1\ny = (", "bad.py:2 does not load: SyntaxError"), ("\n\n1 / 0", "bad.py:3 .*ZeroDivision")):
+        path.write_text(text)
+        with pytest.raises(DataError, match=words):
+            catalogue.block(f"{path}:x")
+
+
+def test_a_file_may_import_what_lies_beside_it_and_is_read_anew_when_changed(tmp_path):
+    (tmp_path / "gains_beside_mine.py").write_text("KP = 5.0\n")
+    path = tmp_path / "mine.py"
+    path.write_text("from gains_beside_mine import KP\n" + MINE.replace("3.0", "KP"))
+    assert catalogue.block(f"{path}:mine").params.kp == 5.0
+    path.write_text(MINE.replace("3.0", "4.0"))
+    assert catalogue.block(f"{path}:mine").params.kp == 4.0
+
+
+def test_names_of_files_are_told_from_others():
+    assert userfile.is_reference("a/b.py:c") and userfile.is_reference("b.py") and userfile.is_reference(r"C:\b.py:c")
+    assert not userfile.is_reference("sine") and not userfile.is_reference("b.toml")
+    assert userfile.absolute("sine") == "sine"
