@@ -8,6 +8,7 @@ Nothing is computed here: claims, figures and notes come from the study, sheets 
 from __future__ import annotations
 
 import csv
+import re
 import sys
 from collections import Counter
 from collections.abc import Iterable, Sequence
@@ -21,7 +22,8 @@ from leadscrew.studies.study import Study, StudyResult
 
 def cell(value: object) -> str:
     """A value inside a table of Markdown."""
-    return tables.number(value).replace("|", "\\|").replace("\n", " ").replace("<", "&lt;").replace("*", "\\*").replace("_", "\\_")
+    text = tables.number(value).replace("\n", " ").replace("<", "&lt;")
+    return re.sub(r"([|*_])", r"\\\1", text)
 
 
 def table(head: Sequence[str], rows: Iterable[Sequence[object]]) -> str:
@@ -55,10 +57,9 @@ def study_page(study: Study, folder: Path) -> str:
         f"# {study.title}",
         f"{study.paper}",
         study.summary,
-        "This page was written by the run that measured its numbers. All results are for a simulated plant; nothing here "
-        "is evidence about the real machine.",
-        "```console\n"
-        f"$ leadscrew run {study.name}\n$ leadscrew list {study.name}\n```",
+        "This page was written by the run that measured its numbers. All results are for a simulated plant; nothing "
+        "here is evidence about the real machine.",
+        f"```console\n$ leadscrew run {study.name}\n$ leadscrew list {study.name}\n```",
         "## Findings",
         "\n".join(f"- {note}" for note in result.notes),
         "## Claims",
@@ -82,7 +83,10 @@ def study_page(study: Study, folder: Path) -> str:
 
 def blocks_page() -> str:
     """The data sheets of all blocks that have a name."""
-    parts = ["# Blocks by name", "What `leadscrew list` shows: every block, its parameters, units, defaults and ranges."]
+    parts = [
+        "# Blocks by name",
+        "What `leadscrew list` shows: every block, its parameters, units, defaults and ranges.",
+    ]
     found = [(name, catalogue.block(name)) for name in catalogue.BLOCKS]
     for kind in dict.fromkeys(block.kind for _, block in found):
         parts.append(f"## {kind.capitalize()}s")

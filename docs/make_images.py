@@ -1,6 +1,6 @@
 """Draws docs/images from the studies: run it again when a figure of the README has changed.
 
-    python docs/make_images.py
+python docs/make_images.py
 """
 
 from __future__ import annotations

@@ -47,7 +47,7 @@ def test_every_standard_metric_has_a_row():
 
 
 def test_an_unknown_name_gets_the_nearest():
-    with pytest.raises(NameUnknown, match="did you mean .*lathe_servo"):
+    with pytest.raises(NameUnknown, match=r"did you mean .*lathe_servo"):
         catalogue.block("lathe_srvo")
     with pytest.raises(NameUnknown, match="vud_lathe"):
         catalogue.study("vud")
@@ -87,7 +87,7 @@ def test_an_installed_package_joins(tmp_path, monkeypatch):
     assert "mine" in catalogue.block_names() and "mine" not in catalogue.study_names()
     with pytest.raises(LeadscrewError, match=r"plug-in 'gone' .*cannot be loaded"):
         catalogue.block("gone")
-    with pytest.raises(BlockError, match="is a int, not a block"):
+    with pytest.raises(BlockError, match="is not a block but an object of type int"):
         catalogue.block("number")
     with pytest.raises(NameUnknown, match="mine"):
         catalogue.block("miner")
@@ -99,9 +99,9 @@ def test_a_block_of_ones_own_file(tmp_path):
     assert catalogue.block(f"{path}:mine").params.kp == 3.0
     with pytest.raises(NameUnknown, match="did you mean mine"):
         catalogue.block(f"{path}:mines")
-    with pytest.raises(NameUnknown, match="it has .*mine"):
+    with pytest.raises(NameUnknown, match=r"it has .*mine"):
         catalogue.block(str(path))
-    with pytest.raises(BlockError, match="is a int, not a block"):
+    with pytest.raises(BlockError, match="is not a block but an object of type int"):
         catalogue.block(f"{path}:number")
     with pytest.raises(BlockError, match="not a study"):
         catalogue.study(f"{path}:mine")
@@ -111,7 +111,10 @@ def test_a_block_of_ones_own_file(tmp_path):
 
 def test_a_file_that_does_not_load_is_refused_with_its_line(tmp_path):
     path = tmp_path / "bad.py"
-    for text, words in (("x = 1\ny = (", "bad.py:2 does not load: SyntaxError"), ("\n\n1 / 0", "bad.py:3 .*ZeroDivision")):
+    for text, words in (
+        ("x = 1\ny = (", "bad.py:2 does not load: SyntaxError"),
+        ("\n\n1 / 0", "bad.py:3 .*ZeroDivision"),
+    ):
         path.write_text(text)
         with pytest.raises(DataError, match=words):
             catalogue.block(f"{path}:x")

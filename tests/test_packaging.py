@@ -74,7 +74,9 @@ def test_constraints_cover_what_the_package_asks_for() -> None:
 
 
 def test_no_machine_addresses_in_what_is_shipped() -> None:
-    files = [ROOT / n for n in ("README.md", "Makefile", "constraints.txt", "pyproject.toml", ".ci/run", "CONTRIBUTING.md")]
+    files = [
+        ROOT / n for n in ("README.md", "Makefile", "constraints.txt", "pyproject.toml", ".ci/run", "CONTRIBUTING.md")
+    ]
     files += [*(ROOT / "docs").glob("*.md"), *(ROOT / "docs").glob("*.py")]
     for file in files:
         text = file.read_text(encoding="utf-8")

@@ -128,7 +128,7 @@ def block(name: str, kind: str | None = None) -> Block:
     found = _find(name, BLOCKS, BLOCK_GROUP, "block")
     if not isinstance(found, Block):
         raise BlockError(
-            f"{name} is a {type(found).__name__}, not a block; decorate its step, for example @controller(...)"
+            f"{name} is not a block but an object of type {type(found).__name__}; decorate its step: @controller(...)"
         )
     if kind is not None and found.kind != kind:
         raise BlockError(f"{name} is a {found.kind}, not a {kind}")
@@ -147,7 +147,7 @@ def study(name: str) -> Study:
 
     found = _find(name, STUDIES, STUDY_GROUP, "study")
     if not isinstance(found, Study):
-        raise BlockError(f"{name} is a {type(found).__name__}, not a study")
+        raise BlockError(f"{name} is not a study but an object of type {type(found).__name__}")
     return found
 
 

@@ -168,7 +168,7 @@ def _made(found: Any, name: str) -> Loop:
             raise DataError(f"{name}() failed: {type(error).__name__}: {error}") from error
     if not isinstance(loop, _Loop()):
         raise BlockError(
-            f"{name} is a {type(loop).__name__}; expected a study, a Loop, or a function that returns a Loop"
+            f"{name} is of type {type(loop).__name__}; expected a study, a Loop, or a function that returns a Loop"
         )
     return loop
 

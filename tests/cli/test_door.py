@@ -19,7 +19,7 @@ NUMBERISH = st.text(alphabet="0123456789+-.eE_naifINF[], truefalsTRUE\n\x00\tÙ¡Â
 TEXTS = st.one_of(st.text(max_size=60), NUMBERISH, st.floats().map(str), st.integers().map(str))
 
 
-@settings(max_examples=400, deadline=None)
+@settings(max_examples=200, deadline=None)
 @given(st.sampled_from(KEYS), TEXTS)
 def test_a_value_is_read_or_refused_by_name(key, text):
     try:
@@ -31,7 +31,7 @@ def test_a_value_is_read_or_refused_by_name(key, text):
         SHEET[key].check(found[key])
 
 
-@settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+@settings(max_examples=25, deadline=None, suppress_health_check=[HealthCheck.too_slow])
 @given(st.one_of(st.text(max_size=40), st.tuples(st.sampled_from(KEYS), TEXTS).map("=".join)))
 def test_the_command_line_never_shows_a_traceback(text):
     result = CliRunner().invoke(
@@ -44,7 +44,7 @@ def test_the_command_line_never_shows_a_traceback(text):
         assert not key.isprintable() or not key.isascii() or "\\" in key or "'" in key or key in result.stderr
 
 
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=25, deadline=None)
 @given(st.text(max_size=40))
 def test_any_name_of_a_study_is_refused_in_one_line(name):
     result = CliRunner().invoke(app, ["list", "--", name])

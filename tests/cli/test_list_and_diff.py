@@ -36,7 +36,10 @@ def test_list_of_a_study_shows_what_can_be_set_and_where(call, study):
     for row in found["settings"]:
         by_key.setdefault(row["key"], []).append(row)
     assert by_key["scenario.target_mm"][0]["unit"] == "mm"
-    assert {tuple(r["where"]): r["default"] for r in by_key["controller.kp"]} == {("p",): 2.0, ("p_half", "paper.half"): 1.0}
+    assert {tuple(r["where"]): r["default"] for r in by_key["controller.kp"]} == {
+        ("p",): 2.0,
+        ("p_half", "paper.half"): 1.0,
+    }
     assert by_key["plant.lag_s"][0]["where"] == []
     assert {m["name"]: m["unit"] for m in found["metrics"]} == {"rms_error": "mm", "max_error": "mm"}
     out = call("list", study).stdout

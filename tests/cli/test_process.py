@@ -14,7 +14,7 @@ from leadscrew.kernel.errors import DataError
 from leadscrew.kernel.run import load
 from tests.cli.conftest import FILE
 
-HEAVY = ("numpy", "numba", "scipy", "matplotlib", "pyarrow", "pydantic", "jinja2")
+HEAVY = ("numpy", "numba", "scipy", "matplotlib", "pyarrow", "jinja2", "leadscrew.experiment_file")
 
 
 def program(*args, **options):
@@ -40,27 +40,26 @@ def test_bad_input_ends_with_code_2_and_one_line():
 
 
 def test_a_fault_of_ours_is_not_mistaken_for_a_missed_target():
-    code = "from leadscrew import cli, catalogue\ncatalogue.study_names = None\nimport sys\nsys.argv = ['x', 'list']\ncli.main()"
-    done = program("-c", code)
+    fault = "from leadscrew import cli, catalogue\ncatalogue.study_names = None\n"
+    done = program("-c", fault + "import sys\nsys.argv = ['leadscrew', 'list']\ncli.main()")
     assert done.returncode == 70 and "Traceback" in done.stderr
 
 
 @pytest.mark.skipif(os.name != "posix", reason="pipes and signals of POSIX")
 def test_a_closed_pipe_is_quiet():
-    done = program("-m", "leadscrew", "list", stdout_closed=True) if False else None
     with subprocess.Popen(
-        [sys.executable, "-m", "leadscrew", "list", "vud_lathe"], stdout=subprocess.PIPE, stderr=subprocess.PIPE
+        [sys.executable, "-m", "leadscrew", "list", "step"], stdout=subprocess.PIPE, stderr=subprocess.PIPE
     ) as process:
         process.stdout.close()
         said = process.stderr.read()
         code = process.wait(60)
-    assert done is None and said == b"" and code == 141
+    assert said == b"" and code == 141
 
 
 @pytest.mark.skipif(os.name != "posix", reason="pipes and signals of POSIX")
 def test_ctrl_c_is_quiet(tmp_path):
     slow = tmp_path / "slow.py"
-    slow.write_text(f"import time\nprint('there', flush=True)\ntime.sleep(60)\n# {FILE}\n")
+    slow.write_text("import time\nprint('there', flush=True)\ntime.sleep(60)\n")
     with subprocess.Popen(
         [sys.executable, "-m", "leadscrew", "list", f"{slow}:x"], stdout=subprocess.PIPE, stderr=subprocess.PIPE
     ) as process:
@@ -76,6 +75,7 @@ import sys
 sys.path.insert(0, {str(FILE.parent)!r})
 from plain_study import LOOP
 run = LOOP.run(0.2)
+run.save(f"{{sys.argv[1]}}/run")
 print("ready", flush=True)
 for k in range(100_000):
     run.save(f"{{sys.argv[1]}}/run{{k}}")
@@ -85,7 +85,7 @@ for k in range(100_000):
 @pytest.mark.skipif(os.name != "posix", reason="SIGKILL")
 def test_a_killed_save_leaves_nothing_that_passes_for_a_whole_run(tmp_path):
     whole = 0
-    for attempt, delay in enumerate((0.011, 0.037, 0.05, 0.083)):
+    for attempt, delay in enumerate((0.011, 0.037, 0.083)):
         folder = tmp_path / str(attempt)
         with subprocess.Popen([sys.executable, "-c", SAVING, str(folder)], stdout=subprocess.PIPE) as process:
             assert process.stdout.readline() == b"ready\n"
@@ -100,4 +100,4 @@ def test_a_killed_save_leaves_nothing_that_passes_for_a_whole_run(tmp_path):
             else:
                 with pytest.raises(DataError):
                     load(path)
-    assert whole > 0
+    assert whole > 3

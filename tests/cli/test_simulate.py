@@ -25,7 +25,15 @@ def test_metrics_come_with_units(call, study):
 
 
 def test_set_changes_scenario_and_blocks(call, study):
-    args = ("--set", "scenario.target_mm=3", "--set", "controller.table=[2, 0, 0]", "--set", "plant.lag_s=0.1", "--json")
+    args = (
+        "--set",
+        "scenario.target_mm=3",
+        "--set",
+        "controller.table=[2, 0, 0]",
+        "--set",
+        "plant.lag_s=0.1",
+        "--json",
+    )
     found = strict_json(call(*simulated(study, *args)).stdout)
     assert found["metrics"]["max_error"] == 3.0
     assert found["changes"] == {"scenario.target_mm": 3.0, "controller.table": [2.0, 0.0, 0.0], "plant.lag_s": 0.1}
@@ -79,7 +87,7 @@ def test_a_file_may_hold_a_loop_or_a_function_that_makes_one(call, refused):
         assert found["scenario"] is None and found["metrics"]["max_error"] == 1.0
     assert "duration" in refused("simulate", f"{FILE}:LOOP")
     assert "takes no controller" in refused("simulate", f"{FILE}:LOOP", "-c", "p")
-    assert "is a int" in refused("simulate", f"{FILE}:NUMBER", "--duration", "1")
+    assert "of type int" in refused("simulate", f"{FILE}:NUMBER", "--duration", "1")
     assert "KeyError" in refused("simulate", f"{FILE}:broken", "--duration", "1")
 
 

@@ -15,7 +15,7 @@ from leadscrew.kernel.errors import NameUnknown, ValueRefused
 from leadscrew.kernel.linker import LANES
 from leadscrew.kernel.program import ENGINES
 from leadscrew.kernel.run import Metrics
-from leadscrew.kernel.sheet import nearest
+from leadscrew.kernel.sheet import nearest, put
 
 if TYPE_CHECKING:
     from leadscrew.kernel.loop import Loop
@@ -117,22 +117,29 @@ def _places(loop: Loop, columns: Mapping[str, np.ndarray], n: int) -> tuple[np.n
             values.append(array.reshape(n, -1)[:, i])
     for slot, keys in derived.items():
         rows = np.concatenate([columns[f"{slot}.{k}"].reshape(n, -1) for k in keys], axis=1)
-        unique, inverse = np.unique(rows, axis=0, return_inverse=True)
-        packed = np.stack([_packed(loop, slot, keys, columns, int(np.flatnonzero(inverse == u)[0])) for u in range(len(unique))])
-        moved = np.flatnonzero((packed != packed[0]).any(axis=0) | (packed[0] != _packed(loop, slot, [], columns, 0)))
+        _, firsts, inverse = np.unique(rows, axis=0, return_index=True, return_inverse=True)
+        packed = np.stack([_packed(loop, slot, keys, columns, int(k)) for k in firsts])
+        moved = np.flatnonzero((packed != _packed(loop, slot, [], columns, 0)).any(axis=0))
         places += moved.tolist()
         values += [packed[inverse.ravel(), m] for m in moved]
     return np.array(places, dtype=np.int64), np.array(values, dtype=np.float64).reshape(len(places), n)
 
 
 def _packed(loop: Loop, slot: str, keys: list[str], columns: Mapping[str, np.ndarray], row: int) -> np.ndarray:
-    """All vectors end to end, with one block's parameters as of one run."""
-    changes = {f"{slot}.{k}": columns[f"{slot}.{k}"][row] for k in keys}
-    kinds = {k: loop.sheet[k].type for k in changes}
-    typed = {k: v if kinds[k] == "array" else int(v) if kinds[k] == "int" else float(v) for k, v in changes.items()}
-    params, state = loop.using(typed).values()
+    """All vectors end to end, zero but for what one block's parameters decide, as of one run."""
     plan = loop.program.plan
-    return np.concatenate([*plan.params.pack(params), *plan.state.pack(state)])
+    block = loop._parametered()[slot]
+    params = block.params
+    for key in keys:
+        kind, value = loop.sheet[f"{slot}.{key}"].type, columns[f"{slot}.{key}"][row]
+        params = put(params, key.split("."), value if kind == "array" else int(value) if kind == "int" else float(value))
+    block = replace(block, params=params)
+    P, A = np.zeros(max(1, len(plan.params.scalars))), np.zeros(max(1, plan.params.array_size))
+    S, B = np.zeros(max(1, len(plan.state.scalars))), np.zeros(max(1, plan.state.array_size))
+    plan.params.pack_part(slot, loop.prepared(block, slot), P, A)
+    if not slot.startswith("metrics."):
+        plan.state.pack_part(slot, loop.start_state(block), S, B)
+    return np.concatenate([P, A, S, B])
 
 
 def run_batch(
@@ -216,4 +223,4 @@ def _one_by_one(
     return Batch(loop, duration, columns, measured, diverged_at, signals)
 
 
-__all__ = ["Batch", "replace", "run_batch"]
+__all__ = ["Batch", "run_batch"]

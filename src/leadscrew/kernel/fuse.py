@@ -8,10 +8,10 @@ functions unfused, under the user's own lines.
 from __future__ import annotations
 
 import ast
-import copy
 from collections.abc import Mapping
 
 from leadscrew.kernel.returns import single_exit
+from leadscrew.kernel.trees import Swap, clone, each, names
 
 
 def _simple(node: ast.expr) -> bool:
@@ -21,21 +21,22 @@ def _simple(node: ast.expr) -> bool:
 
 
 def _returns(node: ast.FunctionDef) -> int:
-    return sum(isinstance(n, ast.Return) for n in ast.walk(node))
+    return sum(isinstance(n, ast.Return) for n in each(node))
 
 
-class _Substitute(ast.NodeTransformer):
+def _substitution(given: Mapping[str, ast.expr], renamed: Mapping[str, str]) -> Swap:
     """Puts arguments in place of parameters and gives locals names of their own."""
 
-    def __init__(self, given: Mapping[str, ast.expr], renamed: Mapping[str, str]) -> None:
-        self.given, self.renamed = given, renamed
+    def swap(node: ast.Name) -> ast.expr:
+        if node.id in renamed:
+            return ast.Name(renamed[node.id], node.ctx)
+        found = given.get(node.id)
+        if found is not None and isinstance(node.ctx, ast.Load):
+            copied: ast.expr = clone(found)
+            return copied
+        return ast.Name(node.id, node.ctx)
 
-    def visit_Name(self, node: ast.Name) -> ast.expr:  # noqa: N802
-        if node.id in self.renamed:
-            return ast.Name(self.renamed[node.id], node.ctx)
-        if node.id in self.given and isinstance(node.ctx, ast.Load):
-            return copy.deepcopy(self.given[node.id])
-        return node
+    return swap
 
 
 class Fuser:
@@ -43,18 +44,28 @@ class Fuser:
 
     def __init__(self, functions: Mapping[str, ast.FunctionDef]) -> None:
         self.functions = {name: single_exit(node) for name, node in functions.items() if _returns(node)}
-        self.assigned = {
-            name: {n.id for n in ast.walk(node) if isinstance(n, ast.Name) and isinstance(n.ctx, ast.Store)}
-            for name, node in self.functions.items()
-        }
+        self.uses: dict[str, tuple[set[str], dict[str, int]]] = {}
         self.done: dict[str, ast.FunctionDef] = {}
         self.count = 0
 
     def function(self, node: ast.FunctionDef) -> ast.FunctionDef:
         """A function with everything fused that can be."""
-        fused = copy.deepcopy(node)
+        fused: ast.FunctionDef = clone(node)
         fused.body = self.block(fused.body)
-        return ast.fix_missing_locations(fused)
+        return fused
+
+    def usage(self, name: str) -> tuple[set[str], dict[str, int]]:
+        """What a fused function assigns, and how often it reads each name."""
+        if name not in self.uses:
+            assigned: set[str] = set()
+            read: dict[str, int] = {}
+            for n in names(self.done[name]):
+                if isinstance(n.ctx, ast.Store):
+                    assigned.add(n.id)
+                else:
+                    read[n.id] = read.get(n.id, 0) + 1
+            self.uses[name] = assigned, read
+        return self.uses[name]
 
     def block(self, body: list[ast.stmt]) -> list[ast.stmt]:
         """Statements with their calls fused in."""
@@ -97,11 +108,11 @@ class Fuser:
 
     def unpack(self, target: ast.Tuple, value: ast.Tuple, out: list[ast.stmt]) -> None:
         """``a, b = x, y`` without building a tuple, through names of their own where one reads what another sets."""
-        names = {t.id for t in target.elts if isinstance(t, ast.Name)}
+        targets = {t.id for t in target.elts if isinstance(t, ast.Name)}
         pairs = [(t, v) for t, v in zip(target.elts, value.elts, strict=True)
                  if not (isinstance(v, ast.Name) and isinstance(t, ast.Name) and v.id == t.id)]  # fmt: skip
-        read = {n.id for _, v in pairs for n in ast.walk(v) if isinstance(n, ast.Name)}
-        if names & read:
+        read = {n.id for _, v in pairs for n in names(v)}
+        if targets & read:
             kept = []
             for t, v in pairs:
                 held = self.fresh("v")
@@ -133,37 +144,22 @@ class Fuser:
             self.done[name] = self.function(callee)
         callee = self.done[name]
         params = [a.arg for a in callee.args.args]
-        assigned = {n.id for n in ast.walk(callee) if isinstance(n, ast.Name) and isinstance(n.ctx, ast.Store)}
-        uses = {p: 0 for p in params}
-        for n in ast.walk(callee):
-            if isinstance(n, ast.Name) and n.id in uses and isinstance(n.ctx, ast.Load):
-                uses[n.id] += 1
+        assigned, read = self.usage(name)
         renamed = {local: self.fresh(local.rstrip("0123456789").rstrip("_") or "v") for local in sorted(assigned)}
         given: dict[str, ast.expr] = {}
         for param, arg in zip(params, node.args, strict=True):
             if param in assigned:
                 out.append(ast.Assign([ast.Name(renamed[param], ast.Store())], arg))
-            elif _simple(arg) or uses[param] == 0:
+            elif _simple(arg) or param not in read:
                 given[param] = arg
             else:
                 held = self.fresh(param.rstrip("0123456789").rstrip("_") or "v")
                 out.append(ast.Assign([ast.Name(held, ast.Store())], arg))
                 given[param] = ast.Name(held, ast.Load())
-        swap = _Substitute(given, renamed)
-        *body, last = copy.deepcopy(callee.body)
-        out.extend(swap.visit(s) for s in body)
+        swap = _substitution(given, renamed)
+        *body, last = callee.body
+        out.extend(clone(s, swap) for s in body)
         assert isinstance(last, ast.Return) and last.value is not None
-        value: ast.expr = swap.visit(last.value)
+        value: ast.expr = clone(last.value, swap)
         return value
 
-
-def reached(node: ast.AST, functions: Mapping[str, ast.FunctionDef]) -> set[str]:
-    """The functions that a tree still calls, directly or not."""
-    found: set[str] = set()
-    todo: list[ast.AST] = [node]
-    while todo:
-        for n in ast.walk(todo.pop()):
-            if isinstance(n, ast.Name) and n.id in functions and n.id not in found:
-                found.add(n.id)
-                todo.append(functions[n.id])
-    return found

@@ -81,6 +81,14 @@ class Layout:
         self._pack(self.tree, value, scalars, arrays)
         return scalars, arrays
 
+    def pack_part(self, key: str, value: Any, scalars: np.ndarray, arrays: np.ndarray) -> None:
+        """Writes the part under a dotted key into vectors of this layout."""
+        node: Leaf | Branch = self.tree
+        while node.key != key:
+            assert isinstance(node, Branch)
+            node = next(p for p in node.parts if key == p.key or key.startswith(f"{p.key}."))
+        self._pack(node, value, scalars, arrays)
+
     def _pack(self, node: Leaf | Branch, value: Any, scalars: np.ndarray, arrays: np.ndarray) -> None:
         if isinstance(node, Branch):
             for part, item in zip(node.parts, value, strict=True):

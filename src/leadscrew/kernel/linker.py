@@ -66,9 +66,9 @@ def is_absent(leaf: Leaf) -> bool:
 class Linker:
     """Writes the small functions that fill the holes."""
 
-    def __init__(self, plan: Plan) -> None:
+    def __init__(self, plan: Plan, module: Module) -> None:
         self.plan = plan
-        self.module = Module()
+        self.module = module
         self.module.constants.update(RTOL=plan.rtol, ATOL=plan.atol, TIMED=False, LANES=LANES)
         self.state_parts = {p.key: p for p in self._parts(plan.state.tree)}
         self.trees = {k: Layout(v).tree for k, v in plan.signals.items()}

@@ -163,7 +163,7 @@ class Live:
         The new live loop has the same plant, sensor and reference state; ``bumpless`` says whether it was aligned.
         """
         loop = copy.copy(self.loop)
-        loop.__dict__ = {k: v for k, v in self.loop.__dict__.items() if k not in ("program", "sheet", "signals")}
+        loop.__dict__ = {k: v for k, v in self.loop.__dict__.items() if k not in ("program", "sheet", "signals", "module")}
         loop.blocks = {**self.loop.blocks, "controller": controller}
         new = Live(loop, self.engine, self.run_number)
         old_state = self.program.plan.state.unpack(*self.state)

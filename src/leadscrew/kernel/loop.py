@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import math
 import platform
 import time
 import warnings
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -16,11 +16,12 @@ from leadscrew.kernel import door
 from leadscrew.kernel.block import Block
 from leadscrew.kernel.errors import NameUnknown, ValueRefused
 from leadscrew.kernel.frame import SLOTS, Clock, as_floats, bundle
-from leadscrew.kernel.layout import Layout, is_branch
+from leadscrew.kernel.layout import Layout
 from leadscrew.kernel.linker import LARGEST, METHODS, Plan
+from leadscrew.kernel.module import Module
 from leadscrew.kernel.probe import example_signals
 from leadscrew.kernel.program import ENGINES, Program
-from leadscrew.kernel.sheet import Entry, checked_replace, entries, nearest
+from leadscrew.kernel.sheet import Entry, entries, nearest
 
 if TYPE_CHECKING:
     from leadscrew.kernel.batch import Batch
@@ -128,20 +129,16 @@ class Loop:
             ValueRefused: a value of the wrong type or out of range; names value, range and key.
         """
         new = object.__new__(Loop)
-        new.__dict__.update({k: v for k, v in self.__dict__.items() if k != "sheet"})
+        new.__dict__.update({k: v for k, v in self.__dict__.items() if k not in ("sheet", "module", "signals", "program")})
         new.blocks, new.metrics = dict(self.blocks), dict(self.metrics)
+        may_differ = False
         for key, value in (changes or {}).items():
             slot, rest = self.split(key)
-            block = self._parametered()[slot] if slot.startswith("metrics.") else new.blocks[slot]
-            assert block is not None
-            from dataclasses import replace
-
-            where = new.metrics[slot.removeprefix("metrics.")] if slot.startswith("metrics.") else block
-            changed = replace(where, params=door.replaced(where.params, rest, value, key))
-            if slot.startswith("metrics."):
-                new.metrics[slot.removeprefix("metrics.")] = changed
-            else:
-                new.blocks[slot] = changed
+            held: dict[str, Any] = new.metrics if slot.startswith("metrics.") else new.blocks
+            name = slot.removeprefix("metrics.")
+            block = held[name]
+            held[name] = replace(block, params=door.replaced(block.params, rest, value, key))
+            may_differ = may_differ or block.prepare is not None or block.initial is not None
         for option, value in options.items():
             if option not in ("seed", "engine", "bound", "name"):
                 raise NameUnknown(f"a loop has no option {option!r} that can change; seed, engine, bound, name can")
@@ -152,9 +149,13 @@ class Loop:
             elif option == "engine":
                 value = door.one_of("engine", value, list(ENGINES))
             setattr(new, option, value)
-        new.__dict__.pop("program", None)
-        if "program" in self.__dict__ and new.fits(self.program):
-            new.__dict__["program"] = self.program
+        kept = self.__dict__.get("program")
+        if kept is not None:
+            new.__dict__["signals"] = self.signals
+            if not may_differ or new.fits(kept):
+                new.__dict__["program"] = kept
+            else:
+                del new.__dict__["signals"]
         return new
 
     def split(self, key: str) -> tuple[str, str]:
@@ -206,6 +207,11 @@ class Loop:
         return bundle("LoopParams", params), bundle("LoopState", states)
 
     @cached_property
+    def module(self) -> Module:
+        """The module that this loop's steps go into: first for a look at its signals, then for the engines."""
+        return Module()
+
+    @cached_property
     def signals(self) -> dict[str, Any]:
         """An example of each signal, computed by running the steps once."""
         return example_signals(self)
@@ -219,7 +225,7 @@ class Loop:
             signals=self.signals, method=self.method, sent=divmod(self.sent, self.substeps), seen=self.seen,
             continuous=self.continuous, rtol=self.rtol, atol=self.atol,
         )  # fmt: skip
-        return Program(plan)
+        return Program(plan, self.module)
 
     def fits(self, program: Program) -> bool:
         """Whether a program built for another loop serves this one: the same places for the same things."""
@@ -349,4 +355,4 @@ def warn_diverged(text: str) -> None:
     warnings.warn(text, DivergenceWarning, stacklevel=4)
 
 
-__all__ = ["RECORDED", "DivergenceWarning", "Loop", "checked_replace", "is_branch", "math", "warn_diverged"]
+__all__ = ["RECORDED", "DivergenceWarning", "Loop", "warn_diverged"]

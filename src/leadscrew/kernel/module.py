@@ -1,6 +1,6 @@
 """The generated module: every function, class and array that a loop reaches, under names of its own.
 
-One module holds one loop. Its text is the Numba engine's input and, by the hash of that text, its place in the
+One module holds one loop. The text of an entry is what the compiled engines compile and, by its hash, its place in the
 cache; the Python engine executes the same trees, each compiled under the file name and line numbers that it
 was written in, so that pdb, tracebacks and coverage show the user's file.
 """
@@ -61,7 +61,8 @@ class Module:
         self.constants: dict[str, float | int | bool] = {}
         """Values of the named holes of the drivers that are plain numbers."""
         self.arguments: dict[tuple[int, str], type] = {}
-        self._entries: dict[str, ast.FunctionDef] | None = None
+        self._fused: dict[str, ast.FunctionDef] = {}
+        self._fuser: Fuser | None = None
 
     # ---- naming
     def fresh(self, wanted: str) -> str:
@@ -203,30 +204,34 @@ class Module:
         rank = {"class": 0, "array": 1, "leaf": 2, "entry": 3}
         return sorted(self.items.values(), key=lambda i: rank[i.kind])
 
-    def entries(self) -> dict[str, ast.FunctionDef]:
-        """The entries with all that they call fused in, NamedTuples taken apart, nothing left that nobody reads."""
-        if self._entries is not None:
-            return self._entries
-        steps = {i.name: i.node for i in self.items.values() if isinstance(i.node, ast.FunctionDef) and i.kind == "leaf"}
+    def entry_names(self) -> list[str]:
+        """The entries of the module."""
+        return [i.name for i in self.items.values() if i.kind == "entry"]
+
+    def fused(self, name: str) -> ast.FunctionDef:
+        """An entry with all that it calls fused in, NamedTuples taken apart, nothing left that nobody reads."""
+        if name in self._fused:
+            return self._fused[name]
+        if self._fuser is None:
+            leaves = {i.name: i.node for i in self.items.values() if isinstance(i.node, ast.FunctionDef) and i.kind == "leaf"}
+            self._fuser = Fuser(leaves)
         classes = fields_of([i.node for i in self.ordered() if isinstance(i.node, ast.ClassDef)])
         harmless = {"float", "int", "bool", "abs", "float_to_bits", "bits_to_float", *classes}
-        fuser = Fuser(steps)
-        self._entries = {}
-        for item in self.ordered():
-            if item.kind == "entry" and isinstance(item.node, ast.FunctionDef):
-                whole = Scalariser(classes).function(fuser.function(item.node))
-                lean = without_dead(without_copies(without_dead(whole, harmless)), harmless)
-                self._entries[item.name] = Branchless().visit(lean)
-        return self._entries
+        node = self.items[name].node
+        assert isinstance(node, ast.FunctionDef)
+        whole = Scalariser(classes).function(self._fuser.function(node))
+        lean = without_dead(without_copies(without_dead(whole, harmless)), harmless)
+        self._fused[name] = ast.fix_missing_locations(Branchless().visit(lean))
+        return self._fused[name]
 
     def arrays(self) -> dict[str, np.ndarray]:
         """The module's constant arrays."""
         return {i.name: i.value for i in self.ordered() if i.kind == "array"}
 
-    def text(self, names: tuple[str, ...] | None = None) -> str:
-        """The module (or some of its entries) for the compiled engines."""
+    def text(self, name: str) -> str:
+        """An entry and what it needs, for the compiled engines."""
         parts = [HEAD, *(ast.unparse(i.node) for i in self.ordered() if i.kind == "array")]
-        parts += [f"@entry\n{ast.unparse(node)}" for name, node in self.entries().items() if names is None or name in names]
+        parts.append(f"@entry\n{ast.unparse(self.fused(name))}")
         return "\n\n".join(parts) + "\n"
 
     def namespace(self) -> dict[str, Any]:

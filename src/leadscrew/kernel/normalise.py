@@ -10,7 +10,6 @@ period on every engine); free names become frozen constants or functions of the 
 from __future__ import annotations
 
 import ast
-import copy
 import types
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, NoReturn
@@ -23,6 +22,7 @@ from leadscrew.kernel.drivers.holes import Constant
 from leadscrew.kernel.errors import SubsetError
 from leadscrew.kernel.sheet import hints, leaf_type
 from leadscrew.kernel.source import MISSING, local_names, lookup, tree_of
+from leadscrew.kernel.trees import copied
 
 if TYPE_CHECKING:
     from leadscrew.kernel.module import Module
@@ -98,7 +98,7 @@ class Normaliser(ast.NodeTransformer):
     def __init__(self, module: Module, function: Callable[..., Any], trusted: bool = False) -> None:
         self.module, self.function, self.trusted = module, function, trusted
         shared, self.filename = tree_of(function)
-        self.node = copy.deepcopy(shared)
+        self.node = copied(shared)
         self.locals = local_names(self.node)
         self.types: dict[str, type] = {}
 
@@ -145,7 +145,7 @@ class Normaliser(ast.NodeTransformer):
                 return []
             node = ast.copy_location(ast.Assign([node.target], node.value), node)
         if isinstance(node, ast.AugAssign):
-            read = copy.deepcopy(node.target)
+            read = copied(node.target)
             for n in ast.walk(read):
                 if hasattr(n, "ctx"):
                     n.ctx = ast.Load()
@@ -416,8 +416,8 @@ class Normaliser(ast.NodeTransformer):
         for key in changes:
             if key not in cls._fields:
                 self.refuse(node, f"{cls.__name__} has no field {key!r}; it has {', '.join(cls._fields)}")
-        read = self.visit(copy.deepcopy(source))
-        given = {f: changes.get(f, ast.Attribute(copy.deepcopy(read), f, ast.Load())) for f in cls._fields}
+        read = self.visit(copied(source))
+        given = {f: changes.get(f, ast.Attribute(copied(read), f, ast.Load())) for f in cls._fields}
         return self.constructed(node, cls, given)
 
     def mathematics(self, node: ast.Call, found: Any, name: str) -> ast.expr:

@@ -10,7 +10,6 @@ from leadscrew.kernel.block import Block
 from leadscrew.kernel.errors import BlockError
 from leadscrew.kernel.frame import as_floats, bundle
 from leadscrew.kernel.layout import is_branch
-from leadscrew.kernel.module import Module
 from leadscrew.kernel.noise import Noise
 
 if TYPE_CHECKING:
@@ -26,7 +25,7 @@ def _copied(value: Any) -> Any:
 class _Probe:
     def __init__(self, loop: Loop) -> None:
         self.loop = loop
-        self.module = Module()
+        self.module = loop.module
         self.names: dict[str, str] = {}
         for slot, block in loop.blocks.items():
             if block is not None:

@@ -30,34 +30,36 @@ RANKS: dict[str, dict[str, tuple[int, str]]] = {
 class Program:
     """The compiled form of a loop; shared by all loops that differ in values only."""
 
-    def __init__(self, plan: Plan) -> None:
+    def __init__(self, plan: Plan, module: Module) -> None:
         self.plan = plan
-        self.module: Module = Linker(plan).link()
+        self.module = Linker(plan, module).link()
         self._compiled: dict[str, Callable[..., Any]] = {}
 
     @cached_property
     def text(self) -> str:
-        """The module's text, which the Numba engine compiles."""
-        return self.module.text()
+        """The text of the entry for a single run, which the compiled engines compile."""
+        return self.module.text("single")
 
     @cached_property
     def name(self) -> str:
-        """The module's name: the hash of its text."""
+        """The loop's name in the cache: the hash of that text."""
         return cache.module_name(self.text)
 
     @cached_property
     def _python(self) -> dict[str, Any]:
         return self.module.namespace()
 
-    @cached_property
-    def _numba(self) -> Any:
-        path = cache.store(self.text)
-        spec = importlib.util.spec_from_file_location(self.name, path)
-        assert spec is not None and spec.loader is not None
-        module = importlib.util.module_from_spec(spec)
-        sys.modules[self.name] = module
-        spec.loader.exec_module(module)
-        return module
+    def _numba(self, name: str) -> Callable[..., Any]:
+        text = self.module.text(name)
+        title = cache.module_name(text)
+        if title not in sys.modules:
+            spec = importlib.util.spec_from_file_location(title, cache.store(text))
+            assert spec is not None and spec.loader is not None
+            module = importlib.util.module_from_spec(spec)
+            sys.modules[title] = module
+            spec.loader.exec_module(module)
+        found: Callable[..., Any] = getattr(sys.modules[title], name)
+        return found
 
     def entry(self, name: str, engine: str) -> Callable[..., Any]:
         """An entry of the module on an engine.
@@ -68,8 +70,7 @@ class Program:
         if engine == "llvm":
             return self._native(name)
         if engine == "numba":
-            found: Callable[..., Any] = getattr(self._numba, name)
-            return found
+            return self._numba(name)
         if engine == "python":
             return self._overflow_as_ieee(self._python[name])
         raise ValueRefused(f"engine = {engine!r}: there are {', '.join(ENGINES)}")
@@ -79,7 +80,7 @@ class Program:
 
         if name not in self._compiled:
             module, ranks = self.module, RANKS["single" if name == "single" else "lanes"]
-            self._compiled[name] = compiled(module.entries()[name], module.text((name,)), ranks, module.arrays())
+            self._compiled[name] = compiled(module.fused(name), module.text(name), ranks, module.arrays())
         return self._compiled[name]
 
     @staticmethod

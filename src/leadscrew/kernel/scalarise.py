@@ -7,8 +7,9 @@ that stayed a function returns) is left whole and read field by field.
 from __future__ import annotations
 
 import ast
-import copy
 from collections.abc import Mapping
+
+from leadscrew.kernel.trees import clone, each
 
 Fields = Mapping[str, Mapping[str, str]]
 """Classes by name: fields in order, each with its annotation's text."""
@@ -40,13 +41,13 @@ class Scalariser:
             if self.types == before:
                 break
         node.body = self.block(node.body)
-        return ast.fix_missing_locations(node)
+        return node
 
     # ---- types
     def infer(self, node: ast.FunctionDef) -> None:
         """The class of each local that only ever holds one class."""
         found: dict[str, set[str | None]] = {a.arg: {None} for a in node.args.args}
-        for n in ast.walk(node):
+        for n in each(node):
             if isinstance(n, ast.Assign):
                 for target in n.targets:
                     if isinstance(target, ast.Name):
@@ -90,11 +91,11 @@ class Scalariser:
             at = list(self.classes[node.func.id]).index(path[0])
             return self.leaf(node.args[at], path[1:])
         if isinstance(node, ast.IfExp):
-            return ast.IfExp(copy.deepcopy(node.test), self.leaf(node.body, path), self.leaf(node.orelse, path))
+            return ast.IfExp(clone(node.test), self.leaf(node.body, path), self.leaf(node.orelse, path))
         if isinstance(node, ast.Name) and self.types.get(node.id):
             return ast.Name("__".join((node.id, *path)), ast.Load())
         for field in path:
-            node = ast.Attribute(copy.deepcopy(node), field, ast.Load())
+            node = ast.Attribute(clone(node), field, ast.Load())
         return node
 
     def whole(self, node: ast.expr, cls: str) -> ast.expr:
@@ -197,14 +198,14 @@ class Scalariser:
     def split(self, name: str, value: ast.expr, out: list[ast.stmt]) -> None:
         """``name = value`` leaf by leaf, through names of their own where one reads what another sets."""
         cls = str(self.types[name])
-        made = [("__".join((name, *p)), self.expression(copy.deepcopy(self.leaf(value, p)))) for p in self.paths(cls)]
+        made = [("__".join((name, *p)), self.expression(clone(self.leaf(value, p)))) for p in self.paths(cls)]
         made = [(t, v) for t, v in made if not (isinstance(v, ast.Name) and v.id == t)]
         targets = {t for t, _ in made}
-        tangled = any(isinstance(n, ast.Name) and n.id in targets and n.id != t for t, v in made for n in ast.walk(v))
+        tangled = any(isinstance(n, ast.Name) and n.id in targets and n.id != t for t, v in made for n in each(v))
         if tangled:
             held = []
             for t, v in made:
-                if isinstance(v, ast.Constant) or not any(isinstance(n, ast.Name) and n.id in targets for n in ast.walk(v)):
+                if isinstance(v, ast.Constant) or not any(isinstance(n, ast.Name) and n.id in targets for n in each(v)):
                     held.append((t, v))
                     continue
                 self.count += 1
@@ -217,36 +218,40 @@ class Scalariser:
 
 def without_dead(node: ast.FunctionDef, pure: set[str]) -> ast.FunctionDef:
     """The function without assignments that nobody reads; calls of names in ``pure`` may go too."""
-    for _ in range(40):
-        read = {n.id for n in ast.walk(node) if isinstance(n, ast.Name) and isinstance(n.ctx, ast.Load)}
-        sweep = _Sweep(read, pure)
-        sweep.visit(node)
-        if not sweep.found:
-            break
-    return ast.fix_missing_locations(node)
+    reads: dict[str, int] = {}
+    writers: dict[str, list[ast.Assign]] = {}
+    for n in each(node):
+        if n.__class__ is ast.Name and isinstance(n.ctx, ast.Load):
+            reads[n.id] = reads.get(n.id, 0) + 1
+        elif n.__class__ is ast.Assign and isinstance(n.targets[0], ast.Name):
+            writers.setdefault(n.targets[0].id, []).append(n)
+    dead: set[int] = set()
+    todo = [name for name in writers if not reads.get(name)]
+    while todo:
+        for statement in writers[todo.pop()]:
+            inside = list(each(statement.value))
+            if any(isinstance(n, ast.Call) and not (isinstance(n.func, ast.Name) and n.func.id in pure) for n in inside):
+                continue
+            dead.add(id(statement))
+            for n in inside:
+                if n.__class__ is ast.Name:
+                    reads[n.id] -= 1
+                    if reads[n.id] == 0 and n.id in writers:
+                        todo.append(n.id)
+    if dead:
+        _drop(node.body, dead)
+    return node
 
 
-class _Sweep(ast.NodeTransformer):
-    def __init__(self, read: set[str], pure: set[str]) -> None:
-        self.read, self.pure, self.found = read, pure, False
-
-    def visit_Assign(self, node: ast.Assign) -> ast.stmt | None:  # noqa: N802
-        target = node.targets[0]
-        if isinstance(target, ast.Name) and target.id not in self.read and self.harmless(node.value):
-            self.found = True
-            return None
-        return node
-
-    def harmless(self, node: ast.expr) -> bool:
-        return all(
-            isinstance(n.func, ast.Name) and n.func.id in self.pure for n in ast.walk(node) if isinstance(n, ast.Call)
-        )
-
-    def generic_visit(self, node: ast.AST) -> ast.AST:
-        super().generic_visit(node)
-        if isinstance(node, ast.For | ast.If | ast.While) and not node.body:
-            node.body = [ast.Pass()]
-        return node
+def _drop(body: list[ast.stmt], dead: set[int]) -> None:
+    """Takes dead statements out of a block and the blocks inside it."""
+    body[:] = [s for s in body if id(s) not in dead]
+    for s in body:
+        if isinstance(s, ast.For | ast.If | ast.While):
+            _drop(s.body, dead)
+            _drop(s.orelse, dead)
+            if not s.body:
+                s.body.append(ast.Pass())
 
 
 def without_copies(node: ast.FunctionDef) -> ast.FunctionDef:
@@ -261,7 +266,7 @@ def without_copies(node: ast.FunctionDef) -> ast.FunctionDef:
             order.setdefault(n.id, place)
         elif isinstance(n, ast.Name):
             first_read.setdefault(n.id, place)
-    for n in ast.walk(node):
+    for n in each(node):
         if isinstance(n, ast.Assign) and isinstance(n.targets[0], ast.Name) and isinstance(n.value, ast.Name | ast.Constant):
             x, y = n.targets[0].id, n.value
             late = first_read.get(x, 1 << 60) > order[x]
@@ -270,7 +275,7 @@ def without_copies(node: ast.FunctionDef) -> ast.FunctionDef:
                 copies[x] = y
     swap = _Copies(copies)
     swap.visit(node)
-    return ast.fix_missing_locations(node)
+    return node
 
 
 def _in_order(node: ast.AST) -> list[ast.AST]:
@@ -307,4 +312,4 @@ class _Copies(ast.NodeTransformer):
         found: ast.expr = node
         while isinstance(found, ast.Name) and found.id in self.copies:
             found = self.copies[found.id]
-        return found if found is node else copy.deepcopy(found)
+        return found if found is node else clone(found)

@@ -7,6 +7,7 @@ import math
 import typing
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Any
 
 from annotated_types import Ge, Gt, Interval, Le, Lt, Unit
@@ -107,6 +108,7 @@ def nearest(name: str, known: Mapping[str, Any] | list[str]) -> str:
     return f"; known: {', '.join(list(known)[:12])}" if known else ""
 
 
+@lru_cache(maxsize=2048)
 def hints(cls: type) -> dict[str, Any]:
     """Annotations of a NamedTuple with their extras; empty ones where they cannot be resolved."""
     try:
@@ -166,10 +168,11 @@ def checked_replace(value: Any, changes: Mapping[str, Any], where: str) -> Any:
     for key, new in changes.items():
         if key not in sheet:
             raise NameUnknown(f"{where} has no parameter {key!r}{nearest(key, sheet)}")
-        value = _put(value, key.split("."), sheet[key].check(new, where))
+        value = put(value, key.split("."), sheet[key].check(new, where))
     return value
 
 
-def _put(value: Any, path: list[str], new: Any) -> Any:
+def put(value: Any, path: list[str], new: Any) -> Any:
+    """``value`` with the field at ``path`` replaced, unchecked."""
     head, *rest = path
-    return value._replace(**{head: _put(getattr(value, head), rest, new) if rest else new})
+    return value._replace(**{head: put(getattr(value, head), rest, new) if rest else new})

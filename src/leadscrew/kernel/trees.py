@@ -1,0 +1,61 @@
+"""Copying and walking syntax trees, fast: a loop's tree is copied many times on its way to one function."""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Callable, Iterator
+from typing import Any
+
+Swap = Callable[[ast.Name], ast.expr]
+
+
+def clone(node: Any, swap: Swap | None = None) -> Any:
+    """A copy of a tree without its own line numbers; ``swap`` says what stands for each name."""
+    cls = node.__class__
+    if cls is ast.Name:
+        return ast.Name(node.id, node.ctx) if swap is None else swap(node)
+    new = cls.__new__(cls)
+    for field in cls._fields:
+        value = getattr(node, field, None)
+        if value.__class__ is list:
+            value = [clone(v, swap) if isinstance(v, ast.AST) else v for v in value]
+        elif isinstance(value, ast.AST) and value._fields:
+            value = clone(value, swap)
+        setattr(new, field, value)
+    if isinstance(new, ast.stmt):
+        new.lineno = 1  # what ast.unparse asks of a statement
+    return new
+
+
+def copied(node: Any) -> Any:
+    """A copy of a tree with its line numbers."""
+    cls = node.__class__
+    new = cls.__new__(cls)
+    for field, value in node.__dict__.items():
+        if value.__class__ is list:
+            value = [copied(v) if isinstance(v, ast.AST) else v for v in value]
+        elif isinstance(value, ast.AST) and value._fields:
+            value = copied(value)
+        setattr(new, field, value)
+    return new
+
+
+def each(node: ast.AST) -> Iterator[Any]:
+    """Every node of a tree that has fields, in no order that matters."""
+    stack: list[Any] = [node]
+    while stack:
+        n = stack.pop()
+        yield n
+        for field in n._fields:
+            value = getattr(n, field, None)
+            if value.__class__ is list:
+                stack.extend(v for v in value if isinstance(v, ast.AST))
+            elif isinstance(value, ast.AST) and value._fields:
+                stack.append(value)
+
+
+def names(node: ast.AST) -> Iterator[ast.Name]:
+    """Every name in a tree."""
+    for n in each(node):
+        if n.__class__ is ast.Name:
+            yield n
