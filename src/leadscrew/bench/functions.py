@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import ctypes
+from functools import partial
+from typing import Any
 
 import numpy as np
 
 from leadscrew.bench import entries, probes
 from leadscrew.bench.row import row
 from leadscrew.bench.timing import interleaved
-from leadscrew.bench.yardstick import NoCompiler, build
+from leadscrew.bench.yardstick import NoCompilerError, build
 
 POINTS = 20_000
 
@@ -21,8 +21,9 @@ def inference_rows(rounds: int) -> list[dict[str, Any]]:
     blocks = {**probes.INFERENCES, "without": probes.adds}
     seen = interleaved({k: entries.single(probes.probe(b), POINTS) for k, b in blocks.items()}, rounds)
     ns = {k: (v - seen["without"]) / POINTS * 1e9 for k, v in seen.items()}
+    bounds = {"throughput": 15.0}
     return [
-        row("36-rule inference", f"{k}, marginal cost in the loop", ns[k], "ns", at_most=15.0 if k == "throughput" else None)
+        row("36-rule inference", f"{k}, marginal cost in the loop", ns[k], "ns", at_most=bounds.get(k))
         for k in probes.INFERENCES
     ]
 
@@ -31,13 +32,14 @@ def libm(rounds: int) -> dict[str, float]:
     """Nanoseconds a call of the C library's functions, empty without a compiler."""
     try:
         library = build()
-    except NoCompiler:
+    except NoCompilerError:
         return {}
     x, out = np.linspace(-0.9, 0.9, POINTS), np.zeros(POINTS)
     arguments = {"pow": x + 1.5, "exp": x * 3.0, "sin": x * 3.0}
     pointers = {k: v.ctypes.data_as(ctypes.c_void_p) for k, v in arguments.items()}
     to = out.ctypes.data_as(ctypes.c_void_p)
-    calls = {k: lambda k=k: getattr(library, f"{k}_libm_points")(pointers[k], to, ctypes.c_long(POINTS)) for k in arguments}
+    n = ctypes.c_long(POINTS)
+    calls = {k: partial(getattr(library, f"{k}_libm_points"), pointers[k], to, n) for k in arguments}
     return {k: v / POINTS * 1e9 for k, v in interleaved(calls, rounds).items()}
 
 
@@ -47,7 +49,8 @@ def function_rows(rounds: int) -> list[dict[str, Any]]:
     made = {k: probes.probe(b) for k, b in blocks.items()}
     runs, theirs = 64, libm(rounds)
     once = interleaved({k: entries.single(loop, POINTS) for k, loop in made.items()}, rounds)
-    lanes = interleaved({k: entries.batch(loop, 2000, {"controller.sum": np.linspace(0.8, 1.0, runs)}) for k, loop in made.items()}, rounds)  # fmt: skip
+    varied = {"controller.sum": np.linspace(0.8, 1.0, runs)}
+    lanes = interleaved({k: entries.batch(loop, 2000, varied) for k, loop in made.items()}, rounds)
     rows = []
     for k in probes.FUNCTIONS:
         scalar = (once[k] - once["without"]) / POINTS * 1e9

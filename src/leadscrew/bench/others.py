@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -11,7 +12,7 @@ import numpy as np
 from leadscrew.bench import entries, loops, peers, plain
 from leadscrew.bench.row import row
 from leadscrew.bench.servo import INTEGRATORS, MOVING
-from leadscrew.bench.timing import interleaved
+from leadscrew.bench.timing import interleaved, repeated
 from leadscrew.bench.yardstick import Yardstick
 
 TIGHT = "DOP853, rtol 1e-12, per control period"
@@ -46,8 +47,8 @@ def rows(reference: np.ndarray, errors: dict[str, float], rounds: int) -> list[d
     contenders: dict[str, Callable[[], object]] = {"engine": on_python}
     for form in INTEGRATORS:
         call, by_hand = entries.single(loops.lathe(form), MOVING), getattr(plain, form)
-        contenders[form] = lambda call=call: [call() for _ in range(20)]
-        contenders[f"plain {form}"] = lambda by_hand=by_hand: by_hand(p, MOVING)
+        contenders[form] = repeated(call, 20)
+        contenders[f"plain {form}"] = partial(by_hand, p, MOVING)
     seen = interleaved(contenders, rounds)
     ours = {f: seen[f] / MOVING / 20 for f in INTEGRATORS}
     made = []

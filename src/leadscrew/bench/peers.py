@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 from importlib.util import find_spec
 
 import numpy as np
@@ -20,7 +21,8 @@ def solve_ivp(p: Lathe, periods: int, method: str, rtol: float, atol: float = 1e
     for _ in range(periods):
         seen.append(x[3])
         duty = control.duty(float(x[4]))
-        x = solve(lambda t, s, u=duty: plain.rates(p, s, u), (0.0, p.period), x, method=method, rtol=rtol, atol=atol).y[:, -1]
+        span, options = (0.0, p.period), {"method": method, "rtol": rtol, "atol": atol}
+        x = solve(lambda t, s, u=duty: plain.rates(p, s, u), span, x, **options).y[:, -1]
     return np.array(seen)
 
 
@@ -40,7 +42,8 @@ def python_control(p: Lathe, periods: int) -> np.ndarray:
         duty = law.duty(float(x[4]))
         return np.concatenate((a @ x[:5] - b * (p.full_duty_speed * duty), (law.e, 1.0)))
 
-    system = control.NonlinearIOSystem(update, lambda t, x, u, params: x[3:4], inputs=1, outputs=1, states=7, dt=p.period)
+    ports = {"inputs": 1, "outputs": 1, "states": 7, "dt": p.period}
+    system = control.NonlinearIOSystem(update, lambda t, x, u, params: x[3:4], **ports)
     time = np.arange(periods) * p.period
     return np.asarray(control.input_output_response(system, time, np.zeros(periods), np.zeros(7)).outputs).ravel()
 
@@ -79,8 +82,16 @@ def pathsim(p: Lathe, periods: int) -> np.ndarray:
 
 
 PEERS: dict[str, tuple[str, str, Callable[[Lathe, int], np.ndarray]]] = {
-    "solve_ivp RK45": ("scipy", "RK45, rtol 1e-6, per control period", lambda p, n: solve_ivp(p, n, "RK45", 1e-6, 1e-9)),
-    "solve_ivp LSODA": ("scipy", "LSODA, rtol 1e-6, per control period", lambda p, n: solve_ivp(p, n, "LSODA", 1e-6, 1e-9)),
+    "solve_ivp RK45": (
+        "scipy",
+        "RK45, rtol 1e-6, per control period",
+        partial(solve_ivp, method="RK45", rtol=1e-6, atol=1e-9),
+    ),
+    "solve_ivp LSODA": (
+        "scipy",
+        "LSODA, rtol 1e-6, per control period",
+        partial(solve_ivp, method="LSODA", rtol=1e-6, atol=1e-9),
+    ),
     "python-control, hold": ("control", "input_output_response, discrete 1 kHz, exact hold", python_control),
     "python-control, RK4": ("control", "input_output_response, discrete 10 kHz, RK4", python_control_rk4),
     "PathSim": ("pathsim", "RK4, 10 steps a period", pathsim),

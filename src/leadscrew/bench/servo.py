@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import time
+from functools import partial
 from typing import Any
 
 import numpy as np
 
 from leadscrew.bench import entries, loops
 from leadscrew.bench.row import row
-from leadscrew.bench.timing import interleaved, load
-from leadscrew.bench.yardstick import NoCompiler, Yardstick, same_bits
+from leadscrew.bench.timing import interleaved, load, repeated
+from leadscrew.bench.yardstick import NoCompilerError, Yardstick, same_bits
 
 MOVING, SCENARIO = 800, 4000
 """Periods until the axis stands within a count, and of the whole scenario."""
@@ -22,7 +23,7 @@ def yardstick(loop: Any) -> tuple[Yardstick | None, str]:
     """The C loops, or why there are none."""
     try:
         return Yardstick(loop), ""
-    except NoCompiler as why:
+    except NoCompilerError as why:
         return None, str(why)
 
 
@@ -34,10 +35,12 @@ def single_rows(form: str, rounds: int, errors: dict[str, float]) -> Rows:
     rows: Rows = []
     for what, periods, repeats in (("first 0.8 s, moving", MOVING, 40), ("whole scenario, 4 s", SCENARIO, 8)):
         ours = entries.single(loop, periods)
-        contenders = {"ours": lambda run=ours, n=repeats: [run() for _ in range(n)]}
-        for library in ("portable", "libm") if c is not None else ():
+        contenders = {"ours": repeated(ours, repeats)}
+        for library in ("portable", "libm"):
+            if c is None:
+                continue
             name = f"{form}_{library}"
-            contenders[library] = lambda name=name, n=repeats, k=periods, c=c: [c.run(name, k) for _ in range(n)]  # type: ignore[misc]
+            contenders[library] = repeated(partial(c.run, name, periods), repeats)
         ns = {k: v / periods / repeats * 1e9 for k, v in interleaved(contenders, rounds).items()}
         name = f"single run, {form}"
         rows.append(row(name, f"ours, {what}", ns["ours"], integrator=integrator, error=error))
@@ -66,8 +69,8 @@ def batch_rows(rounds: int, quick: bool) -> Rows:
     lanes = entries.batch(loop, MOVING, gains)
     contenders = {"lanes": lanes}
     if c is not None:
-        contenders["portable"] = lambda: [c.run("hold_portable", MOVING) for _ in range(runs)]
-        contenders["libm"] = lambda: [c.run("hold_libm", MOVING) for _ in range(runs)]
+        contenders["portable"] = repeated(partial(c.run, "hold_portable", MOVING), runs)
+        contenders["libm"] = repeated(partial(c.run, "hold_libm", MOVING), runs)
     ns = {k: v / runs / MOVING * 1e9 for k, v in interleaved(contenders, rounds).items()}
     rows = [row("batch, one core", "ours in lanes", ns["lanes"], integrator=INTEGRATORS["hold"])]
     for library in ("portable", "libm"):
@@ -85,9 +88,10 @@ def batch_rows(rounds: int, quick: bool) -> Rows:
     n = len(many["plant.full_duty_speed_mm_s"])
     for k in (1, 2):
         rows.append(row(f"batch, {k} thread{'s' * (k > 1)}", f"{n} runs of 200 periods", n / walls[str(k)], "runs/s"))
-    rows[-1].update(
-        row(rows[-1]["name"], rows[-1]["what"], rows[-1]["value"], "runs/s", ratio=walls["1"] / walls["2"], at_least=1.7,
-            remark=f"wall time against one thread; holds on an idle machine, load now {load():.2f}")
+    remark = f"wall time against one thread; for an idle machine, load now {load():.2f}"
+    rows.append(
+        row("batch, 2 threads", "against one thread", n / walls["2"], "runs/s", ratio=walls["1"] / walls["2"],
+            at_least=1.7, remark=remark)
     )  # fmt: skip
     return rows
 
@@ -99,8 +103,8 @@ def settled_rows(rounds: int) -> Rows:
         loop = loops.lathe(form)
         rested = loop.start()
         rested.advance(60_000, every=0)
-        moving, settled = entries.single(loop, MOVING), entries.single(loop, MOVING, rested)
-        seen = interleaved({"moving": lambda m=moving: [m() for _ in range(20)], "settled": lambda s=settled: [s() for _ in range(20)]}, rounds)  # fmt: skip
+        calls = {"moving": entries.single(loop, MOVING), "settled": entries.single(loop, MOVING, rested)}
+        seen = interleaved({k: repeated(call, 20) for k, call in calls.items()}, rounds)
         ns = {k: v / MOVING / 20 * 1e9 for k, v in seen.items()}
         rows.append(
             row(f"settled loop, {form}", "against the moving one", ns["settled"], ratio=ns["settled"] / ns["moving"],

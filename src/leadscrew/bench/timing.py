@@ -23,6 +23,16 @@ def interleaved(
     return {name: median(times) for name, times in seen.items()}
 
 
+def repeated(call: Callable[[], object], times: int) -> Callable[[], None]:
+    """The call, a number of times."""
+
+    def calls() -> None:
+        for _ in range(times):
+            call()
+
+    return calls
+
+
 def load() -> float:
     """The machine's load over the last minute, NaN where the system does not tell."""
     return os.getloadavg()[0] if hasattr(os, "getloadavg") else float("nan")

@@ -23,7 +23,7 @@ SOURCES = Path(__file__).parent / "c"
 LOOPS = ("hold_portable", "hold_libm", "rk4_portable", "rk4_libm")
 
 
-class NoCompiler(Exception):
+class NoCompilerError(Exception):
     """The yardstick cannot be built here; says why."""
 
 
@@ -33,7 +33,7 @@ class Lathe(ctypes.Structure):
     _fields_ = tuple(
         [(name, ctypes.c_double) for name in ("target", "resolution", "error_scale", "rate_scale", "rate_interval")]
         + [(name, ctypes.c_double) for name in ("tau", "floor", "output_tau", "output_gain")]
-        + [("centres", ctypes.c_double * 6), ("reciprocal_widths", ctypes.c_double * 5), ("rules", ctypes.c_double * 36)]
+        + [(name, ctypes.c_double * n) for name, n in (("centres", 6), ("reciprocal_widths", 5), ("rules", 36))]
         + [("full_duty_speed", ctypes.c_double), ("a", ctypes.c_double * 14), ("b", ctypes.c_double * 5)]
         + [(f"{name}_lag", ctypes.c_double) for name in ("pwm", "electrical", "mechanical", "grating")]
         + [(name, ctypes.c_double) for name in ("period", "substeps", "bound")]
@@ -55,11 +55,11 @@ def compiler() -> str:
     """The path of gcc.
 
     Raises:
-        NoCompiler: there is none.
+        NoCompilerError: there is none.
     """
     found = shutil.which("gcc")
     if found is None:
-        raise NoCompiler("no gcc on the path")
+        raise NoCompilerError("no gcc on the path")
     return found
 
 
@@ -67,21 +67,21 @@ def build() -> ctypes.CDLL:
     """The compiled yardstick, from the cache where its sources, flags and compiler are the same.
 
     Raises:
-        NoCompiler: no gcc, or it fails.
+        NoCompilerError: no gcc, or it fails.
     """
     gcc = compiler()
     version = subprocess.run([gcc, "-dumpfullversion"], capture_output=True, text=True, check=False).stdout
-    text = "".join(path.read_text(encoding="utf-8") for path in sorted(SOURCES.iterdir()) if path.suffix in (".c", ".h"))
+    sources = (path for path in sorted(SOURCES.iterdir()) if path.suffix in (".c", ".h"))
+    text = "".join(path.read_text(encoding="utf-8") for path in sources)
     name = hashlib.sha256(f"{version} {FLAGS} {text}".encode()).hexdigest()[:20]
     library = cache.directory() / f"yardstick_{name}.so"
     if not library.exists():
         with tempfile.TemporaryDirectory(dir=library.parent) as folder:
             made = Path(folder) / library.name
-            done = subprocess.run(
-                [gcc, *FLAGS, str(SOURCES / "lathe.c"), "-o", str(made), "-lm"], capture_output=True, text=True, check=False
-            )
+            command = [gcc, *FLAGS, str(SOURCES / "lathe.c"), "-o", str(made), "-lm"]
+            done = subprocess.run(command, capture_output=True, text=True, check=False)
             if done.returncode:
-                raise NoCompiler(f"gcc failed: {done.stderr.strip()[:200]}")
+                raise NoCompilerError(f"gcc failed: {done.stderr.strip()[:200]}")
             made.replace(library)
     return ctypes.CDLL(str(library))
 

@@ -7,13 +7,16 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from leadscrew.cli.output import Json, emit, print_table
+from leadscrew.cli.output import Json, emit, print_table, width
 from leadscrew.cli.subject import study_of
 
 if TYPE_CHECKING:
     from leadscrew.kernel.block import Block
     from leadscrew.report.tables import Setting
     from leadscrew.studies.study import Study
+
+WIDE = 150
+"""Columns from which it stands in a column of its own where a parameter is."""
 
 
 def list_(
@@ -147,11 +150,13 @@ def _settings(found: Iterable[Setting], title: str) -> None:
     from leadscrew.report.tables import number
 
     found = list(found)
-    several = any(s.where for s in found)
-    rows = [
-        [s.entry.key, number(s.entry.default), s.entry.unit, s.entry.range, s.entry.doc]
-        + ([", ".join(s.where)] if several else [])
-        for s in found
-    ]
-    columns = [title, "default", "unit", "range", "what it is"] + (["only in"] if several else [])
+    beside = width() >= WIDE and any(s.where for s in found)
+    rows = []
+    for s in found:
+        where = ", ".join(s.where)
+        doc = s.entry.doc if beside or not where else f"{s.entry.doc} (only in {where})".lstrip()
+        rows.append(
+            [s.entry.key, number(s.entry.default), s.entry.unit, s.entry.range, doc, *([where] if beside else [])]
+        )
+    columns = [title, "default", "unit", "range", "what it is", *(["only in"] if beside else [])]
     print_table(columns, rows, right=("default",))

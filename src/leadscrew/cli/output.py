@@ -53,7 +53,9 @@ def print_table(columns: Sequence[str], rows: Iterable[Sequence[str]], right: Se
     table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
     table.show_edge = False
     for name in columns:
-        table.add_column(Text(name), justify="right" if name in right else "left", overflow="fold")
+        # What stands first is a name to copy: never broken.
+        first = name == columns[0]
+        table.add_column(Text(name), justify="right" if name in right else "left", overflow="fold", no_wrap=first)
     for row in rows:
         table.add_row(*(Text(str(cell), style=STYLES.get(str(cell), "")) for cell in row))
     out = console()

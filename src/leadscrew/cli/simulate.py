@@ -39,7 +39,7 @@ def simulate(
         typer.Option("--set", metavar="KEY=VALUE", help="Change a parameter; leadscrew list STUDY shows them."),
     ] = None,
     duration: Annotated[float | None, typer.Option(metavar="S", help="Seconds; the scenario's unless given.")] = None,
-    engine: Annotated[str | None, typer.Option(help="numba or python.")] = None,
+    engine: Annotated[str | None, typer.Option(help="What runs the loop; the fastest unless given.")] = None,
     seed: Annotated[int | None, typer.Option(help="Of all noise.")] = None,
     every: Annotated[int | None, typer.Option(metavar="N", help="Record every N-th period.")] = None,
     record: Annotated[

@@ -90,9 +90,11 @@ def _columns(varied: Mapping[str, Any], loop: Loop, runs: int | None) -> tuple[d
             for x in (float(low), float(high)):
                 entry.check(int(x) if entry.type == "int" and x == int(x) else x, "batch")
         found[key] = array
-    lengths = {len(a) for a in found.values() if len(a) > 1} | ({runs} if runs else set())
+    if runs is not None:
+        door.whole("runs", runs, 1, 2**31 - 1)
+    lengths = {len(a) for a in found.values() if len(a) > 1} | ({runs} if runs is not None else set())
     if len(lengths) > 1:
-        raise ValueRefused("a batch needs the same number of values for every key: " + ", ".join(f"{k} has {len(a)}" for k, a in found.items()) + (f", runs = {runs}" if runs else ""))  # fmt: skip
+        raise ValueRefused("a batch needs the same number of values for every key: " + ", ".join(f"{k} has {len(a)}" for k, a in found.items()) + (f", runs = {runs}" if runs is not None else ""))  # fmt: skip
     n = door.whole("runs", lengths.pop() if lengths else 1, 1, 2**31 - 1)
     return {k: np.ascontiguousarray(np.broadcast_to(a, (n, *a.shape[1:]))) for k, a in found.items()}, n
 

@@ -39,6 +39,14 @@ def _substitution(given: Mapping[str, ast.expr], renamed: Mapping[str, str]) -> 
     return swap
 
 
+def _matched(target: ast.Tuple, value: ast.Tuple) -> list[tuple[ast.expr, ast.expr]]:
+    """Targets and values of a tuple assignment, tuples within tuples taken apart."""
+    found: list[tuple[ast.expr, ast.expr]] = []
+    for t, v in zip(target.elts, value.elts, strict=True):
+        found += _matched(t, v) if isinstance(t, ast.Tuple) and isinstance(v, ast.Tuple) else [(t, v)]
+    return found
+
+
 class Fuser:
     """Fuses functions of one module; ``functions`` are the ones that may be fused, by name."""
 
@@ -108,9 +116,9 @@ class Fuser:
 
     def unpack(self, target: ast.Tuple, value: ast.Tuple, out: list[ast.stmt]) -> None:
         """``a, b = x, y`` without building a tuple, through names of their own where one reads what another sets."""
-        targets = {t.id for t in target.elts if isinstance(t, ast.Name)}
-        pairs = [(t, v) for t, v in zip(target.elts, value.elts, strict=True)
+        pairs = [(t, v) for t, v in _matched(target, value)
                  if not (isinstance(v, ast.Name) and isinstance(t, ast.Name) and v.id == t.id)]  # fmt: skip
+        targets = {t.id for t, _ in pairs if isinstance(t, ast.Name)}
         read = {n.id for _, v in pairs for n in names(v)}
         if targets & read:
             kept = []

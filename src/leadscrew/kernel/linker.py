@@ -300,12 +300,11 @@ class Linker:
         n = int(self.module.constants["ORDER"])
         here = call(self.module.names[id(holes.gathered)], "s", "x")
 
-        def cell(i: int, j: int) -> ast.expr:
-            row = ast.Subscript(name("rows"), ast.Constant(i), ast.Load())
-            return ast.Subscript(row, ast.Constant(j), ast.Load())
-
-        writes = [put("jac", (i, j), cell(i, j)) for i in range(n) for j in range(n)]
-        body = [assign("here", here), assign("rows", rows), *writes, give(ast.Constant(0))]
+        cells = [[f"j{i}_{j}" for j in range(n)] for i in range(n)]
+        targets: list[ast.expr] = [ast.Tuple([ast.Name(c, ast.Store()) for c in row], ast.Store()) for row in cells]
+        writes = [put("jac", (i, j), cells[i][j]) for i in range(n) for j in range(n)]
+        taken = ast.Assign([ast.Tuple(targets, ast.Store())], rows)
+        body = [assign("here", here), taken, *writes, give(ast.Constant(0))]
         self.define(holes.jacobian, "p s u load t x f jac", body)
 
     def continuous(self) -> None:
@@ -325,8 +324,8 @@ class Linker:
         self.define(holes.remembered, "s h", [give(body_of(self.plan.state.tree, self.module, kept))])
         plant = self.plan.blocks["plant"]
         assert plant is not None
-        self.jacobian(plant)
         self.module.link(holes.rates, self.module.function(continuous.continuous_rates))
+        self.jacobian(plant)
 
     # ---- places
     def places(self) -> None:

@@ -1,0 +1,525 @@
+"""What a loop does with time, delays, limits, divergence; and that what goes in wrong is refused at the door."""
+
+import math
+import warnings
+from typing import NamedTuple
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from leadscrew.kernel import door
+from leadscrew.kernel.block import controller, disturbance, make, metric, plant, reference
+from leadscrew.kernel.errors import BlockError, Diverged, NameUnknown, ValueRefused
+from leadscrew.kernel.loop import DivergenceWarning, Loop
+from leadscrew.kernel.metrics import STANDARD
+from tests.kernel import zoo
+
+
+class Empty(NamedTuple):
+    x: float = 0.0
+
+
+class CountState(NamedTuple):
+    n: int = 0
+
+
+@reference(None, CountState())
+def counting(s):
+    """The number of the period."""
+    return CountState(s.n + 1), s.n
+
+
+@controller(None)
+def through(command):
+    """The command itself."""
+    return command
+
+
+def test_a_plant_shows_what_it_was_given_one_period_before():
+    run = Loop(reference=counting, controller=through, plant=plant(None, Empty())(hold_last), metrics={}).run(0.01)
+    assert run["actual"].tolist() == [0, 0, 1, 2, 3, 4, 5, 6, 7, 8]
+    assert run["command"].tolist() == list(range(10))
+    assert run.time.tolist() == [k * 1e-3 for k in range(10)]
+
+
+def hold_last(s, u, dt):
+    """Shows what it was given last."""
+    return Empty(u + 0.0 * dt)
+
+
+class LineState(NamedTuple):
+    x: float = 0.0
+
+
+@plant(None, LineState())
+def integrator(s, u, dt):
+    """The sum of what came in."""
+    return LineState(s.x + u * dt)
+
+
+@pytest.mark.parametrize(("delay", "late"), [(0.0, 0), (0.001, 1), (0.003, 3)])
+def test_a_computational_delay_holds_the_output_back(delay, late):
+    loop = Loop(reference=counting, controller=through, plant=plant(None, Empty())(hold_last), computation_delay=delay, metrics={})
+    assert loop.run(0.01)["actual"].tolist() == [max(0, k - 1 - late) for k in range(10)]
+
+
+def test_a_delay_within_the_period_splits_it():
+    loop = Loop(reference=counting, controller=through, plant=integrator, substeps=4, computation_delay=0.00175, metrics={})
+    got = loop.run(0.006)["actual"] * 1000
+    held = lambda k: max(0, k)  # noqa: E731
+    want = [sum(0.75 * held(k - 2) + 0.25 * held(k - 1) for k in range(n)) for n in range(6)]
+    np.testing.assert_allclose(got, want, atol=1e-12)
+
+
+def test_a_transport_delay_makes_the_sensor_see_the_past():
+    loop = Loop(reference=counting, controller=through, plant=integrator, substeps=2, transport_delay=0.0015, metrics={})
+    run = loop.run(0.01)
+    fine = np.interp(run.time - 0.0015, run.time, run["actual"], left=0.0)
+    np.testing.assert_allclose(run["feedback"], fine, atol=1e-15)
+
+
+def test_ten_short_advances_equal_one_long_one_bit_for_bit():
+    loop = Loop(
+        reference=zoo.sine, controller=zoo.history, plant=zoo.mass, sensor=zoo.ruler, substeps=2, computation_delay=0.001,
+        transport_delay=0.002, seed=3,
+    )  # fmt: skip
+    whole = loop.start()
+    a = whole.advance(1000, every=7)
+    live = loop.start()
+    parts = [live.advance(100, every=7) for _ in range(10)]
+    for name in a.signals:
+        assert np.array_equal(a.signals[name], np.concatenate([p.signals[name] for p in parts])), name
+    assert live.time == 1.0
+    assert parts[-1].metrics == a.metrics or all(
+        x == y or math.isnan(x) for x, y in zip(parts[-1].metrics.values(), a.metrics.values(), strict=True)
+    )
+
+
+def test_a_saved_place_can_be_gone_back_to_and_parameters_set_on_the_way():
+    loop = Loop(reference=zoo.sine, controller=zoo.pid, plant=zoo.mass, metrics={})
+    live = loop.start()
+    live.advance(50)
+    saved = live.save()
+    a = live.advance(50)
+    live.restore(saved)
+    b = live.advance(50)
+    assert np.array_equal(a["actual"], b["actual"])
+    live.restore(saved)
+    live.set("controller.kp", 0.5)
+    c = live.advance(50)
+    assert not np.array_equal(a["actual"], c["actual"])
+    assert live.loop.parameters["controller.kp"] == 0.5
+    live.restore(saved)
+    assert live.loop.parameters["controller.kp"] == 1.32
+    with pytest.raises(ValueRefused, match="controller.kp"):
+        live.set("controller.kp", -1.0)
+    with pytest.raises(NameUnknown):
+        live.set("seed", 3)
+    assert live.values()["plant.position"] == pytest.approx(saved.scalars[live.program.plan.state.keys["plant.position"].at])
+
+
+def test_switching_the_controller_in_the_run_is_bumpless_where_it_can_align():
+    loop = Loop(reference=zoo.sine(frequency=0.1), controller=zoo.pid(kp=2.0), plant=zoo.mass, metrics={})
+    live = loop.start()
+    before = live.advance(300)
+    other = live.switch(zoo.pid(kp=0.5))
+    after = other.advance(5)
+    assert other.bumpless
+    assert abs(after["output"][0] - before["output"][-1]) < 0.05 * abs(before["output"][-1])
+    assert after.time[0] == pytest.approx(0.3)
+    assert not live.switch(zoo.observed).bumpless
+
+
+def test_a_loop_that_diverges_stops_and_says_when_and_where():
+    loop = Loop(reference=zoo.sine, controller=zoo.pid(kp=1e6), plant=zoo.mass, substeps=1, metrics={"rms": STANDARD["rms_error"]})
+    runs = {}
+    for engine in ("llvm", "python"):
+        with pytest.warns(DivergenceWarning, match="diverged at t ="):
+            runs[engine] = loop.run(20.0, engine=engine)
+    a, b = runs["llvm"], runs["python"]
+    assert a.diverged is not None and b.diverged is not None
+    assert (a.diverged.time, a.diverged.state) == (b.diverged.time, b.diverged.state)
+    assert 0 < len(a.time) < 20_000 and len(a.time) == a.diverged.period + 1
+    assert math.isnan(a.metrics.rms)
+    with pytest.raises(Diverged, match="diverged at") as caught:
+        a.check()
+    assert caught.value.run is a
+    batch = loop.batch(20.0, {"controller.kp": np.array([1e6, 1.0, 1e6])})
+    assert batch.diverged_at[0] == a.diverged.time and math.isnan(batch.diverged_at[1])
+    assert math.isnan(batch.metrics["rms"][0]) and batch.metrics["rms"][1] > 0
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        assert loop.batch(1.0, {"controller.kp": [1e6]}, engine="python").diverged_at.shape == (1,)
+    assert loop.using({"controller.kp": 1.0}).run(0.1).check().diverged is None
+
+
+def test_leaving_the_stated_bound_is_divergence():
+    loop = Loop(reference=zoo.sine(amplitude=10.0), controller=zoo.pid, plant=zoo.mass, bound=5.0, metrics={})
+    with pytest.warns(DivergenceWarning, match="left its bound of 5"):
+        run = loop.run(2.0)
+    assert run.diverged is not None and run.diverged.state == "actual" and abs(run["actual"][-1]) > 5.0
+
+
+@controller(None)
+def one_over(command, feedback):
+    """Divides by what is zero at the start of the second period."""
+    return 1.0 / (command - command) if feedback >= 0 else 0.0
+
+
+def test_division_by_zero_is_infinity_on_every_engine_and_named_by_the_python_one():
+    loop = Loop(reference=zoo.sine, controller=one_over, plant=zoo.mass, metrics={})
+    with pytest.warns(DivergenceWarning):
+        a, b = loop.run(1.0), loop.run(1.0, engine="python")
+    assert a.diverged is not None and b.diverged is not None and a.diverged.period == b.diverged.period == 0
+    assert b.diverged.place.startswith(__file__) and "0.0" in b.diverged.place
+    line = int(b.diverged.place.split(":")[1].split()[0])
+    from pathlib import Path
+
+    assert "1.0 / (command" in Path(__file__).read_text().splitlines()[line - 1]
+
+
+class TableParams(NamedTuple):
+    table: np.ndarray = np.arange(4.0)
+    at: int = 2
+
+
+@controller(TableParams())
+def looked_up(p, command):
+    """A number of a table."""
+    return p.table[p.at] + p.table[-1]
+
+
+class WriteState(NamedTuple):
+    ring: np.ndarray = np.zeros(3)
+
+
+@controller(TableParams(), WriteState())
+def written(p, s, command):
+    """Writes where told."""
+    s.ring[p.at] = command
+    return s, s.ring[0]
+
+
+@pytest.mark.parametrize("engine", ["llvm", "python"])
+def test_reading_or_writing_outside_an_array_is_divergence_not_garbage(engine):
+    loop = Loop(reference=zoo.sine, controller=looked_up, plant=zoo.mass, metrics={}, engine=engine)
+    assert loop.run(0.002)["output"][0] == 5.0
+    for at in (4, -1, 10**9):
+        with pytest.warns(DivergenceWarning):
+            lost = loop.using({"controller.at": at}).run(0.1)
+        assert lost.diverged is not None and lost.diverged.period == 0
+    loop = Loop(reference=zoo.sine, controller=written, plant=zoo.mass, metrics={}, engine=engine)
+    assert loop.run(0.01).diverged is None
+    with pytest.warns(DivergenceWarning, match=r"controller\.ring"):
+        lost = loop.using({"controller.at": 3}).run(0.1)
+    assert lost.diverged is not None and lost.diverged.period == 0
+
+
+def test_tables_can_vary_from_run_to_run():
+    loop = Loop(reference=zoo.sine, controller=looked_up, plant=zoo.mass, metrics={})
+    tables = np.random.default_rng(1).uniform(-1, 1, (37, 4))
+    batch = loop.batch(0.01, {"controller.table": tables}, record="output")
+    np.testing.assert_array_equal(batch["output"][:, 0], tables[:, 2] + tables[:, 3])
+
+
+def test_the_state_at_the_start_and_a_prepared_block_follow_their_parameters():
+    class Start(NamedTuple):
+        x0: float = 1.0
+        rate: float = 2.0
+
+    class Ready(NamedTuple):
+        factor: float
+        x0: float
+
+    def ready(p, dt):
+        return Ready(math.exp(-p.rate * dt), p.x0)
+
+    def begin(p):
+        return LineState(p.x0)
+
+    def decay(p, s, u, dt):
+        return LineState(p.factor * s.x + 0.0 * (u + dt + p.x0))
+
+    block = make("plant", decay, Start(), LineState(), prepare=ready, initial=begin)
+    loop = Loop(reference=zoo.sine, controller=through, plant=block, metrics={})
+    run = loop.using({"plant.x0": 3.0, "plant.rate": 5.0}).run(0.11)
+    np.testing.assert_allclose(run["actual"], 3.0 * np.exp(-5.0 * run.time), rtol=1e-12)
+    batch = loop.batch(0.11, {"plant.x0": [3.0, 1.0, 3.0], "plant.rate": [5.0, 1.0, 1.0]}, record="actual")
+    np.testing.assert_array_equal(batch["actual"][0], run["actual"])
+    np.testing.assert_allclose(batch["actual"][2], 3.0 * np.exp(-batch.time), rtol=1e-12)
+
+
+def test_a_sweep_has_the_shape_of_its_grid():
+    loop = Loop(reference=zoo.sine, controller=zoo.pid, plant=zoo.mass, metrics={"rms": STANDARD["rms_error"]})
+    seen = []
+    sweep = loop.sweep(0.1, {"controller.kp": [0.5, 1.0, 2.0], "controller.kd": [0.0, 0.01]}, progress=seen.append)
+    assert sweep.grid("rms").shape == (3, 2) and len(sweep) == 6
+    assert sweep.grid("rms")[2, 1] == loop.using({"controller.kp": 2.0, "controller.kd": 0.01}).run(0.1).metrics.rms
+    assert sweep.run(5).rms == sweep.grid("rms")[2, 1] and seen[-1] == 1.0
+    with pytest.raises(NameUnknown, match="rms"):
+        sweep.grid("rmse")
+    with pytest.raises(NameUnknown):
+        sweep["actual"]
+
+
+def test_the_two_axes_have_an_error_each():
+    loop = Loop(reference=zoo.circle, controller=zoo.two_pids, plant=zoo.table, metrics={})
+    run = loop.run(0.2)
+    np.testing.assert_array_equal(run["true_error.y"], run["command.y"] - run["actual.y"])
+    assert {"error.x", "error.y", "applied.x"} <= set(run.signals)
+    assert run["command"] is run.signals["command.x"]
+
+
+def test_recording_every_nth_period_and_chosen_signals():
+    loop = Loop(reference=zoo.sine, controller=zoo.pid, plant=zoo.mass, metrics={})
+    full = loop.run(0.1)
+    some = loop.run(0.1, record=["actual", "controller"], every=9)
+    assert list(some.signals) == ["time", "actual", "controller.integral", "controller.last_error"]
+    np.testing.assert_array_equal(some["actual"], full["actual"][::9])
+    assert loop.run(0.1, every=0).signals == {}
+    with pytest.raises(NameUnknown, match=r"did you mean .*plant\.position"):
+        loop.run(0.1, record="plant.positio")
+    with pytest.raises(NameUnknown, match="was not recorded"):
+        some["output"]
+
+
+def test_metrics_read_as_attributes():
+    run = Loop(reference=zoo.sine, controller=zoo.pid, plant=zoo.mass).run(0.5)
+    assert set(run.metrics) == set(STANDARD)
+    errors = run["true_error"]
+    assert run.metrics.rms_error == pytest.approx(np.sqrt(np.mean(errors**2)), rel=1e-12)
+    assert run.metrics.max_error == np.abs(errors).max()
+    with pytest.raises(AttributeError, match="rms_error"):
+        _ = run.metrics.rms_eror
+    assert "rms_error" in repr(run) and "<table>" in run._repr_html_()
+
+
+# ---- the door
+GOOD = {"reference": zoo.sine, "controller": zoo.pid, "plant": zoo.mass, "metrics": {}}
+
+
+@pytest.mark.parametrize(
+    ("changes", "says"),
+    [
+        ({"period": 0.0}, r"period = 0.0: allowed range is \(0, inf\) s"),
+        ({"period": -1.0}, "period = -1.0"),
+        ({"period": math.nan}, "NaN"),
+        ({"period": "fast"}, "period = 'fast': expected a number"),
+        ({"substeps": 0}, "substeps = 0: allowed are whole numbers from 1"),
+        ({"substeps": 2.5}, "substeps = 2.5"),
+        ({"computation_delay": 0.0004}, "not a multiple of the integration step of 0.001 s"),
+        ({"transport_delay": -1e-3}, "transport_delay = -0.001: allowed range"),
+        ({"transport_delay": math.inf}, "transport_delay"),
+        ({"method": "rk5"}, "method = 'rk5': allowed are rk4, sdirk3, rodas; did you mean rk4"),
+        ({"engine": "fortran"}, "engine = 'fortran'"),
+        ({"bound": 0}, "bound = 0"),
+        ({"seed": -3}, "seed = -3"),
+        ({"rtol": 0.0}, "rtol"),
+        ({"plant": zoo.pid}, "'pid' is a controller, not a plant"),
+        ({"controller": lambda: 0}, "is not a block"),
+        ({"reference": None}, "a loop needs a reference"),
+        ({"metrics": {"not a word": STANDARD["iae"]}}, "must be a word"),
+        ({"metrics": {"x": zoo.pid}}, "not a metric block"),
+        ({"period": None}, "sampled controller"),
+        ({"output_disturbance": zoo.pid}, "not a disturbance"),
+    ],
+)
+def test_what_is_wrong_is_refused_with_value_range_and_place(changes, says):
+    with pytest.raises((ValueRefused, BlockError), match=says):
+        Loop(**{**GOOD, **changes})
+
+
+@pytest.mark.parametrize(
+    ("key", "value", "error", "says"),
+    [
+        ("controller.kp", -1.0, ValueRefused, r"controller.kp = -1.0: allowed range is \[0, inf\) V/mm"),
+        ("controller.kp", math.nan, ValueRefused, "controller.kp = nan: not a number"),
+        ("controller.kp", "1", ValueRefused, "controller.kp = '1': expected a number V/mm"),
+        ("controller.kq", 1.0, NameUnknown, "there is no parameter 'controller.kq'; did you mean .*controller.kp"),
+        ("controler.kp", 1.0, NameUnknown, "controller.kp"),
+        ("plant.mass", 0, ValueRefused, r"plant.mass = 0: allowed range is \(0, inf\) kg"),
+    ],
+)
+def test_a_bad_parameter_is_refused_by_its_dotted_key(key, value, error, says):
+    with pytest.raises(error, match=says):
+        Loop(**GOOD).using({key: value})
+
+
+def test_options_and_durations_are_checked():
+    loop = Loop(**GOOD)
+    with pytest.raises(NameUnknown, match="seed, engine, bound, name"):
+        loop.using(period=1.0)
+    assert loop.using(seed=4, bound=3.0, engine="python", name="x").seed == 4
+    for bad, says in ((0.0, "allowed range"), (1e-5, "shorter than one period"), (math.nan, "NaN"), (1e18, "2.53 periods")):
+        with pytest.raises(ValueRefused, match=says):
+            loop.run(bad)
+    with pytest.raises(ValueRefused, match="record fewer signals, or every="):
+        loop.run(1e9)
+    with pytest.raises(ValueRefused, match="whole numbers"):
+        loop.start().advance(0)
+    with pytest.raises(ValueRefused, match="engine"):
+        loop.run(1.0, engine="x")
+    with pytest.raises(ValueRefused, match="another shape"):
+        loop.start().restore(Loop(**{**GOOD, "controller": zoo.observed}).start().save())
+
+
+@pytest.mark.parametrize(
+    ("varied", "more", "says"),
+    [
+        ({"controller.kp": [1.0, -2.0]}, {}, "controller.kp = -2.0"),
+        ({"controller.kp": [1.0, math.nan]}, {}, "NaN"),
+        ({"controller.kp": ["a"]}, {}, "expected an array of numbers"),
+        ({"controller.kp": [[1.0, 2.0]]}, {}, "expected the shape"),
+        ({"controller.kp": []}, {}, "no value to run"),
+        ({"controller.kp": [1.0, 2.0], "controller.kd": [1.0, 2.0, 3.0]}, {}, "same number of values"),
+        ({"controller.kp": [1.0, 2.0]}, {"runs": 3}, "same number of values"),
+        ({}, {"runs": 0}, "runs"),
+        ({}, {"threads": 0}, "threads"),
+        ({}, {"runs": 100000, "record": "actual", "engine": "llvm"}, "needs .* GB"),
+    ],
+)
+def test_a_bad_batch_is_refused(varied, more, says):
+    with pytest.raises(ValueRefused, match=says):
+        Loop(**GOOD).batch(30.0, varied, **more)
+
+
+@settings(max_examples=60, deadline=None)
+@given(st.one_of(st.floats(), st.integers(), st.text(max_size=5), st.none(), st.booleans(), st.lists(st.floats(), max_size=2)))
+def test_no_value_gets_through_the_door_half_checked(value):
+    loop = Loop(**GOOD)
+    try:
+        new = loop.using({"controller.kp": value})
+    except ValueRefused as error:
+        assert "controller.kp" in str(error) and "\n" not in str(error)
+    else:
+        kp = new.parameters["controller.kp"]
+        assert isinstance(kp, float) and kp >= 0
+
+
+@settings(max_examples=60, deadline=None)
+@given(st.one_of(st.floats(), st.integers(), st.text(max_size=5), st.none(), st.booleans()))
+def test_no_period_gets_through_the_door_that_is_not_a_time(value):
+    try:
+        loop = Loop(**{**GOOD, "period": value, "controller": zoo.pid}) if value is not None else None
+    except (ValueRefused, BlockError) as error:
+        assert "\n" not in str(error)
+    else:
+        assert loop is None or 0 < loop.period < math.inf
+
+
+# ---- the contract of blocks
+def test_blocks_that_break_the_contract_are_refused():
+    class P(NamedTuple):
+        a: float = 1.0
+
+    with pytest.raises(BlockError, match="starts with"):
+        controller(P())(lambda command: command)
+    with pytest.raises(BlockError, match="cannot take 'speed'"):
+        make("controller", bad_signal, P())
+    with pytest.raises(BlockError, match="must be an instance of a NamedTuple"):
+        make("controller", bad_signal, {"a": 1})
+    with pytest.raises(BlockError, match="a plant needs a state"):
+        make("plant", hold_last)
+    with pytest.raises(BlockError, match="returns \\(next_state, signal\\)"):
+        Loop(**{**GOOD, "controller": make("controller", forgets_state, None, Empty())}).run(0.1)
+    with pytest.raises(BlockError, match="a plant returns its state"):
+        Loop(**{**GOOD, "plant": make("plant", returns_number, None, Empty())}).run(0.1)
+    with pytest.raises(BlockError, match="not a field"):
+        Loop(**{**GOOD, "plant": make("plant", hold_last, None, Empty(), output="y")}).run(0.1)
+    with pytest.raises(BlockError, match="next state is a"):
+        Loop(**{**GOOD, "controller": make("controller", other_state, None, Empty())}).run(0.1)
+    with pytest.raises(BlockError, match="a signal is a float"):
+        Loop(**{**GOOD, "controller": make("controller", gives_pair, None)}).run(0.1)
+    with pytest.raises(BlockError, match="may take p and s"):
+        Loop(**{**GOOD, "plant": make("plant", hold_last, None, Empty(), output=wants_more)}).run(0.1)
+    with pytest.raises(BlockError, match="is int; an integrated state"):
+        Loop(**{**GOOD, "plant": make("plant", int_plant, None, CountState())}, method="sdirk3").run(0.1)
+    with pytest.raises(BlockError, match="2 numbers"):
+        Loop(**{**GOOD, "disturbance": make("disturbance", two_loads, None)}).run(0.1)
+    with pytest.raises(BlockError, match="period=None"):
+        Loop(**{**GOOD, "controller": make("controller", forgets_state, None, Empty(), continuous=True)})
+    with pytest.raises(BlockError, match="brings its own step"):
+        Loop(**{**GOOD, "controller": through, "plant": integrator, "period": None})
+    with pytest.raises(BlockError, match="cannot have state"):
+        Loop(**{**GOOD, "controller": through, "sensor": zoo.ruler, "period": None})
+    with pytest.raises(ValueRefused, match="need a control period"):
+        Loop(**{**GOOD, "controller": through, "transport_delay": 0.001, "period": None})
+
+
+def bad_signal(p, speed):
+    return speed
+
+
+def forgets_state(s, command):
+    return command
+
+
+def returns_number(s, u):
+    return u
+
+
+def other_state(s, command):
+    return CountState(1), command
+
+
+def gives_pair(command):
+    return (command, command)
+
+
+def wants_more(p, s, t):
+    return t
+
+
+def int_plant(s, u):
+    return CountState(1)
+
+
+def two_loads(t):
+    return zoo.Two(t, t)
+
+
+def test_a_load_can_be_an_axis_each_and_an_output_disturbance_moves_the_first_axis():
+    loop = Loop(
+        reference=zoo.circle, controller=zoo.two_pids, plant=zoo.table, metrics={}, disturbance=disturbance(None)(two_loads),
+        output_disturbance=zoo.drift,
+    )  # fmt: skip
+    run = loop.run(0.05)
+    assert {"disturbance.x", "disturbance.y"} <= set(run.signals)
+    np.testing.assert_array_equal(run.signals["disturbance.x"], run.time)
+    assert run["actual.x"][0] == pytest.approx(0.0)
+    scalar = Loop(reference=zoo.circle, controller=zoo.two_pids, plant=zoo.table, metrics={}, disturbance=zoo.push).run(0.05)
+    assert np.isfinite(scalar["actual.y"]).all()
+
+
+def test_a_block_called_with_keywords_is_a_copy_and_with_arguments_its_step():
+    changed = zoo.pid(kp=3.0)
+    assert changed.params.kp == 3.0 and zoo.pid.params.kp == 1.32
+    state, output = zoo.pid(zoo.PIDParams(), zoo.PIDState(), 1.0, 0.0, 1e-3)
+    assert state.integral == 1e-3 and output > 1.32
+    assert zoo.pid() is zoo.pid
+    assert zoo.pid.starting(integral=2.0).state.integral == 2.0
+    with pytest.raises(NameUnknown, match="did you mean kp"):
+        zoo.pid(kpp=1.0)
+
+
+def test_a_metric_of_ones_own():
+    class S(NamedTuple):
+        worst: float = 0.0
+
+    def value(s):
+        return s.worst
+
+    def worst_output(s, output, t):
+        return S(max(s.worst, abs(output) * (t > 0.05)))
+
+    mine = metric(None, S(), output=value)(worst_output)
+    run = Loop(**{**GOOD, "metrics": {"worst": mine}}).run(0.2)
+    assert run.metrics.worst == np.abs(run["output"][run.time > 0.05]).max()
+
+
+def test_the_door_names_numbers():
+    assert door.number("x", 3, "mm") == 3.0
+    with pytest.raises(ValueRefused, match="x = True: expected a number of mm"):
+        door.number("x", True, "mm")
