@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from functools import partial
 from importlib.util import find_spec
+from typing import Any
 
 import numpy as np
 
@@ -26,43 +27,54 @@ def solve_ivp(p: Lathe, periods: int, method: str, rtol: float, atol: float = 1e
     return np.array(seen)
 
 
-def python_control(p: Lathe, periods: int) -> np.ndarray:
-    """python-control's ``input_output_response`` on the closed loop in discrete time with the exact hold."""
+def interconnected(p: Lathe, h: float, move: Callable[[list[float], float], list[float]]) -> Any:
+    """The closed loop as python-control has it: plant and controller, discrete with step ``h``, interconnected."""
     import control
 
-    a, b = np.zeros((5, 5)), np.array(list(p.b))
-    values = iter(p.a)
-    for i in range(5):
-        for j in range(i + 1):
-            a[i, j] = 1.0 if (i, j) == (3, 3) else next(values)
-    law = plain.Controller(p)
+    law, every = plain.Controller(p), round(p.period / h)
 
-    def update(t, x, u, params):
-        law.e, law.started = float(x[5]), float(x[6])
-        duty = law.duty(float(x[4]))
-        return np.concatenate((a @ x[:5] - b * (p.full_duty_speed * duty), (law.e, 1.0)))
+    def duty(t, x, reading):
+        if round(t / h) % every:
+            return float(x[2])
+        law.e, law.started = float(x[0]), float(x[1])
+        return law.duty(float(reading))
 
-    ports = {"inputs": 1, "outputs": 1, "states": 7, "dt": p.period}
-    system = control.NonlinearIOSystem(update, lambda t, x, u, params: x[3:4], **ports)
-    time = np.arange(periods) * p.period
-    return np.asarray(control.input_output_response(system, time, np.zeros(periods), np.zeros(7)).outputs).ravel()
+    def remembered(t, x, u, params):
+        held = duty(t, x, u[0])
+        return np.array([law.e, 1.0, held])
+
+    axis = control.NonlinearIOSystem(
+        lambda t, x, u, params: np.array(move(x.tolist(), float(u[0]))), lambda t, x, u, params: x[3:5],
+        inputs=["duty"], outputs=["position", "reading"], states=5, dt=h, name="axis",
+    )  # fmt: skip
+    vud = control.NonlinearIOSystem(
+        remembered, lambda t, x, u, params: np.array([duty(t, x, u[0])]),
+        inputs=["reading"], outputs=["duty"], states=3, dt=h, name="vud",
+    )  # fmt: skip
+    return control.interconnect([axis, vud], inputs=[], outputs=["position"], name="loop")
 
 
-def python_control_rk4(p: Lathe, periods: int) -> np.ndarray:
-    """The same with RK4 at a tenth of the period, the controller at every tenth step."""
+def held(p: Lathe, x: list[float], duty: float) -> list[float]:
+    """The plant's exact step."""
+    (v, c, w, s, g), a, b, drive = x, p.a, p.b, -p.full_duty_speed * duty
+    return [
+        a[0] * v + b[0] * drive,
+        a[1] * v + a[2] * c + b[1] * drive,
+        a[3] * v + a[4] * c + a[5] * w + b[2] * drive,
+        a[6] * v + a[7] * c + a[8] * w + s + b[3] * drive,
+        a[9] * v + a[10] * c + a[11] * w + a[12] * s + a[13] * g + b[4] * drive,
+    ]
+
+
+def python_control(p: Lathe, periods: int, substeps: int = 1) -> np.ndarray:
+    """``input_output_response`` of python-control: the exact hold, or RK4 with ``substeps`` steps a period."""
     import control
 
-    law, h = plain.Controller(p), p.period / SUBSTEPS
-
-    def update(t, x, u, params):
-        law.e, law.started = float(x[5]), float(x[6])
-        duty = float(x[7]) if round(t / h) % SUBSTEPS else law.duty(float(x[4]))
-        return np.array([*plain.rk4_step(p, x[:5].tolist(), duty, h), law.e, 1.0, duty])
-
-    system = control.NonlinearIOSystem(update, lambda t, x, u, params: x[3:4], inputs=1, outputs=1, states=8, dt=h)
-    steps = periods * SUBSTEPS
-    found = control.input_output_response(system, np.arange(steps) * h, np.zeros(steps), np.zeros(8)).outputs
-    return np.asarray(found).ravel()[::SUBSTEPS]
+    h = p.period / substeps
+    step = (lambda x, duty: held(p, x, duty)) if substeps == 1 else (lambda x, duty: plain.rk4_step(p, x, duty, h))
+    time = np.arange(periods * substeps) * h
+    found = control.input_output_response(interconnected(p, h, step), time, 0.0, np.zeros(8))
+    return np.asarray(found.outputs).ravel()[::substeps]
 
 
 def pathsim(p: Lathe, periods: int) -> np.ndarray:
@@ -92,8 +104,12 @@ PEERS: dict[str, tuple[str, str, Callable[[Lathe, int], np.ndarray]]] = {
         "LSODA, rtol 1e-6, per control period",
         partial(solve_ivp, method="LSODA", rtol=1e-6, atol=1e-9),
     ),
-    "python-control, hold": ("control", "input_output_response, discrete 1 kHz, exact hold", python_control),
-    "python-control, RK4": ("control", "input_output_response, discrete 10 kHz, RK4", python_control_rk4),
+    "python-control, hold": ("control", "interconnect, input_output_response, 1 kHz, exact hold", python_control),
+    "python-control, RK4": (
+        "control",
+        "interconnect, input_output_response, 10 kHz, RK4",
+        partial(python_control, substeps=SUBSTEPS),
+    ),
     "PathSim": ("pathsim", "RK4, 10 steps a period", pathsim),
 }
 

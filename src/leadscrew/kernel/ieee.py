@@ -21,7 +21,7 @@ def ieee_divide(a: Any, b: Any) -> Any:
         try:
             return a / b
         except OverflowError:
-            return math.copysign(math.inf, a)
+            return math.inf if (a > 0) == (b > 0) else -math.inf
     _remember(f"{a!r} / {b!r}")
     if a != a or a == 0:
         return math.nan

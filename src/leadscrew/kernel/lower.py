@@ -331,12 +331,23 @@ class Lowering:
         indices = node.slice.elts if isinstance(node.slice, ast.Tuple) else [node.slice]
         if len(indices) != len(array.shape):
             self.refuse(node, f"{len(indices)} indices into an array of {len(array.shape)} dimensions")
-        offset = self.cast(self.value(indices[0]), I64)
+        offset = self.subscript(node, indices[0], array.shape[0])
         for i, extent in zip(indices[1:], array.shape[1:], strict=True):
             offset = self.builder.add(
-                self.builder.mul(offset, self.index(extent), flags=("nsw",)), self.cast(self.value(i), I64), flags=("nsw",)
+                self.builder.mul(offset, self.index(extent), flags=("nsw",)), self.subscript(node, i, extent), flags=("nsw",)
             )
         return self.builder.gep(array.base, [offset], inbounds=True), array.element
+
+    def subscript(self, node: ast.Subscript, index: ast.expr, extent: Any) -> Any:
+        """One index; a constant one is checked here, counted from the end where it is negative."""
+        sign = -1 if isinstance(index, ast.UnaryOp) and isinstance(index.op, ast.USub) else 1
+        number = index.operand if sign < 0 and isinstance(index, ast.UnaryOp) else index
+        if isinstance(number, ast.Constant) and isinstance(number.value, int) and isinstance(extent, int):
+            place = sign * number.value + (extent if sign < 0 else 0)
+            if not 0 <= place < extent:
+                self.refuse(node, f"the index {sign * number.value} into an array of {extent}")
+            return ir.Constant(I64, place)
+        return self.cast(self.value(index), I64)
 
     # ---- expressions
     def cast(self, value: Any, kind: Any) -> Any:

@@ -35,7 +35,16 @@ import math
 import numpy as np
 from leadscrew.kernel.jit import bits_to_float, entry, float_to_bits, ieee_select, stack_array2
 '''
-_RESERVED = {"ieee_select", "np", "math", "entry", "leaf", "NamedTuple", "float", "int", "bool", "abs", "len", "range", *bits.INTRINSICS}
+_RESERVED = {
+    "ieee_select", "np", "math", "entry", "NamedTuple", "float", "int", "bool", "abs", "len", "range", *bits.INTRINSICS,
+    # the arguments and locals of the drivers and of what the linker writes
+    *("P A S B Q Z U V H R M D Y QA ZB p s x t k j n u f h g i c q v y b a lane run line views noise dt load driven memory "
+      "here plant error command feedback output applied actual offset bound place places target source value values past "
+      "row rows start end end_p end_a end_s every period periods countdown sound counters select span width first last "
+      "base qa zb clock jac rates metrics sensor controller actuator reference disturbance output_disturbance "
+      "substeps shown measured seed k1 k2 k3 k4 lu pivot ft last left done fresh wanted signals state").split(),
+}  # fmt: skip
+"""Names that no definition of a module may have."""
 
 
 @dataclass
@@ -104,18 +113,19 @@ class Module:
             guards.__name__,
             "leadscrew.kernel.noise",
         )
-        return self.function(found, trusted or found.__module__.startswith("leadscrew.kernel.portable"))
+        return self.function(found, trusted or (found.__module__ or "").startswith("leadscrew.kernel.portable"))
 
     def function(self, function: Any, trusted: bool | None = None, kind: str = "leaf") -> str:
         """The name of a plain function in the module; it and all that it calls are added if new."""
         if id(function) in self.names:
             return self.names[id(function)]
-        if function.__name__ in bits.INTRINSICS and function.__module__ == bits.__name__:
+        home = function.__module__ or ""
+        if function.__name__ in bits.INTRINSICS and home == bits.__name__:
             return str(function.__name__)
-        if function.__module__ == holes.__name__:
+        if home == holes.__name__:
             raise SubsetError(f"the driver's hole {function.__name__!r} is not linked")
         if trusted is None:
-            trusted = function.__module__.startswith("leadscrew.kernel.")
+            trusted = home.startswith("leadscrew.kernel.")
         name = self.fresh(function.__name__)
         item = Item(name, ast.Pass(), "", kind, function, trusted)
         self._register(function, item)

@@ -12,6 +12,7 @@ import ctypes
 import hashlib
 from collections.abc import Callable, Mapping
 from functools import lru_cache
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -37,6 +38,13 @@ def _machine() -> tuple[Any, str]:
     target = llvm.Target.from_default_triple()
     machine = target.create_target_machine(cpu=cpu, features=features, opt=3, reloc="default", codemodel="jitdefault")
     return machine, f"{target.triple} {cpu} {features} llvm{'.'.join(map(str, llvm.llvm_version_info))}"
+
+
+@lru_cache(maxsize=1)
+def _compiler() -> str:
+    """What identifies the lowering itself: the hash of its source, so that its own changes are not missed."""
+    folder = Path(__file__).parent
+    return hashlib.sha256(b"".join((folder / f).read_bytes() for f in ("lower.py", "native.py"))).hexdigest()[:16]
 
 
 def optimised(module: Any) -> Any:
@@ -73,7 +81,7 @@ def compiled(
 ) -> Callable[..., int]:
     """An entry as a function of NumPy arrays; its machine code comes from the cache where it is there."""
     _, machine = _machine()
-    key = hashlib.sha256(f"{cache.stamp()}\n{machine}\n{text}".encode()).hexdigest()[:24]
+    key = hashlib.sha256(f"{cache.stamp()}\n{_compiler()}\n{machine}\n{text}".encode()).hexdigest()[:24]
     code = cache.read(f"loop_{key}.o")
     if code is None:
         from leadscrew.kernel.lower import Lowering

@@ -294,6 +294,9 @@ class Normaliser(ast.NodeTransformer):
         if len(indices) > 2:
             self.refuse(node, "arrays of one or two dimensions")
         if len(indices) == 1 and isinstance(self.constant(indices[0]), int) and not isinstance(node.value, ast.Attribute):
+            table, at = self.value(node.value), self.constant(indices[0])
+            if isinstance(table, np.ndarray) and not -len(table) <= at < len(table):
+                self.refuse(node, f"the index {at} into an array of {len(table)}")
             return self.generic_visit(node)  # type: ignore[return-value]
         for axis, index in enumerate(indices):
             if isinstance(self.constant(index), int) and (self.constant(index) or 0) < 0:

@@ -1,0 +1,101 @@
+"""The cache: nothing compiled twice, nothing half-written, private, bounded."""
+
+import os
+import stat
+import subprocess
+import sys
+import textwrap
+import warnings
+from pathlib import Path
+
+import pytest
+
+from leadscrew.kernel import cache
+
+PROGRAM = textwrap.dedent(
+    """
+    import sys
+    sys.path.insert(0, {root!r})
+    from leadscrew.kernel.loop import Loop
+    from leadscrew.kernel import lower
+    from tests.kernel import zoo
+    lowered = []
+    real = lower.Lowering.run
+    lower.Lowering.run = lambda self: (lowered.append(1), real(self))[1]
+    loop = Loop(reference=zoo.sine, controller=zoo.pid, plant=zoo.mass, metrics={{}}, engine={engine!r})
+    loop.run(0.01)
+    if {engine!r} == "numba":
+        entry = loop.program.entry("single", "numba")
+        print(sum(entry.stats.cache_hits.values()), sum(entry.stats.cache_misses.values()))
+    else:
+        print(1 - len(lowered), len(lowered))
+    """
+)
+
+
+def hits_and_misses(folder: Path, engine: str) -> list[int]:
+    root = str(Path(__file__).parents[2])
+    done = subprocess.run(
+        [sys.executable, "-c", PROGRAM.format(root=root, engine=engine)], capture_output=True, text=True, check=True,
+        env={**os.environ, "LEADSCREW_CACHE_DIR": str(folder)},
+    )  # fmt: skip
+    return [int(x) for x in done.stdout.split()]
+
+
+@pytest.mark.parametrize("engine", ["llvm", "numba"])
+def test_a_second_process_does_not_compile_again(engine, tmp_path):
+    assert hits_and_misses(tmp_path, engine) == [0, 1]
+    before = {p: p.stat().st_mtime_ns for p in tmp_path.rglob("loop_*") if p.is_file()}
+    assert before
+    assert hits_and_misses(tmp_path, engine) == [1, 0]
+    assert {p: p.stat().st_mtime_ns for p in tmp_path.rglob("loop_*") if p.is_file()} == before
+
+
+@pytest.fixture
+def own(tmp_path, monkeypatch):
+    monkeypatch.setenv("LEADSCREW_CACHE_DIR", str(tmp_path / "c"))
+    monkeypatch.setattr(cache, "_fallback", None)
+    return tmp_path / "c"
+
+
+def test_the_folder_is_private_and_its_files_whole(own):
+    path = cache.store("x = 1\n")
+    assert path.read_text() == "x = 1\n" and cache.store("x = 1\n") == path
+    if os.name == "posix":
+        assert stat.S_IMODE(path.parent.stat().st_mode) == 0o700
+    cache.write("loop_a.o", b"code")
+    assert cache.read("loop_a.o") == b"code" and cache.read("loop_b.o") is None
+    (path.parent / "loop_a.o").write_bytes(b"cut off")
+    assert cache.read("loop_a.o") is None
+    path.write_text("tampered")
+    assert cache.store("x = 1\n").read_text() == "x = 1\n"
+    info = cache.info()
+    assert info.modules == 2 and info.bytes > 0 and info.folder == str(own)
+    assert cache.clear().modules == 2 and cache.info().modules == 0
+
+
+def test_the_oldest_go_when_there_are_too_many(own, monkeypatch):
+    monkeypatch.setattr(cache, "LIMIT", 3)
+    paths = []
+    for i in range(5):
+        paths.append(cache.store(f"x = {i}\n"))
+        os.utime(paths[-1], (1000 + i, 1000 + i))
+    assert [p.exists() for p in paths] == [False, False, True, True, True]
+
+
+def test_a_cache_that_cannot_be_written_falls_back_with_one_warning(tmp_path, monkeypatch):
+    blocked = tmp_path / "file"
+    blocked.write_text("not a folder")
+    monkeypatch.setenv("LEADSCREW_CACHE_DIR", str(blocked))
+    monkeypatch.setattr(cache, "_fallback", None)
+    with pytest.warns(UserWarning, match="set LEADSCREW_CACHE_DIR"):
+        folder = cache.directory()
+    assert folder != blocked and folder.is_dir()
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        assert cache.directory() == folder
+
+
+def test_without_the_variable_it_lies_where_the_platform_says(monkeypatch):
+    monkeypatch.delenv("LEADSCREW_CACHE_DIR", raising=False)
+    assert cache.root().name == "leadscrew"
