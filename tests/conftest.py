@@ -6,7 +6,10 @@ from pathlib import Path
 
 import pytest
 
-os.environ.setdefault("LEADSCREW_CACHE_DIR", str(Path(tempfile.gettempdir()) / f"leadscrew-tests-{os.getuid() if hasattr(os, 'getuid') else 'user'}"))
+os.environ.setdefault(
+    "LEADSCREW_CACHE_DIR",
+    str(Path(tempfile.gettempdir()) / f"leadscrew-tests-{os.getuid() if hasattr(os, 'getuid') else 'user'}"),
+)
 
 
 def pytest_configure(config: pytest.Config) -> None:

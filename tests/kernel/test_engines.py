@@ -52,7 +52,9 @@ def test_python_and_machine_code_give_the_same_bits_on_every_signal_and_state(na
     )
 
 
-@pytest.mark.parametrize("name", [n if n in ("pid", "delays") else pytest.param(n, marks=pytest.mark.slow) for n in LOOPS])
+@pytest.mark.parametrize(
+    "name", [n if n in ("pid", "delays") else pytest.param(n, marks=pytest.mark.slow) for n in LOOPS]
+)
 def test_numba_gives_the_same_bits_as_our_own_lowering(name):
     loop = made(name)
     a, b = (loop.run(0.3, engine=e) for e in ("llvm", "numba"))
@@ -63,7 +65,11 @@ def test_numba_gives_the_same_bits_as_our_own_lowering(name):
 @pytest.mark.parametrize("name", LOOPS)
 def test_a_single_run_and_its_lane_in_a_batch_give_the_same_bits(name):
     loop = made(name)
-    key = next(k for k in ("controller.kp", "controller.gain", "controller.x.kp", "controller.outer.kp", "controller.inner.kp") if k in loop.sheet)
+    key = next(
+        k
+        for k in ("controller.kp", "controller.gain", "controller.x.kp", "controller.outer.kp", "controller.inner.kp")
+        if k in loop.sheet
+    )
     values = np.linspace(0.2, 0.9, 21)
     batch = loop.batch(0.1, {key: values}, record=None, threads=2, first=3)
     for k in (0, 7, 16, 20):

@@ -59,7 +59,9 @@ def van_der_pol_by_scipy(t):
 
 @pytest.mark.parametrize("block", [van_der_pol, van_der_pol_exact])
 def test_rodas_follows_a_stiff_oscillator_like_radau(block):
-    loop = Loop(reference=nothing, controller=idle, plant=block, period=0.01, method="rodas", rtol=1e-8, atol=1e-10, metrics={})
+    loop = Loop(
+        reference=nothing, controller=idle, plant=block, period=0.01, method="rodas", rtol=1e-8, atol=1e-10, metrics={}
+    )
     run = loop.run(0.61, record="plant")
     want = van_der_pol_by_scipy(0.60)
     assert abs(run["plant.y"][60] - want[0]) < 3e-6
@@ -74,7 +76,15 @@ def test_sdirk3_is_stable_on_a_stiff_plant_at_large_steps():
 
 def error_at_end(method, substeps):
     """Error of a driven, damped, time-dependent oscillator against a tight SciPy solution."""
-    loop = Loop(reference=zoo.sine, controller=idle, plant=zoo.loaded_mass, period=0.1, substeps=substeps, method=method, metrics={})
+    loop = Loop(
+        reference=zoo.sine,
+        controller=idle,
+        plant=zoo.loaded_mass,
+        period=0.1,
+        substeps=substeps,
+        method=method,
+        metrics={},
+    )
     run = loop.run(1.1, record=("plant", "applied"))
     x = np.zeros(2)
     for k in range(10):

@@ -61,12 +61,20 @@ def integrator(s, u, dt):
 
 @pytest.mark.parametrize(("delay", "late"), [(0.0, 0), (0.001, 1), (0.003, 3)])
 def test_a_computational_delay_holds_the_output_back(delay, late):
-    loop = Loop(reference=counting, controller=through, plant=plant(None, Empty())(hold_last), computation_delay=delay, metrics={})
+    loop = Loop(
+        reference=counting,
+        controller=through,
+        plant=plant(None, Empty())(hold_last),
+        computation_delay=delay,
+        metrics={},
+    )
     assert loop.run(0.01)["actual"].tolist() == [max(0, k - 1 - late) for k in range(10)]
 
 
 def test_a_delay_within_the_period_splits_it():
-    loop = Loop(reference=counting, controller=through, plant=integrator, substeps=4, computation_delay=0.00175, metrics={})
+    loop = Loop(
+        reference=counting, controller=through, plant=integrator, substeps=4, computation_delay=0.00175, metrics={}
+    )
     got = loop.run(0.006)["actual"] * 1000
     held = lambda k: max(0, k)  # noqa: E731
     want = [sum(0.75 * held(k - 2) + 0.25 * held(k - 1) for k in range(n)) for n in range(6)]
@@ -74,7 +82,9 @@ def test_a_delay_within_the_period_splits_it():
 
 
 def test_a_transport_delay_makes_the_sensor_see_the_past():
-    loop = Loop(reference=counting, controller=through, plant=integrator, substeps=2, transport_delay=0.0015, metrics={})
+    loop = Loop(
+        reference=counting, controller=through, plant=integrator, substeps=2, transport_delay=0.0015, metrics={}
+    )
     run = loop.run(0.01)
     fine = np.interp(run.time - 0.0015, run.time, run["actual"], left=0.0)
     np.testing.assert_allclose(run["feedback"], fine, atol=1e-15)
@@ -117,7 +127,9 @@ def test_a_saved_place_can_be_gone_back_to_and_parameters_set_on_the_way():
         live.set("controller.kp", -1.0)
     with pytest.raises(NameUnknown):
         live.set("seed", 3)
-    assert live.values()["plant.position"] == pytest.approx(saved.scalars[live.program.plan.state.keys["plant.position"].at])
+    assert live.values()["plant.position"] == pytest.approx(
+        saved.scalars[live.program.plan.state.keys["plant.position"].at]
+    )
 
 
 def test_switching_the_controller_in_the_run_is_bumpless_where_it_can_align():
@@ -133,7 +145,13 @@ def test_switching_the_controller_in_the_run_is_bumpless_where_it_can_align():
 
 
 def test_a_loop_that_diverges_stops_and_says_when_and_where():
-    loop = Loop(reference=zoo.sine, controller=zoo.pid(kp=1e6), plant=zoo.mass, substeps=1, metrics={"rms": STANDARD["rms_error"]})
+    loop = Loop(
+        reference=zoo.sine,
+        controller=zoo.pid(kp=1e6),
+        plant=zoo.mass,
+        substeps=1,
+        metrics={"rms": STANDARD["rms_error"]},
+    )
     runs = {}
     for engine in ("llvm", "python"):
         with pytest.warns(DivergenceWarning, match="diverged at t ="):
@@ -352,7 +370,12 @@ def test_options_and_durations_are_checked():
     with pytest.raises(NameUnknown, match="seed, engine, bound, name"):
         loop.using(period=1.0)
     assert loop.using(seed=4, bound=3.0, engine="python", name="x").seed == 4
-    for bad, says in ((0.0, "allowed range"), (1e-5, "shorter than one period"), (math.nan, "NaN"), (1e18, "2.53 periods")):
+    for bad, says in (
+        (0.0, "allowed range"),
+        (1e-5, "shorter than one period"),
+        (math.nan, "NaN"),
+        (1e18, "2.53 periods"),
+    ):
         with pytest.raises(ValueRefused, match=says):
             loop.run(bad)
     with pytest.raises(ValueRefused, match="record fewer signals, or every="):
@@ -386,7 +409,11 @@ def test_a_bad_batch_is_refused(varied, more, says):
 
 
 @settings(max_examples=60, deadline=None)
-@given(st.one_of(st.floats(), st.integers(), st.text(max_size=5), st.none(), st.booleans(), st.lists(st.floats(), max_size=2)))
+@given(
+    st.one_of(
+        st.floats(), st.integers(), st.text(max_size=5), st.none(), st.booleans(), st.lists(st.floats(), max_size=2)
+    )
+)
 def test_no_value_gets_through_the_door_half_checked(value):
     loop = Loop(**GOOD)
     try:
@@ -489,7 +516,9 @@ def test_a_load_can_be_an_axis_each_and_an_output_disturbance_moves_the_first_ax
     assert {"disturbance.x", "disturbance.y"} <= set(run.signals)
     np.testing.assert_array_equal(run.signals["disturbance.x"], run.time)
     assert run["actual.x"][0] == pytest.approx(0.0)
-    scalar = Loop(reference=zoo.circle, controller=zoo.two_pids, plant=zoo.table, metrics={}, disturbance=zoo.push).run(0.05)
+    scalar = Loop(reference=zoo.circle, controller=zoo.two_pids, plant=zoo.table, metrics={}, disturbance=zoo.push).run(
+        0.05
+    )
     assert np.isfinite(scalar["actual.y"]).all()
 
 

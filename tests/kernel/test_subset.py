@@ -230,7 +230,7 @@ def rich(p, s, command, feedback, t, dt):
     """Nearly everything that is allowed."""
     e = command - feedback
     a: float = -e + abs(e) * FROZEN + TABLE[s.n % 3] + COUNTS[-1]
-    if a > 3.0 and e < 1.0 or not t > 0.5:
+    if (a > 3.0 and e < 1.0) or not t > 0.5:
         a += 1.0
     elif 0.0 < a < 2.0:
         a -= math.pi
@@ -249,7 +249,15 @@ def rich(p, s, command, feedback, t, dt):
     b = early(e, p.n)
     c, d = pair(total, y=2.0)
     q = total**2 + total**3 - abs(total) ** 0.5 + (1.0 + abs(e)) ** -1 + abs(e) ** 0.7 + (abs(e) + 1) ** -0.5
-    m = math.sin(a) + np.cos(a) + math.exp(-abs(a)) + math.atan2(a, 1 + b) + np.sign(e) + math.floor(a) + math.hypot(a, b)
+    m = (
+        math.sin(a)
+        + np.cos(a)
+        + math.exp(-abs(a))
+        + math.atan2(a, 1 + b)
+        + np.sign(e)
+        + math.floor(a)
+        + math.hypot(a, b)
+    )
     n = int(m) + round(a) + (s.n // 2) + (s.n % 2) + (3 if e > 0 else 4) + (s.n << 1) + (s.n & 3) - (s.n ^ 1)
     x = max(-10.0, min(10.0, q + m, 9.0), float(n) * 1e-3) + c - d + (7.5 // 2.0) + (-7.5 % 2.0) + min(1, 2)
     return s._replace(x=x, n=s.n + 1, on=bool(x > 0) and True), math.tanh(x) + b + dt

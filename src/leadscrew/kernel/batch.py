@@ -134,7 +134,9 @@ def _packed(loop: Loop, slot: str, keys: list[str], columns: Mapping[str, np.nda
     params = block.params
     for key in keys:
         kind, value = loop.sheet[f"{slot}.{key}"].type, columns[f"{slot}.{key}"][row]
-        params = put(params, key.split("."), value if kind == "array" else int(value) if kind == "int" else float(value))
+        params = put(
+            params, key.split("."), value if kind == "array" else int(value) if kind == "int" else float(value)
+        )
     block = replace(block, params=params)
     P, A = np.zeros(max(1, len(plan.params.scalars))), np.zeros(max(1, plan.params.array_size))
     S, B = np.zeros(max(1, len(plan.state.scalars))), np.zeros(max(1, plan.state.array_size))
@@ -217,7 +219,11 @@ def _one_by_one(
     for k in range(n):
         kinds = {key: loop.sheet[key].type for key in columns}
         changes = {key: a[k] if kinds[key] == "array" else int(a[k]) if kinds[key] == "int" else float(a[k]) for key, a in columns.items()}  # fmt: skip
-        done.append(loop.using(changes).run(duration, record=names or (), every=every if names else 0, engine="python", run=first + k))
+        done.append(
+            loop.using(changes).run(
+                duration, record=names or (), every=every if names else 0, engine="python", run=first + k
+            )
+        )
     diverged_at = np.array([r.diverged.time if r.diverged else np.nan for r in done])
     measured = {k: np.array([r.metrics[k] for r in done]) for k in loop.metrics}
     longest = -(-loop.periods(duration) // every)

@@ -14,6 +14,7 @@ from leadscrew.kernel import bits
 @intrinsic
 def float_to_bits(typing_context: Any, x: Any) -> Any:
     """The bits of a float, for generated modules."""
+
     def generate(context: Any, builder: Any, signature: Any, args: Any) -> Any:
         return builder.bitcast(args[0], ir.IntType(64))
 
@@ -23,6 +24,7 @@ def float_to_bits(typing_context: Any, x: Any) -> Any:
 @intrinsic
 def bits_to_float(typing_context: Any, i: Any) -> Any:
     """The float of some bits, for generated modules."""
+
     def generate(context: Any, builder: Any, signature: Any, args: Any) -> Any:
         return builder.bitcast(args[0], ir.DoubleType())
 

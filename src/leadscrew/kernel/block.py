@@ -121,8 +121,7 @@ def make(kind: str, step: Callable[..., Any], params: Any = None, state: Any = N
     for what, value in (("parameters", params), ("state", state)):
         if value is not None and not (isinstance(value, tuple) and hasattr(value, "_fields")):
             raise BlockError(
-                f"{step.__name__}: {what} must be an instance of a NamedTuple, for example Params(), "
-                f"not {value!r}"
+                f"{step.__name__}: {what} must be an instance of a NamedTuple, for example Params(), not {value!r}"
             )
     if kind == "plant" and state is None:
         raise BlockError(f"{step.__name__}: a plant needs a state: @plant(Params(), State())")

@@ -20,11 +20,11 @@ def is_condition(node: ast.expr) -> bool:
 class Branchless(ast.NodeTransformer):
     """Rewrites conditional expressions, chained comparisons, ``and`` and ``or``."""
 
-    def visit_IfExp(self, node: ast.IfExp) -> ast.expr:  # noqa: N802
+    def visit_IfExp(self, node: ast.IfExp) -> ast.expr:
         self.generic_visit(node)
         return ast.Call(ast.Name("ieee_select", ast.Load()), [node.test, node.body, node.orelse], [])
 
-    def visit_Compare(self, node: ast.Compare) -> ast.expr:  # noqa: N802
+    def visit_Compare(self, node: ast.Compare) -> ast.expr:
         self.generic_visit(node)
         if len(node.ops) == 1:
             return node
@@ -32,7 +32,7 @@ class Branchless(ast.NodeTransformer):
         parts: list[ast.expr] = [ast.Compare(ends[i], [op], [ends[i + 1]]) for i, op in enumerate(node.ops)]
         return self.joined(parts, ast.BitAnd())
 
-    def visit_BoolOp(self, node: ast.BoolOp) -> ast.expr:  # noqa: N802
+    def visit_BoolOp(self, node: ast.BoolOp) -> ast.expr:
         self.generic_visit(node)
         if not all(is_condition(v) for v in node.values):
             return node

@@ -132,4 +132,6 @@ def replaced(params: Any, rest: str, value: Any, key: str) -> Any:
         return checked_replace(params, {rest: value}, where=key)
     except ValueRefused as error:
         text = str(error)
-        raise ValueRefused(text if text.startswith(key) else key.removesuffix(rest) + text.replace(f" ({key})", "")) from None
+        raise ValueRefused(
+            text if text.startswith(key) else key.removesuffix(rest) + text.replace(f" ({key})", "")
+        ) from None

@@ -170,4 +170,3 @@ class Fuser:
         assert isinstance(last, ast.Return) and last.value is not None
         value: ast.expr = clone(last.value, swap)
         return value
-

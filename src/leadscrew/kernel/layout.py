@@ -56,7 +56,8 @@ class Layout:
         if is_branch(value):
             sheet = hints(type(value))
             parts = tuple(
-                self._grow(f"{key}.{f}" if key else f, v, sheet.get(f)) for f, v in zip(value._fields, value, strict=True)
+                self._grow(f"{key}.{f}" if key else f, v, sheet.get(f))
+                for f, v in zip(value._fields, value, strict=True)
             )
             return Branch(key, type(value), parts)
         kind = leaf_type(hint, value)

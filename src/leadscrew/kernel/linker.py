@@ -236,7 +236,9 @@ class Linker:
         index = {x.key: i for i, x in enumerate(leaves(shown))}
         past = minus("n", ast.Constant(self.plan.seen))
         start = ast.IfExp(
-            ast.Compare(name("past"), [ast.Lt()], [ast.Constant(0)]), ast.Constant(0), ast.BinOp(name("past"), ast.Mod(), slots)
+            ast.Compare(name("past"), [ast.Lt()], [ast.Constant(0)]),
+            ast.Constant(0),
+            ast.BinOp(name("past"), ast.Mod(), slots),
         )
         back = body_of(shown, self.module, lambda x: item("line", "place", index[x.key]))
         first = [assign("n", times("k", "substeps")), *rows, assign("past", past), assign("place", start), give(back)]
@@ -272,7 +274,9 @@ class Linker:
             two = ast.Constant(2.0)
             return add(add(add(f"k1.{key}", times(two, name(f"k2.{key}"))), times(two, name(f"k3.{key}"))), f"k4.{key}")
 
-        self.define(holes.along, "s h k", [give(body_of(tree, self.module, lambda x: moved(x, lambda k: name(f"k.{k}"))))])
+        self.define(
+            holes.along, "s h k", [give(body_of(tree, self.module, lambda x: moved(x, lambda k: name(f"k.{k}"))))]
+        )
         self.define(holes.weighted, "s h k1 k2 k3 k4", [give(body_of(tree, self.module, lambda x: moved(x, slope)))])
 
     def vector(self, tree: Leaf | Branch, parts: list[Leaf], prefix: str) -> None:
@@ -393,11 +397,13 @@ class Linker:
         """Array leaves in lanes: their views, and how they are filled."""
         m, width = self.module, ast.Constant(LANES)
         if layout.arrays:
-            from leadscrew.kernel.frame import bundle
-
             import numpy as np
 
-            cls = type(bundle(views.title().replace("_", ""), {f"a{x.at}": np.zeros((1, *x.shape)) for x in layout.arrays}))
+            from leadscrew.kernel.frame import bundle
+
+            cls = type(
+                bundle(views.title().replace("_", ""), {f"a{x.at}": np.zeros((1, *x.shape)) for x in layout.arrays})
+            )
             made: ast.expr = call(m.named_tuple(cls), *(self.array_at(x, "V", LANES) for x in layout.arrays))
         else:
             made = ast.Constant(0.0)
@@ -431,7 +437,10 @@ class Linker:
             shown = "disturbance" if signal == "load" else signal
             for x in leaves(self.trees[signal]):
                 columns[under(shown, x.key)] = name(under(f"x.{signal}", x.key))
-        for title, other, found in (("error", "feedback", self.feedback_pairs), ("true_error", "actual", self.actual_pairs)):
+        for title, other, found in (
+            ("error", "feedback", self.feedback_pairs),
+            ("true_error", "actual", self.actual_pairs),
+        ):
             for pair in found:
                 columns[f"{title}{pair.suffix}"] = self.difference(other, pair)
         for x in scalar_leaves(self.plan.state.tree):

@@ -124,9 +124,20 @@ class Live:
                     break
             else:
                 name = "actual" if self.loop.bound < LARGEST else "output"
-        place = f"{ieee.lost['file']}:{ieee.lost['line']} ({ieee.lost['what']})" if self.engine == "python" and ieee.lost else ""
+        place = (
+            f"{ieee.lost['file']}:{ieee.lost['line']} ({ieee.lost['what']})"
+            if self.engine == "python" and ieee.lost
+            else ""
+        )
         bound = self.loop.bound if name == "actual" else None
-        return Divergence(time=self.period * self.loop.period, period=self.period - 1, state=name, value=value, bound=bound, place=place)
+        return Divergence(
+            time=self.period * self.loop.period,
+            period=self.period - 1,
+            state=name,
+            value=value,
+            bound=bound,
+            place=place,
+        )
 
     def set(self, key: str, value: Any) -> None:
         """Changes a parameter in the running loop, from the next period on.
@@ -163,7 +174,9 @@ class Live:
         The new live loop has the same plant, sensor and reference state; ``bumpless`` says whether it was aligned.
         """
         loop = copy.copy(self.loop)
-        loop.__dict__ = {k: v for k, v in self.loop.__dict__.items() if k not in ("program", "sheet", "signals", "module")}
+        loop.__dict__ = {
+            k: v for k, v in self.loop.__dict__.items() if k not in ("program", "sheet", "signals", "module")
+        }
         loop.blocks = {**self.loop.blocks, "controller": controller}
         new = Live(loop, self.engine, self.run_number)
         old_state = self.program.plan.state.unpack(*self.state)

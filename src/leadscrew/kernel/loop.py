@@ -129,7 +129,9 @@ class Loop:
             ValueRefused: a value of the wrong type or out of range; names value, range and key.
         """
         new = object.__new__(Loop)
-        new.__dict__.update({k: v for k, v in self.__dict__.items() if k not in ("sheet", "module", "signals", "program")})
+        new.__dict__.update(
+            {k: v for k, v in self.__dict__.items() if k not in ("sheet", "module", "signals", "program")}
+        )
         new.blocks, new.metrics = dict(self.blocks), dict(self.metrics)
         may_differ = False
         for key, value in (changes or {}).items():

@@ -39,7 +39,9 @@ def signature(node: ast.FunctionDef, ranks: Mapping[str, tuple[int, str]]) -> li
 class Lowering:
     """Lowers one entry into an LLVM module of its own."""
 
-    def __init__(self, node: ast.FunctionDef, ranks: Mapping[str, tuple[int, str]], constants: Mapping[str, np.ndarray]) -> None:
+    def __init__(
+        self, node: ast.FunctionDef, ranks: Mapping[str, tuple[int, str]], constants: Mapping[str, np.ndarray]
+    ) -> None:
         self.node, self.constants = node, constants
         self.arguments = signature(node, ranks)
         self.module = ir.Module(name=node.name)
@@ -334,7 +336,9 @@ class Lowering:
         offset = self.subscript(node, indices[0], array.shape[0])
         for i, extent in zip(indices[1:], array.shape[1:], strict=True):
             offset = self.builder.add(
-                self.builder.mul(offset, self.index(extent), flags=("nsw",)), self.subscript(node, i, extent), flags=("nsw",)
+                self.builder.mul(offset, self.index(extent), flags=("nsw",)),
+                self.subscript(node, i, extent),
+                flags=("nsw",),
             )
         return self.builder.gep(array.base, [offset], inbounds=True), array.element
 
@@ -438,7 +442,9 @@ class Lowering:
         if op in (ast.BitAnd, ast.BitOr, ast.BitXor):
             if not (left.type == I1 and right.type == I1):
                 left, right = self.cast(left, I64), self.cast(right, I64)
-            return {ast.BitAnd: self.builder.and_, ast.BitOr: self.builder.or_, ast.BitXor: self.builder.xor}[op](left, right)  # type: ignore[index]
+            return {ast.BitAnd: self.builder.and_, ast.BitOr: self.builder.or_, ast.BitXor: self.builder.xor}[op](
+                left, right
+            )  # type: ignore[index]
         if op in (ast.LShift, ast.RShift):
             shift = self.builder.shl if op is ast.LShift else self.builder.ashr
             return shift(self.cast(left, I64), self.cast(right, I64))
@@ -488,7 +494,9 @@ class Lowering:
         whole = build.fdiv(build.fsub(a, rest), b)
         whole = build.select(other, build.fsub(whole, one), whole)
         down = build.call(self.intrinsic("llvm.floor"), [whole])
-        down = build.select(build.fcmp_ordered(">", build.fsub(whole, down), ir.Constant(F64, 0.5)), build.fadd(down, one), down)
+        down = build.select(
+            build.fcmp_ordered(">", build.fsub(whole, down), ir.Constant(F64, 0.5)), build.fadd(down, one), down
+        )
         plain = build.fdiv(a, b)
         down = build.select(build.fcmp_ordered("==", whole, zero), self.with_sign(zero, plain), down)
         return build.select(build.fcmp_ordered("==", b, zero), plain, down)

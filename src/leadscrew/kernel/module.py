@@ -18,8 +18,8 @@ import numpy as np
 
 from leadscrew.kernel import bits, guards
 from leadscrew.kernel.block import Block
-from leadscrew.kernel.drivers import holes
 from leadscrew.kernel.branchless import Branchless
+from leadscrew.kernel.drivers import holes
 from leadscrew.kernel.errors import SubsetError
 from leadscrew.kernel.fuse import Fuser
 from leadscrew.kernel.ieee import OPERATORS
@@ -38,11 +38,7 @@ from leadscrew.kernel.jit import bits_to_float, entry, float_to_bits, ieee_selec
 _RESERVED = {
     "ieee_select", "np", "math", "entry", "NamedTuple", "float", "int", "bool", "abs", "len", "range", *bits.INTRINSICS,
     # the arguments and locals of the drivers and of what the linker writes
-    *("P A S B Q Z U V H R M D Y QA ZB p s x t k j n u f h g i c q v y b a lane run line views noise dt load driven memory "
-      "here plant error command feedback output applied actual offset bound place places target source value values past "
-      "row rows start end end_p end_a end_s every period periods countdown sound counters select span width first last "
-      "base qa zb clock jac rates metrics sensor controller actuator reference disturbance output_disturbance "
-      "substeps shown measured seed k1 k2 k3 k4 lu pivot ft last left done fresh wanted signals state").split(),
+    *["P", "A", "S", "B", "Q", "Z", "U", "V", "H", "R", "M", "D", "Y", "QA", "ZB", "p", "s", "x", "t", "k", "j", "n", "u", "f", "h", "g", "i", "c", "q", "v", "y", "b", "a", "lane", "run", "line", "views", "noise", "dt", "load", "driven", "memory", "here", "plant", "error", "command", "feedback", "output", "applied", "actual", "offset", "bound", "place", "places", "target", "source", "value", "values", "past", "row", "rows", "start", "end", "end_p", "end_a", "end_s", "every", "period", "periods", "countdown", "sound", "counters", "select", "span", "width", "first", "last", "base", "qa", "zb", "clock", "jac", "rates", "metrics", "sensor", "controller", "actuator", "reference", "disturbance", "output_disturbance", "substeps", "shown", "measured", "seed", "k1", "k2", "k3", "k4", "lu", "pivot", "ft", "last", "left", "done", "fresh", "wanted", "signals", "state"],
 }  # fmt: skip
 """Names that no definition of a module may have."""
 
@@ -223,7 +219,9 @@ class Module:
         if name in self._fused:
             return self._fused[name]
         if self._fuser is None:
-            leaves = {i.name: i.node for i in self.items.values() if isinstance(i.node, ast.FunctionDef) and i.kind == "leaf"}
+            leaves = {
+                i.name: i.node for i in self.items.values() if isinstance(i.node, ast.FunctionDef) and i.kind == "leaf"
+            }
             self._fuser = Fuser(leaves)
         classes = fields_of([i.node for i in self.ordered() if isinstance(i.node, ast.ClassDef)])
         harmless = {"float", "int", "bool", "abs", "float_to_bits", "bits_to_float", *classes}
@@ -268,7 +266,7 @@ class _Division(ast.NodeTransformer):
 
     names: dict[type, str] = {ast.Div: "ieee_divide", ast.FloorDiv: "ieee_floor_divide", ast.Mod: "ieee_modulo"}  # noqa: RUF012
 
-    def visit_BinOp(self, node: ast.BinOp) -> ast.expr:  # noqa: N802
+    def visit_BinOp(self, node: ast.BinOp) -> ast.expr:
         self.generic_visit(node)
         name = self.names.get(type(node.op))
         return node if name is None else ast.copy_location(call(name, node.left, node.right), node)

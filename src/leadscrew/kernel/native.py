@@ -88,7 +88,10 @@ def compiled(
 
         code = _machine()[0].emit_object(optimised(Lowering(node, ranks, constants).run()))
         cache.write(f"loop_{key}.o", code)
-    kinds = [(rank, np.dtype(np.float64 if element == "f" else np.int64)) for rank, element in (ranks[a.arg] for a in node.args.args)]
+    kinds = [
+        (rank, np.dtype(np.float64 if element == "f" else np.int64))
+        for rank, element in (ranks[a.arg] for a in node.args.args)
+    ]
     types = [t for rank, _ in kinds for t in (ctypes.c_void_p, *[ctypes.c_int64] * rank)]
     function = ctypes.CFUNCTYPE(ctypes.c_int64, *types)(_load(code, node.name))
 

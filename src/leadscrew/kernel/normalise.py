@@ -32,10 +32,7 @@ MATHS: dict[str, Callable[..., Any]] = {
     for name, portable_name in {
         **{
             n: n
-            for n in (
-                "exp log sin cos tan atan2 atan asin acos tanh sinh cosh log10 log2 expm1 log1p pow hypot sqrt "
-                "floor ceil trunc copysign fabs"
-            ).split()
+            for n in ["exp", "log", "sin", "cos", "tan", "atan2", "atan", "asin", "acos", "tanh", "sinh", "cosh", "log10", "log2", "expm1", "log1p", "pow", "hypot", "sqrt", "floor", "ceil", "trunc", "copysign", "fabs"]
         },
         "arctan2": "atan2",
         "arctan": "atan",
@@ -198,7 +195,9 @@ class Normaliser(ast.NodeTransformer):
             self.refuse(node, "'else' on a loop")
         if isinstance(node, ast.For):
             loop = node.iter
-            if not (isinstance(loop, ast.Call) and self.value(loop.func) is range and isinstance(node.target, ast.Name)):
+            if not (
+                isinstance(loop, ast.Call) and self.value(loop.func) is range and isinstance(node.target, ast.Name)
+            ):
                 self.refuse(node, "only 'for NAME in range(...)'")
             loop.args = [self.visit(x) for x in loop.args]
             node.target = self.visit(node.target)
@@ -262,12 +261,12 @@ class Normaliser(ast.NodeTransformer):
         self.refuse(node, f"{ast.unparse(node)!r} is a {type(found).__name__}; only numbers, arrays, functions, blocks "
                           "and NamedTuple classes can be used from outside a step")  # fmt: skip
 
-    def visit_Constant(self, node: ast.Constant) -> ast.expr:  # noqa: N802
+    def visit_Constant(self, node: ast.Constant) -> ast.expr:
         if not isinstance(node.value, int | float):
             self.refuse(node, f"the constant {node.value!r}; only numbers")
         return ast.copy_location(literal(node.value), node)
 
-    def visit_Name(self, node: ast.Name) -> ast.expr:  # noqa: N802
+    def visit_Name(self, node: ast.Name) -> ast.expr:
         if isinstance(node.ctx, ast.Store) or node.id in self.locals:
             node.is_local = True  # type: ignore[attr-defined]
             return node
@@ -276,24 +275,26 @@ class Normaliser(ast.NodeTransformer):
             self.refuse(node, f"the name {node.id!r} is not defined")
         return self.named(node, found)
 
-    def visit_Attribute(self, node: ast.Attribute) -> ast.expr:  # noqa: N802
+    def visit_Attribute(self, node: ast.Attribute) -> ast.expr:
         found = self.value(node)
         if found is not MISSING:
             return self.named(node, found)
         node.value = self.visit(node.value)
         return node
 
-    def visit_Subscript(self, node: ast.Subscript) -> ast.expr:  # noqa: N802
+    def visit_Subscript(self, node: ast.Subscript) -> ast.expr:
         indices = node.slice.elts if isinstance(node.slice, ast.Tuple) else [node.slice]
-        if self.trusted or (
-            isinstance(node.value, ast.Attribute) and node.value.attr == "shape" and len(indices) == 1
-        ):
+        if self.trusted or (isinstance(node.value, ast.Attribute) and node.value.attr == "shape" and len(indices) == 1):
             return self.generic_visit(node)  # type: ignore[return-value]
         if any(isinstance(i, ast.Slice) for i in indices):
             self.refuse(node, "slices; index the elements")
         if len(indices) > 2:
             self.refuse(node, "arrays of one or two dimensions")
-        if len(indices) == 1 and isinstance(self.constant(indices[0]), int) and not isinstance(node.value, ast.Attribute):
+        if (
+            len(indices) == 1
+            and isinstance(self.constant(indices[0]), int)
+            and not isinstance(node.value, ast.Attribute)
+        ):
             table, at = self.value(node.value), self.constant(indices[0])
             if isinstance(table, np.ndarray) and not -len(table) <= at < len(table):
                 self.refuse(node, f"the index {at} into an array of {len(table)}")
@@ -305,7 +306,7 @@ class Normaliser(ast.NodeTransformer):
         at = self.module.function((guards.at1, guards.at2)[len(indices) - 1])
         return ast.copy_location(call(at, self.visit(node.value), *(self.visit(i) for i in indices)), node)
 
-    def visit_BinOp(self, node: ast.BinOp) -> ast.expr:  # noqa: N802
+    def visit_BinOp(self, node: ast.BinOp) -> ast.expr:
         if isinstance(node.op, ast.MatMult):
             self.refuse(node, "'@'; write the sums out")
         if not isinstance(node.op, ast.Pow):
@@ -322,13 +323,13 @@ class Normaliser(ast.NodeTransformer):
             made = ast.BinOp(ast.Constant(1.0), ast.Div(), made)
         return ast.fix_missing_locations(ast.copy_location(made, node))
 
-    def visit_Compare(self, node: ast.Compare) -> ast.expr:  # noqa: N802
+    def visit_Compare(self, node: ast.Compare) -> ast.expr:
         for op in node.ops:
             if isinstance(op, ast.Is | ast.IsNot | ast.In | ast.NotIn):
                 self.refuse(node, "'is' and 'in'")
         return self.generic_visit(node)  # type: ignore[return-value]
 
-    def visit_Call(self, node: ast.Call) -> ast.expr:  # noqa: N802
+    def visit_Call(self, node: ast.Call) -> ast.expr:
         if isinstance(node.func, ast.Attribute) and node.func.attr == "_replace":
             return self.replaced(node)
         found = self.value(node.func)
@@ -404,7 +405,11 @@ class Normaliser(ast.NodeTransformer):
                 return literal(float(value.value))  # type: ignore[arg-type]
             return ast.BinOp(ast.Constant(1.0), ast.Mult(), value)
         if isinstance(value, ast.Constant) and isinstance(value.value, int):
-            return value if kind == "bool" and isinstance(value.value, bool) else ast.Constant({"int": int, "bool": bool}[kind](value.value))
+            return (
+                value
+                if kind == "bool" and isinstance(value.value, bool)
+                else ast.Constant({"int": int, "bool": bool}[kind](value.value))
+            )
         return call(self.module.function(portable.to_int), value) if kind == "int" else call("bool", value)
 
     def replaced(self, node: ast.Call) -> ast.expr:
@@ -428,9 +433,13 @@ class Normaliser(ast.NodeTransformer):
         if name == "float64" and len(args) == 1:
             return ast.fix_missing_locations(ast.copy_location(self.cast("float", args[0]), node))
         if name in _SHAPERS:
-            return ast.copy_location(ast.Call(ast.Attribute(ast.Name("np", ast.Load()), name, ast.Load()), args, []), node)
+            return ast.copy_location(
+                ast.Call(ast.Attribute(ast.Name("np", ast.Load()), name, ast.Load()), args, []), node
+            )
         if name not in MATHS or node.keywords:
-            self.refuse(node, f"{ast.unparse(node.func)!r} has no portable counterpart; there are {', '.join(sorted(MATHS))}")
+            self.refuse(
+                node, f"{ast.unparse(node.func)!r} has no portable counterpart; there are {', '.join(sorted(MATHS))}"
+            )
         return ast.copy_location(call(self.module.function(MATHS[name]), *args), node)
 
     def builtin(self, node: ast.Call, name: str) -> ast.expr:

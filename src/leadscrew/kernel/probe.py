@@ -63,7 +63,9 @@ class _Probe:
         if not (isinstance(result, tuple) and not is_branch(result) and len(result) == 2):
             raise BlockError(f"{block.name}: a step with state returns (next_state, signal), not {result!r}")
         if type(result[0]) is not type(block.state):
-            raise BlockError(f"{block.name}: the next state is a {type(result[0]).__name__}, not {type(block.state).__name__}")
+            raise BlockError(
+                f"{block.name}: the next state is a {type(result[0]).__name__}, not {type(block.state).__name__}"
+            )
         return as_floats(result[1])
 
     def actual(self) -> Any:
@@ -105,6 +107,13 @@ def example_signals(loop: Loop) -> dict[str, Any]:
     plant = loop.blocks["plant"]
     assert plant is not None
     probe.call("plant", u=applied, load=load, **plant_dt)
-    found = {"command": command, "feedback": feedback, "output": output, "applied": applied, "actual": actual, "load": load}
+    found = {
+        "command": command,
+        "feedback": feedback,
+        "output": output,
+        "applied": applied,
+        "actual": actual,
+        "load": load,
+    }
     found["_all"] = bundle("Signals", found)
     return found

@@ -62,7 +62,11 @@ class _Exit:
         for node in body:
             if isinstance(node, ast.Return):
                 assert node.value is not None
-                out += [*self.result(node.value), ast.Assign([ast.Name(flag, ast.Store())], ast.Constant(True)), ast.Break()]
+                out += [
+                    *self.result(node.value),
+                    ast.Assign([ast.Name(flag, ast.Store())], ast.Constant(True)),
+                    ast.Break(),
+                ]
                 return out
             if isinstance(node, ast.If):
                 node.body = self.inside(node.body, flag)

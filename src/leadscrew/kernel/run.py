@@ -106,7 +106,9 @@ class Run:
             "every": self.every,
             "record": list(self.signals),
             "wall_s": self.wall_s,
-            "diverged": None if self.diverged is None else {**self.diverged.__dict__, "value": repr(self.diverged.value)},
+            "diverged": None
+            if self.diverged is None
+            else {**self.diverged.__dict__, "value": repr(self.diverged.value)},
             "metrics": {k: v if np.isfinite(v) else None for k, v in self.metrics.items()},
         }
 

@@ -175,9 +175,7 @@ class Scalariser:
             node.value = self.expression(node.value)
             if isinstance(target, ast.Subscript):
                 node.targets = [self.expression(target)]
-        elif isinstance(node, ast.Return) and node.value is not None:
-            node.value = self.expression(node.value)
-        elif isinstance(node, ast.Expr):
+        elif (isinstance(node, ast.Return) and node.value is not None) or isinstance(node, ast.Expr):
             node.value = self.expression(node.value)
         out.append(node)
 
@@ -230,7 +228,9 @@ def without_dead(node: ast.FunctionDef, pure: set[str]) -> ast.FunctionDef:
     while todo:
         for statement in writers[todo.pop()]:
             inside = list(each(statement.value))
-            if any(isinstance(n, ast.Call) and not (isinstance(n.func, ast.Name) and n.func.id in pure) for n in inside):
+            if any(
+                isinstance(n, ast.Call) and not (isinstance(n.func, ast.Name) and n.func.id in pure) for n in inside
+            ):
                 continue
             dead.add(id(statement))
             for n in inside:
@@ -267,7 +267,11 @@ def without_copies(node: ast.FunctionDef) -> ast.FunctionDef:
         elif isinstance(n, ast.Name):
             first_read.setdefault(n.id, place)
     for n in each(node):
-        if isinstance(n, ast.Assign) and isinstance(n.targets[0], ast.Name) and isinstance(n.value, ast.Name | ast.Constant):
+        if (
+            isinstance(n, ast.Assign)
+            and isinstance(n.targets[0], ast.Name)
+            and isinstance(n.value, ast.Name | ast.Constant)
+        ):
             x, y = n.targets[0].id, n.value
             late = first_read.get(x, 1 << 60) > order[x]
             steady = isinstance(y, ast.Constant) or (stores.get(y.id, 0) == 1 and order.get(y.id, -1) < order[x])
@@ -306,7 +310,7 @@ class _Copies(ast.NodeTransformer):
     def __init__(self, copies: Mapping[str, ast.expr]) -> None:
         self.copies = copies
 
-    def visit_Name(self, node: ast.Name) -> ast.expr:  # noqa: N802
+    def visit_Name(self, node: ast.Name) -> ast.expr:
         if not isinstance(node.ctx, ast.Load):
             return node
         found: ast.expr = node

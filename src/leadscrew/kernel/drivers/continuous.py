@@ -1,6 +1,5 @@
 """A loop without a control period: controller and plant are one continuous system under the adaptive integrator."""
 
-
 from leadscrew.kernel.bits import stack_array2
 from leadscrew.kernel.drivers import holes
 from leadscrew.kernel.drivers.rodas import rodas_advance
