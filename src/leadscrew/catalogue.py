@@ -6,14 +6,15 @@ and ``leadscrew.studies``; a file of one's own is named ``path/file.py:name`` wh
 
 from __future__ import annotations
 
-from importlib import import_module, metadata
+from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
-from leadscrew import userfile
 from leadscrew.kernel.errors import BlockError, LeadscrewError, NameUnknown
 from leadscrew.kernel.sheet import nearest
 
 if TYPE_CHECKING:
+    from importlib.metadata import EntryPoint
+
     from leadscrew.kernel.block import Block
     from leadscrew.studies.study import Study
 
@@ -82,7 +83,9 @@ STUDIES: dict[str, str] = {
 BLOCK_GROUP, STUDY_GROUP = "leadscrew.blocks", "leadscrew.studies"
 
 
-def _plug_ins(group: str) -> dict[str, metadata.EntryPoint]:
+def _plug_ins(group: str) -> dict[str, EntryPoint]:
+    from importlib import metadata
+
     return {point.name: point for point in metadata.entry_points(group=group)}
 
 
@@ -91,7 +94,7 @@ def _from_table(target: str) -> Any:
     return getattr(import_module(module), attribute)
 
 
-def _from_plug_in(point: metadata.EntryPoint) -> Any:
+def _from_plug_in(point: EntryPoint) -> Any:
     try:
         return point.load()
     except Exception as error:
@@ -101,8 +104,11 @@ def _from_plug_in(point: metadata.EntryPoint) -> Any:
 
 
 def _find(name: str, table: dict[str, str], group: str, what: str) -> Any:
-    if userfile.is_reference(name):
-        return userfile.load(name)
+    if ".py" in name:
+        from leadscrew import userfile
+
+        if userfile.is_reference(name):
+            return userfile.load(name)
     if name in table:
         return _from_table(table[name])
     points = _plug_ins(group)

@@ -9,7 +9,6 @@ import sys
 import tempfile
 import warnings
 from dataclasses import dataclass
-from importlib.metadata import version
 from pathlib import Path
 
 LIMIT = 500
@@ -18,10 +17,12 @@ _fallback: Path | None = None
 
 
 def stamp() -> str:
-    """The versions that compiled code depends on: library, Python, Numba."""
+    """The versions that compiled code depends on: library, Python, LLVM."""
+    import llvmlite
+
     from leadscrew import __version__
 
-    return f"{__version__}-py{sys.version_info.major}.{sys.version_info.minor}-numba{version('numba')}"
+    return f"{__version__}-py{sys.version_info.major}.{sys.version_info.minor}-llvmlite{llvmlite.__version__}"
 
 
 def root() -> Path:
@@ -35,7 +36,7 @@ def root() -> Path:
 
 
 def directory() -> Path:
-    """The directory for this library, Python and Numba version, created private; a temporary one if that fails."""
+    """The directory for these versions, created private; a temporary one if that fails."""
     global _fallback
     if _fallback is not None:
         return _fallback
@@ -55,8 +56,10 @@ def directory() -> Path:
 
 
 def module_name(text: str) -> str:
-    """The name of a module: the hash of its text and of the versions that it was compiled with."""
-    return "loop_" + hashlib.sha256(f"{stamp()}\n{text}".encode()).hexdigest()[:20]
+    """The name of a module for Numba: the hash of its text and of the versions that it is compiled with."""
+    from importlib.metadata import version
+
+    return "loop_" + hashlib.sha256(f"{stamp()}-numba{version('numba')}\n{text}".encode()).hexdigest()[:20]
 
 
 def store(text: str) -> Path:
@@ -97,7 +100,7 @@ def write(name: str, code: bytes) -> None:
 
 
 def _evict(folder: Path) -> None:
-    modules = sorted((p for p in folder.glob("loop_*") if p.suffix in (".py", ".o")), key=lambda p: p.stat().st_mtime)
+    modules = sorted((p for p in folder.glob("*_*") if p.suffix in (".py", ".o", ".npy")), key=lambda p: p.stat().st_mtime)
     for path in modules[: max(0, len(modules) - LIMIT + 1)]:
         path.unlink(missing_ok=True)
         for compiled in (folder / "__pycache__").glob(f"{path.stem}.*"):
@@ -125,6 +128,6 @@ def clear() -> CacheInfo:
     """Deletes the cache's own folders; returns what was there."""
     before = info()
     base = root()
-    for folder in base.glob("*-py*-numba*") if base.exists() else ():
+    for folder in base.glob("*-py*-llvmlite*") if base.exists() else ():
         shutil.rmtree(folder, ignore_errors=True)
     return before

@@ -7,17 +7,23 @@ engine stays as an independent second compiler of the same text.
 
 from __future__ import annotations
 
-import ast
 import ctypes
 import hashlib
 from collections.abc import Callable, Mapping
 from functools import lru_cache
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from leadscrew.kernel import cache
+
+if TYPE_CHECKING:
+    from leadscrew.kernel.module import Module
+
+
+PIPELINE = ("branchless.py", "fuse.py", "lower.py", "native.py", "returns.py", "scalarise.py", "trees.py")
+"""The files between a module and its machine code."""
 
 
 @lru_cache(maxsize=1)
@@ -42,9 +48,9 @@ def _machine() -> tuple[Any, str]:
 
 @lru_cache(maxsize=1)
 def _compiler() -> str:
-    """What identifies the lowering itself: the hash of its source, so that its own changes are not missed."""
+    """What identifies the way to machine code itself: the hash of its source."""
     folder = Path(__file__).parent
-    return hashlib.sha256(b"".join((folder / f).read_bytes() for f in ("lower.py", "native.py"))).hexdigest()[:16]
+    return hashlib.sha256(b"".join((folder / f).read_bytes() for f in PIPELINE)).hexdigest()[:16]
 
 
 def optimised(module: Any) -> Any:
@@ -76,30 +82,30 @@ def _load(code: bytes, name: str) -> int:
     return int(engine.get_function_address(name))
 
 
-def compiled(
-    node: ast.FunctionDef, text: str, ranks: Mapping[str, tuple[int, str]], constants: Mapping[str, np.ndarray]
-) -> Callable[..., int]:
-    """An entry as a function of NumPy arrays; its machine code comes from the cache where it is there."""
-    _, machine = _machine()
-    key = hashlib.sha256(f"{cache.stamp()}\n{_compiler()}\n{machine}\n{text}".encode()).hexdigest()[:24]
-    code = cache.read(f"loop_{key}.o")
+def compiled(module: Module, name: str, title: str, ranks: Mapping[str, tuple[int, str]]) -> Callable[..., int]:
+    """An entry of a module as a function of NumPy arrays; its machine code comes from the cache where it is there.
+
+    ``title`` identifies the module and the entry; the entry is fused and lowered only if the code is not in the cache.
+    """
+    target, machine = _machine()
+    mark = hashlib.sha256(f"{_compiler()}\n{machine}".encode()).hexdigest()[:12]
+    file = f"{title}_{mark}.o"
+    code = cache.read(file)
     if code is None:
         from leadscrew.kernel.lower import Lowering
 
-        code = _machine()[0].emit_object(optimised(Lowering(node, ranks, constants).run()))
-        cache.write(f"loop_{key}.o", code)
-    kinds = [
-        (rank, np.dtype(np.float64 if element == "f" else np.int64))
-        for rank, element in (ranks[a.arg] for a in node.args.args)
-    ]
+        code = target.emit_object(optimised(Lowering(module.fused(name), ranks, module.arrays()).run()))
+        cache.write(file, code)
+    order = [ranks[a] for a in module.arguments_of(name)]
+    kinds = [(rank, np.dtype(np.float64 if element == "f" else np.int64)) for rank, element in order]
     types = [t for rank, _ in kinds for t in (ctypes.c_void_p, *[ctypes.c_int64] * rank)]
-    function = ctypes.CFUNCTYPE(ctypes.c_int64, *types)(_load(code, node.name))
+    function = ctypes.CFUNCTYPE(ctypes.c_int64, *types)(_load(code, name))
 
     def entry(*arrays: np.ndarray) -> int:
         given: list[int] = []
         for array, (rank, dtype) in zip(arrays, kinds, strict=True):
             if array.ndim != rank or array.dtype != dtype or not array.flags.c_contiguous:
-                raise TypeError(f"{node.name}: expected a contiguous {dtype} array of {rank} dimensions")
+                raise TypeError(f"{name}: expected a contiguous {dtype} array of {rank} dimensions")
             given.append(array.ctypes.data)
             given.extend(array.shape)
         return int(function(*given))

@@ -22,7 +22,7 @@ from leadscrew.kernel.drivers.holes import Constant
 from leadscrew.kernel.errors import SubsetError
 from leadscrew.kernel.sheet import hints, leaf_type
 from leadscrew.kernel.source import MISSING, local_names, lookup, tree_of
-from leadscrew.kernel.trees import copied
+from leadscrew.kernel.trees import copied, each
 
 if TYPE_CHECKING:
     from leadscrew.kernel.module import Module
@@ -118,8 +118,8 @@ class Normaliser(ast.NodeTransformer):
 
     def part_locals_from_globals(self) -> None:
         """Renames a local that a name of the module would hide."""
-        used = {n.id for n in ast.walk(self.node) if isinstance(n, ast.Name) and not hasattr(n, "is_local")}
-        for n in ast.walk(self.node):
+        used = {n.id for n in each(self.node) if isinstance(n, ast.Name) and not hasattr(n, "is_local")}
+        for n in each(self.node):
             if isinstance(n, ast.Name) and hasattr(n, "is_local") and n.id in used:
                 n.id += "_local"
             elif isinstance(n, ast.arg) and n.arg in used:
@@ -143,7 +143,7 @@ class Normaliser(ast.NodeTransformer):
             node = ast.copy_location(ast.Assign([node.target], node.value), node)
         if isinstance(node, ast.AugAssign):
             read = copied(node.target)
-            for n in ast.walk(read):
+            for n in each(read):
                 if hasattr(n, "ctx"):
                     n.ctx = ast.Load()
             value = ast.copy_location(ast.BinOp(read, node.op, node.value), node)
@@ -302,7 +302,7 @@ class Normaliser(ast.NodeTransformer):
         for axis, index in enumerate(indices):
             if isinstance(self.constant(index), int) and (self.constant(index) or 0) < 0:
                 size = ast.parse(f"({ast.unparse(node.value)}).shape[{axis}]", mode="eval").body
-                indices[axis] = ast.fix_missing_locations(ast.copy_location(ast.BinOp(size, ast.Add(), index), index))
+                indices[axis] = ast.copy_location(ast.BinOp(size, ast.Add(), index), index)
         at = self.module.function((guards.at1, guards.at2)[len(indices) - 1])
         return ast.copy_location(call(at, self.visit(node.value), *(self.visit(i) for i in indices)), node)
 
@@ -321,7 +321,7 @@ class Normaliser(ast.NodeTransformer):
             return ast.copy_location(made, node)
         if power < 0:
             made = ast.BinOp(ast.Constant(1.0), ast.Div(), made)
-        return ast.fix_missing_locations(ast.copy_location(made, node))
+        return ast.copy_location(made, node)
 
     def visit_Compare(self, node: ast.Compare) -> ast.expr:
         for op in node.ops:
@@ -396,7 +396,7 @@ class Normaliser(ast.NodeTransformer):
             base = getattr(sheet.get(field), "__origin__", sheet.get(field))
             cast = kind in ("float", "int", "bool") and base in (float, int, bool) and not self.trusted
             args.append(self.cast(kind, value) if cast else value)
-        return ast.fix_missing_locations(ast.copy_location(call(self.module.callable(cls, self), *args), node))  # type: ignore[type-var]
+        return ast.copy_location(call(self.module.callable(cls, self), *args), node)  # type: ignore[type-var]
 
     def cast(self, kind: str, value: ast.expr) -> ast.expr:
         """A value as ``float``, ``int`` or ``bool``, with one meaning on every engine."""
@@ -431,7 +431,7 @@ class Normaliser(ast.NodeTransformer):
     def mathematics(self, node: ast.Call, found: Any, name: str) -> ast.expr:
         args = [self.visit(a) for a in node.args]
         if name == "float64" and len(args) == 1:
-            return ast.fix_missing_locations(ast.copy_location(self.cast("float", args[0]), node))
+            return ast.copy_location(self.cast("float", args[0]), node)
         if name in _SHAPERS:
             return ast.copy_location(
                 ast.Call(ast.Attribute(ast.Name("np", ast.Load()), name, ast.Load()), args, []), node
@@ -451,16 +451,16 @@ class Normaliser(ast.NodeTransformer):
             made = args[0]
             for other in args[1:]:
                 made = call(pick, made, other)
-            return ast.fix_missing_locations(ast.copy_location(made, node))
+            return ast.copy_location(made, node)
         if name in ("abs", "bool", "len", "range") and args:
             return ast.copy_location(call(name, *args), node)
         if name == "float" and len(args) == 1:
-            return ast.fix_missing_locations(ast.copy_location(self.cast("float", args[0]), node))
+            return ast.copy_location(self.cast("float", args[0]), node)
         if name == "int" and len(args) == 1:
             if self.trusted:
                 return ast.copy_location(call("int", *args), node)
             return ast.copy_location(call(self.module.function(portable.to_int), *args), node)
         if name == "round" and len(args) == 1:
             even = call(self.module.function(portable.round_half_even), *args)
-            return ast.fix_missing_locations(ast.copy_location(call(self.module.function(portable.to_int), even), node))
+            return ast.copy_location(call(self.module.function(portable.to_int), even), node)
         self.refuse(node, f"{name}() with {len(args)} argument(s) is outside the step subset")

@@ -42,8 +42,8 @@ class Program:
 
     @cached_property
     def name(self) -> str:
-        """The loop's name in the cache: the hash of that text."""
-        return cache.module_name(self.text)
+        """The loop's name in the cache and in manifests: the hash of its module."""
+        return f"loop_{self.module.identity()}"
 
     @cached_property
     def _python(self) -> dict[str, Any]:
@@ -79,8 +79,8 @@ class Program:
         from leadscrew.kernel.native import compiled
 
         if name not in self._compiled:
-            module, ranks = self.module, RANKS["single" if name == "single" else "lanes"]
-            self._compiled[name] = compiled(module.fused(name), module.text(name), ranks, module.arrays())
+            ranks = RANKS["single" if name == "single" else "lanes"]
+            self._compiled[name] = compiled(self.module, name, f"{self.name}_{name}", ranks)
         return self._compiled[name]
 
     @staticmethod

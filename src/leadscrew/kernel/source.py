@@ -10,6 +10,7 @@ from functools import lru_cache
 from typing import Any
 
 from leadscrew.kernel.errors import SubsetError
+from leadscrew.kernel.trees import each
 
 MISSING = object()
 
@@ -17,7 +18,7 @@ MISSING = object()
 @lru_cache(maxsize=256)
 def _functions(filename: str, text: str) -> dict[tuple[int, str], ast.FunctionDef]:
     found = {}
-    for node in ast.walk(ast.parse(text)):
+    for node in each(ast.parse(text)):
         if isinstance(node, ast.FunctionDef):
             first = min([node.lineno, *(d.lineno for d in node.decorator_list)])
             found[first, node.name] = node
@@ -70,7 +71,7 @@ def local_names(node: ast.FunctionDef) -> set[str]:
     """Arguments and every name that the function assigns."""
     a = node.args
     names = {x.arg for x in [*a.posonlyargs, *a.args, *a.kwonlyargs]}
-    for n in ast.walk(node):
+    for n in each(node):
         if isinstance(n, ast.Name) and isinstance(n.ctx, ast.Store):
             names.add(n.id)
     return names

@@ -59,3 +59,28 @@ def names(node: ast.AST) -> Iterator[ast.Name]:
     for n in each(node):
         if n.__class__ is ast.Name:
             yield n
+
+
+def fingerprint(node: ast.AST) -> str:
+    """A text that two trees share only if they are the same but for line numbers."""
+    parts: list[str] = []
+
+    def walk(n: Any) -> None:
+        parts.append(n.__class__.__name__)
+        for field in n._fields:
+            value = getattr(n, field, None)
+            if value.__class__ is list:
+                parts.append("[")
+                for v in value:
+                    if isinstance(v, ast.AST):
+                        walk(v)
+                    else:
+                        parts.append(repr(v))
+                parts.append("]")
+            elif isinstance(value, ast.AST):
+                walk(value)
+            else:
+                parts.append(repr(value))
+
+    walk(node)
+    return " ".join(parts)

@@ -10,10 +10,12 @@ sensor reads just before the controller answers.
 
 from __future__ import annotations
 
+import hashlib
 from typing import Annotated, NamedTuple
 
 import numpy as np
 
+from leadscrew.kernel import cache
 from leadscrew.kernel.block import Block, plant
 from leadscrew.kernel.errors import ValueRefused
 from leadscrew.kernel.sheet import Doc
@@ -46,13 +48,23 @@ class LinearHold(NamedTuple):
 
 
 def hold_matrices(a: np.ndarray, b: np.ndarray, dt: float) -> tuple[np.ndarray, np.ndarray]:
-    """``e^(A dt)`` and the response to an input of one held over ``dt``, from one matrix exponential."""
-    from scipy.linalg import expm
+    """``e^(A dt)`` and the response to an input of one held over ``dt``, from one matrix exponential of SciPy's.
 
+    What SciPy gave is kept in the cache beside the compiled loops: importing it takes longer than a run.
+    """
     order = len(a)
     joined = np.zeros((order + 1, order + 1))
     joined[:order, :order], joined[:order, order] = a, b
-    exponential = expm(joined * dt)
+    joined *= dt
+    name = f"hold_{hashlib.sha256(joined.tobytes()).hexdigest()[:24]}.npy"
+    kept = cache.read(name)
+    if kept is not None and len(kept) == joined.nbytes:
+        exponential = np.frombuffer(kept).reshape(joined.shape)
+    else:
+        from scipy.linalg import expm
+
+        exponential = np.ascontiguousarray(expm(joined))
+        cache.write(name, exponential.tobytes())
     return exponential[:order, :order], exponential[:order, order]
 
 

@@ -7,11 +7,8 @@ from pathlib import Path
 
 from leadscrew.controllers.vud.universe import contraction
 from leadscrew.studies.study import Study, StudyResult
-from leadscrew.studies.vud_lathe.claims import all_claims
-from leadscrew.studies.vud_lathe.rules import SETS, learn
 from leadscrew.studies.vud_lathe.runs import CONTROLLERS, Loops, build, simulate, sweep_gain
 from leadscrew.studies.vud_lathe.scenarios import SCENARIOS
-from leadscrew.studies.vud_lathe.tables import moves
 
 NOTES = [
     "Taken literally, (21) creeps at 6 mm/s: the paper's moves do not follow from it. Changing (19) alone gives them.",
@@ -25,7 +22,10 @@ NOTES = [
 
 def evaluate(progress: Callable[[str, float], None] = lambda what, done: None) -> StudyResult:
     """Runs every loop that the claims and figures need, and judges the claims."""
+    from leadscrew.studies.vud_lathe.claims import all_claims
     from leadscrew.studies.vud_lathe.figures import pictures
+    from leadscrew.studies.vud_lathe.rules import SETS, learn
+    from leadscrew.studies.vud_lathe.tables import moves
 
     found = moves()
     loops = Loops()
