@@ -36,6 +36,14 @@ def test_a_saved_run_comes_back_with_every_bit_and_its_manifest(tmp_path):
     assert sorted(p.name for p in folder.iterdir()) == ["run.json", "signals.parquet"]
 
 
+def test_an_infinite_parameter_survives_the_manifest(tmp_path):
+    run = Loop(**{**LOOP, "controller": zoo.observed}).using({"controller.plant_gain": float("inf")})
+    with pytest.warns(UserWarning):
+        folder = run.run(0.01).save(tmp_path / "x")
+    assert "Infinity" not in (folder / "run.json").read_text()
+    assert load(folder)[0]["parameters"]["controller.plant_gain"] == float("inf")
+
+
 def test_a_diverged_run_can_be_saved(tmp_path):
     with pytest.warns(UserWarning):
         run = Loop(**{**LOOP, "controller": zoo.pid(kp=1e6)}).run(20.0)

@@ -10,7 +10,7 @@ import pytest
 
 from leadscrew.kernel import ieee
 from leadscrew.kernel.block import make
-from leadscrew.kernel.errors import SubsetError
+from leadscrew.kernel.errors import BlockError, SubsetError
 from leadscrew.kernel.fuse import Fuser
 from leadscrew.kernel.loop import Loop
 from leadscrew.kernel.module import Module
@@ -395,3 +395,69 @@ def test_names_of_the_module_are_its_own():
     assert module.callable(math.sin) == "sin"
     with pytest.raises(NotImplementedError, match="before it was linked"):
         holes.sensor(1, 2, 3, 4, 5, 6)
+
+
+def half_set(command):
+    if command > 0.5:
+        y = 1.0
+    return y
+
+
+def loop_set(command):
+    for i in range(3):
+        y = command * i
+    return y
+
+
+def all_set(command):
+    if command > 0.5:
+        y = 1.0
+    elif command > 0.2:
+        return 0.5
+    else:
+        y = 0.0
+    while y > 2.0:
+        y -= 1.0
+        if y > 5.0:
+            break
+    return y
+
+
+def test_a_local_that_some_path_does_not_set_is_refused():
+    for step in (half_set, loop_set):
+        with pytest.raises(SubsetError, match="'y' may be read before it is set"):
+            controller_of(step).run(0.01)
+    assert controller_of(all_set).run(0.01).diverged is None
+
+
+def wants_field(command):
+    return command.position
+
+
+def local_ring(p, s, command):
+    ring = s.ring
+    return s, ring[5] + command
+
+
+def local_zeros(command):
+    scratch = np.zeros(3)
+    scratch[1] = command
+    return scratch[0] + scratch[1] + scratch[-1]
+
+
+class Ring(NamedTuple):
+    ring: np.ndarray = np.zeros(3)
+
+
+def test_what_fails_in_the_first_period_names_block_file_and_line():
+    with pytest.raises(BlockError, match=r"wants_field: its first period fails at .*test_subset.py:\d+: AttributeError"):
+        controller_of(wants_field).run(0.01)
+
+
+@pytest.mark.parametrize("engine", ["llvm", "python"])
+def test_a_constant_index_into_a_local_array_is_guarded_too(engine):
+    with pytest.warns(UserWarning, match="diverged"):
+        lost = controller_of(local_ring, P(), Ring()).run(0.01, engine=engine)
+    assert lost.diverged is not None and lost.diverged.period == 0
+    run = controller_of(local_zeros).run(0.01, engine=engine)
+    assert np.array_equal(run["output"], run["command"])

@@ -5,13 +5,14 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from leadscrew.kernel import door
 from leadscrew.kernel.errors import NameUnknown, ValueRefused
+from leadscrew.kernel.layout import numbers_of
 from leadscrew.kernel.linker import LANES
 from leadscrew.kernel.program import ENGINES
 from leadscrew.kernel.run import Metrics
@@ -24,7 +25,7 @@ MEMORY = 8 * 1024**3
 """Bytes of recorded signals above which a batch is refused."""
 
 
-@dataclass
+@dataclass(repr=False)
 class Batch:
     """The result of many runs: arrays with one row a run."""
 
@@ -40,6 +41,20 @@ class Batch:
 
     def __len__(self) -> int:
         return len(self.diverged_at)
+
+    def __repr__(self) -> str:
+        lost = int(np.isfinite(self.diverged_at).sum())
+        rows = ", ".join(f"{k} {np.nanmin(v):.4g}..{np.nanmax(v):.4g}" for k, v in self.metrics.items() if np.isfinite(v).any())
+        return f"<Batch {self.loop.name}: {len(self)} runs of {self.duration:g} s, {lost} diverged: {rows}>"
+
+    def _repr_html_(self) -> str:
+        rows = ""
+        for name, values in self.metrics.items():
+            known = values[np.isfinite(values)]
+            cells = (np.percentile(known, q) for q in (5, 50, 95)) if len(known) else (np.nan,) * 3
+            rows += f"<tr><td>{name}</td>{''.join(f'<td>{c:.5g}</td>' for c in cells)}</tr>"
+        head = "<tr><th>metric</th><th>5 %</th><th>median</th><th>95 %</th></tr>"
+        return f"<h4>{self.loop.name}: {len(self)} runs of {self.duration:g} s</h4><table>{head}{rows}</table>"
 
     @property
     def time(self) -> np.ndarray:
@@ -118,32 +133,47 @@ def _places(loop: Loop, columns: Mapping[str, np.ndarray], n: int) -> tuple[np.n
             places.append(start + i)
             values.append(array.reshape(n, -1)[:, i])
     for slot, keys in derived.items():
-        rows = np.concatenate([columns[f"{slot}.{k}"].reshape(n, -1) for k in keys], axis=1)
-        _, firsts, inverse = np.unique(rows, axis=0, return_index=True, return_inverse=True)
-        packed = np.stack([_packed(loop, slot, keys, columns, int(k)) for k in firsts])
-        moved = np.flatnonzero((packed != _packed(loop, slot, [], columns, 0)).any(axis=0))
-        places += moved.tolist()
-        values += [packed[inverse.ravel(), m] for m in moved]
+        where, packed, inverse = _prepared(loop, slot, keys, columns, sizes)
+        moved = np.flatnonzero((packed != packed[-1]).any(axis=0))
+        places += where[moved].tolist()
+        values += [packed[inverse, m] for m in moved]
     return np.array(places, dtype=np.int64), np.array(values, dtype=np.float64).reshape(len(places), n)
 
 
-def _packed(loop: Loop, slot: str, keys: list[str], columns: Mapping[str, np.ndarray], row: int) -> np.ndarray:
-    """All vectors end to end, zero but for what one block's parameters decide, as of one run."""
-    plan = loop.program.plan
+def _prepared(
+    loop: Loop, slot: str, keys: list[str], columns: Mapping[str, np.ndarray], sizes: list[int]
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """What one block's parameters become at the door, for every set of values that occurs.
+
+    Returns:
+        the places of the numbers; the numbers ``[set, place]``, the loop's own set last; the set of each run.
+    """
     block = loop._parametered()[slot]
-    params = block.params
-    for key in keys:
-        kind, value = loop.sheet[f"{slot}.{key}"].type, columns[f"{slot}.{key}"][row]
-        params = put(
-            params, key.split("."), value if kind == "array" else int(value) if kind == "int" else float(value)
-        )
-    block = replace(block, params=params)
-    P, A = np.zeros(max(1, len(plan.params.scalars))), np.zeros(max(1, plan.params.array_size))
-    S, B = np.zeros(max(1, len(plan.state.scalars))), np.zeros(max(1, plan.state.array_size))
-    plan.params.pack_part(slot, loop.prepared(block, slot), P, A)
-    if not slot.startswith("metrics."):
-        plan.state.pack_part(slot, loop.start_state(block), S, B)
-    return np.concatenate([P, A, S, B])
+    rows = np.concatenate([columns[f"{slot}.{k}"].reshape(len(columns[f"{slot}.{k}"]), -1) for k in keys], axis=1)
+    _, firsts, inverse = np.unique(rows, axis=0, return_index=True, return_inverse=True)
+    kinds = [loop.sheet[f"{slot}.{k}"].type for k in keys]
+    given = [columns[f"{slot}.{k}"][firsts] for k in keys]
+    typed = [list(a) if kind == "array" else a.astype(np.int64).tolist() if kind == "int" else a.tolist() for a, kind in zip(given, kinds, strict=True)]  # fmt: skip
+    flat = all("." not in k for k in keys)
+    plan = loop.program.plan
+    with_state = block.initial is not None and not slot.startswith("metrics.")
+    plain = all(isinstance(x, float) for x in loop.prepared(block, slot))
+    dt = loop.step if slot == "plant" else loop.period
+    made = []
+    for values in (*zip(*typed, strict=True), ()):
+        params = block.params
+        if flat:
+            params = params._replace(**dict(zip(keys, values, strict=False)))
+        else:
+            for key, value in zip(keys, values, strict=False):
+                params = put(params, key.split("."), value)
+        prepared = params if block.prepare is None else block.prepare(params, dt)
+        numbers = prepared if plain else tuple(numbers_of(prepared))
+        made.append(numbers + tuple(numbers_of(block.initial(params))) if with_state else numbers)  # type: ignore[misc]
+    where = [*plan.params.places(slot, sizes[0], 0)]
+    if with_state:
+        where += plan.state.places(slot, sizes[2], sizes[0] + sizes[1])
+    return np.array(where), np.array(made, dtype=np.float64), inverse.ravel()
 
 
 def run_batch(

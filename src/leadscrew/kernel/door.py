@@ -119,8 +119,8 @@ def check_continuous(loop: Loop) -> None:
         raise BlockError(f"{plant.name} brings its own step; period=None needs a plant that gives its derivative")
     for slot in ("reference", "disturbance", "output_disturbance", "sensor", "actuator"):
         block = loop.blocks[slot]
-        if block is not None and (block.state is not None or "noise" in block.signals or "dt" in block.signals):
-            raise BlockError(f"{slot} {block.name}: with period=None it cannot have state, noise or dt")
+        if block is not None and (block.state is not None or "noise" in block.signals):
+            raise BlockError(f"{slot} {block.name}: with period=None it cannot have state or noise")
     if loop.sent or loop.seen:
         raise ValueRefused("computation_delay and transport_delay need a control period; period is None")
     del sensor

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from math import prod
 from typing import Any
@@ -82,13 +83,21 @@ class Layout:
         self._pack(self.tree, value, scalars, arrays)
         return scalars, arrays
 
-    def pack_part(self, key: str, value: Any, scalars: np.ndarray, arrays: np.ndarray) -> None:
-        """Writes the part under a dotted key into vectors of this layout."""
+    def places(self, key: str, scalars: int, start: int) -> list[int]:
+        """Where every number below a dotted key lies, with the array vector behind ``scalars`` numbers."""
+        found: list[int] = []
+        for leaf in leaves(self.part(key)):
+            first = start + leaf.at + (scalars if leaf.kind == "array" else 0)
+            found += range(first, first + (leaf.size if leaf.kind == "array" else 1))
+        return found
+
+    def part(self, key: str) -> Leaf | Branch:
+        """The leaf or branch under a dotted key."""
         node: Leaf | Branch = self.tree
         while node.key != key:
             assert isinstance(node, Branch)
             node = next(p for p in node.parts if key == p.key or key.startswith(f"{p.key}."))
-        self._pack(node, value, scalars, arrays)
+        return node
 
     def _pack(self, node: Leaf | Branch, value: Any, scalars: np.ndarray, arrays: np.ndarray) -> None:
         if isinstance(node, Branch):
@@ -110,6 +119,17 @@ class Layout:
             return arrays[node.at : node.at + node.size].reshape(node.shape).copy()
         x = scalars[node.at]
         return int(x) if node.kind == "int" else bool(x) if node.kind == "bool" else float(x)
+
+
+def numbers_of(value: Any) -> Iterator[float]:
+    """Every number of a value, in the order of its layout's leaves."""
+    for item in value if is_branch(value) else (value,):
+        if isinstance(item, tuple):
+            yield from numbers_of(item)
+        elif isinstance(item, np.ndarray):
+            yield from item.ravel().tolist()
+        else:
+            yield item
 
 
 def leaves(node: Leaf | Branch) -> list[Leaf]:

@@ -262,6 +262,8 @@ class Loop:
         chosen = ["time"]
         for wanted in RECORDED if record is None else record:
             found = [c for c in known if c == wanted or c.startswith(f"{wanted}.")]
+            if not found and wanted in SLOTS:
+                raise NameUnknown(f"the {wanted} has no state that could be recorded")
             if not found:
                 raise NameUnknown(f"there is no signal {wanted!r}{nearest(wanted, known)}")
             chosen += [c for c in found if c not in chosen]

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any, NoReturn
 
 import numpy as np
 
-from leadscrew.kernel import guards, portable
+from leadscrew.kernel import definite, guards, portable
 from leadscrew.kernel.block import Block
 from leadscrew.kernel.drivers.holes import Constant
 from leadscrew.kernel.errors import SubsetError
@@ -94,8 +94,8 @@ class Normaliser(ast.NodeTransformer):
 
     def __init__(self, module: Module, function: Callable[..., Any], trusted: bool = False) -> None:
         self.module, self.function, self.trusted = module, function, trusted
-        shared, self.filename = tree_of(function)
-        self.node = copied(shared)
+        self.shared, self.filename = tree_of(function)
+        self.node = copied(self.shared)
         self.locals = local_names(self.node)
         self.types: dict[str, type] = {}
 
@@ -113,6 +113,8 @@ class Normaliser(ast.NodeTransformer):
         if isinstance(body[0], ast.Expr) and isinstance(body[0].value, ast.Constant):
             body = body[1:] or [ast.copy_location(ast.Pass(), body[0])]
         node.body = [new for old in body for new in self.statement(old)]
+        if not self.trusted:
+            definite.check(self.shared, self.locals, self.refuse)
         self.part_locals_from_globals()
         return ast.fix_missing_locations(node)
 
@@ -290,13 +292,9 @@ class Normaliser(ast.NodeTransformer):
             self.refuse(node, "slices; index the elements")
         if len(indices) > 2:
             self.refuse(node, "arrays of one or two dimensions")
-        if (
-            len(indices) == 1
-            and isinstance(self.constant(indices[0]), int)
-            and not isinstance(node.value, ast.Attribute)
-        ):
-            table, at = self.value(node.value), self.constant(indices[0])
-            if isinstance(table, np.ndarray) and not -len(table) <= at < len(table):
+        table, at = self.value(node.value), self.constant(indices[0])
+        if len(indices) == 1 and isinstance(table, np.ndarray) and isinstance(at, int):
+            if not -len(table) <= at < len(table):
                 self.refuse(node, f"the index {at} into an array of {len(table)}")
             return self.generic_visit(node)  # type: ignore[return-value]
         for axis, index in enumerate(indices):

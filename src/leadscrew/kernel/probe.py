@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import traceback
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from leadscrew.kernel.block import Block
-from leadscrew.kernel.errors import BlockError
+from leadscrew.kernel.errors import BlockError, LeadscrewError
 from leadscrew.kernel.frame import as_floats, bundle
 from leadscrew.kernel.layout import is_branch
 from leadscrew.kernel.noise import Noise
@@ -48,7 +49,19 @@ class _Probe:
         lead = [self.loop.prepared(block, slot)] if block.params is not None else []
         if block.state is not None:
             lead.append(_copied(self.loop.start_state(block)))
-        return self._signal(block, slot, self.space[self.names[slot]](*lead, *(signals[n] for n in block.signals)))
+        return self._signal(block, slot, self._tried(block.name, slot, *lead, *(signals[n] for n in block.signals)))
+
+    def _tried(self, name: str, step: str, *args: Any) -> Any:
+        """Calls a step; what it raises becomes one sentence with file and line."""
+        try:
+            with np.errstate(all="ignore"):
+                return self.space[self.names[step]](*args)
+        except LeadscrewError:
+            raise
+        except Exception as error:
+            frames = traceback.extract_tb(error.__traceback__)[1:]
+            place = f" at {frames[-1].filename}:{frames[-1].lineno}" if frames else ""
+            raise BlockError(f"{name}: its first period fails{place}: {type(error).__name__}: {error}") from None
 
     def _signal(self, block: Block, slot: str, result: Any) -> Any:
         if slot == "plant":
@@ -82,7 +95,7 @@ class _Probe:
         given = {"p": self.loop.prepared(plant, "plant"), "s": state}
         if not set(wanted) <= set(given):
             raise BlockError(f"{plant.name}: its output function may take p and s, not {', '.join(wanted)}")
-        return as_floats(self.space[self.names["shown"]](*(given[n] for n in wanted)))
+        return as_floats(self._tried(plant.name, "shown", *(given[n] for n in wanted)))
 
 
 def example_signals(loop: Loop) -> dict[str, Any]:

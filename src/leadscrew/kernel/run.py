@@ -132,7 +132,7 @@ class Run:
         try:
             table = pa.table({k: pa.array(v) for k, v in self.signals.items()})
             pq.write_table(table, beside / "signals.parquet")
-            (beside / "run.json").write_text(json.dumps(self.manifest, indent=1, allow_nan=False), encoding="utf-8")
+            (beside / "run.json").write_text(json.dumps(strict(self.manifest), indent=1, allow_nan=False), encoding="utf-8")
             beside.chmod(0o755)
             if target.exists():
                 target.rmdir()
@@ -161,6 +161,15 @@ class Run:
         return f"<Run {self.loop.name} {self.duration:g} s{f' {self.diverged}' if self.diverged else ''}: {metrics}>"
 
 
+def strict(value: Any) -> Any:
+    """A value that JSON can hold: numbers that are not finite become their names."""
+    if isinstance(value, dict):
+        return {k: strict(v) for k, v in value.items()}
+    if isinstance(value, list | tuple):
+        return [strict(v) for v in value]
+    return repr(value) if isinstance(value, float) and not np.isfinite(value) else value
+
+
 def load(folder: str | Path) -> tuple[dict[str, Any], dict[str, np.ndarray]]:
     """Manifest and signals of a saved run.
 
@@ -183,4 +192,7 @@ def load(folder: str | Path) -> tuple[dict[str, Any], dict[str, np.ndarray]]:
         raise DataError(f"{path}: cannot be read ({error})") from None
     if manifest.get("schema_version") != 1:
         raise DataError(f"{path}/run.json: schema_version = {manifest.get('schema_version')!r}; this version reads 1")
+    named = {"inf": np.inf, "-inf": -np.inf, "nan": np.nan}
+    known = manifest["parameters"]
+    manifest["parameters"] = {k: named.get(v, v) if isinstance(v, str) else v for k, v in known.items()}
     return manifest, {name: table.column(name).to_numpy() for name in table.column_names}

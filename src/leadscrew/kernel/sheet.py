@@ -77,6 +77,8 @@ class Entry:
         else:
             if isinstance(value, bool | str) or not isinstance(value, int | float | np.number):
                 raise ValueRefused(f"{label}: expected a number{unit}")
+            if isinstance(value, int) and abs(value) > 2**1023:
+                raise ValueRefused(f"{self.key}{place}: a whole number of {len(str(abs(value)))} digits is too large")
             if math.isnan(value):
                 raise ValueRefused(f"{label}: not a number (NaN) is not allowed")
             if self.type == "int":
