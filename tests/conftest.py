@@ -1,16 +1,11 @@
-"""Shared set-up: one cache for all workers of a test session, kept between sessions so that loops compile once."""
+"""Shared set-up: a compile cache of its own for each test session, shared by its workers."""
 
+import atexit
 import os
+import shutil
 import tempfile
-from pathlib import Path
 
-import pytest
-
-os.environ.setdefault(
-    "LEADSCREW_CACHE_DIR",
-    str(Path(tempfile.gettempdir()) / f"leadscrew-tests-{os.getuid() if hasattr(os, 'getuid') else 'user'}"),
-)
-
-
-def pytest_configure(config: pytest.Config) -> None:
-    """Registers nothing; here so that the environment above is set before any test module is imported."""
+if "LEADSCREW_CACHE_DIR" not in os.environ:
+    _folder = tempfile.mkdtemp(prefix="leadscrew-tests-")
+    os.environ["LEADSCREW_CACHE_DIR"] = _folder
+    atexit.register(shutil.rmtree, _folder, ignore_errors=True)

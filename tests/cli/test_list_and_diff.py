@@ -76,7 +76,7 @@ def test_version(call):
 
 def test_cache_is_shown_and_cleared(call, tmp_path, monkeypatch):
     monkeypatch.setenv("LEADSCREW_CACHE_DIR", str(tmp_path))
-    folder = tmp_path / "0.1.0-py3.11-numba0.61"
+    folder = tmp_path / "0.1.0-py3.11-llvmlite0.50.0"
     folder.mkdir()
     (folder / "loop_abc.py").write_text("x = 1\n")
     assert strict_json(call("cache", "info", "--json").stdout) == {"folder": str(tmp_path), "modules": 1, "bytes": 6}

@@ -450,7 +450,9 @@ class Ring(NamedTuple):
 
 
 def test_what_fails_in_the_first_period_names_block_file_and_line():
-    with pytest.raises(BlockError, match=r"wants_field: its first period fails at .*test_subset.py:\d+: AttributeError"):
+    with pytest.raises(
+        BlockError, match=r"wants_field: its first period fails at .*test_subset.py:\d+: AttributeError"
+    ):
         controller_of(wants_field).run(0.01)
 
 

@@ -7,32 +7,41 @@ from typing import Any
 
 from leadscrew.bench.row import FIELDS
 
-PARTS = ("single runs", "batches", "settled loops", "other tools", "inference", "portable functions", "fresh processes")
+PARTS = (
+    "threads", "single runs", "batches", "settled loops", "other tools", "inference", "portable functions",
+    "compilation", "fresh processes",
+)  # fmt: skip
+"""In this order: threads come first, before the bench itself puts load on the machine."""
 
 
 def run(
     quick: bool = False, progress: Callable[[str, float], None] | None = None, parts: tuple[str, ...] = PARTS
 ) -> list[dict[str, Any]]:
-    """Measures; one row a comparison, its keys as :data:`FIELDS`. ``quick`` takes fewer rounds and shorter batches."""
-    from leadscrew.bench import functions, others, servo, start
+    """Measures; one row a comparison, its keys as :data:`FIELDS`. ``quick`` takes fewer rounds and shorter batches.
+
+    Targets are reported, not asserted: ``passed`` is True, False, or None where nothing is judged.
+    """
+    from leadscrew.bench import functions, machine, others, servo, start, threads
 
     rounds = 3 if quick else 9
+    rows = [machine.row_of_load("before")]
     reference, errors = others.accuracy(60 if quick else 200)
     made: dict[str, Callable[[], list[dict[str, Any]]]] = {
+        "threads": lambda: threads.rows(min(rounds, 5), 1000 if quick else 4000, errors),
         "single runs": lambda: [r for form in servo.INTEGRATORS for r in servo.single_rows(form, rounds, errors)],
-        "batches": lambda: servo.batch_rows(rounds, quick),
-        "settled loops": lambda: servo.settled_rows(rounds),
+        "batches": lambda: servo.batch_rows(rounds, 128 if quick else 512, errors),
+        "settled loops": lambda: servo.settled_rows(rounds, errors),
         "other tools": lambda: others.rows(reference, errors, min(rounds, 5)),
         "inference": lambda: functions.inference_rows(rounds),
         "portable functions": lambda: functions.function_rows(rounds),
+        "compilation": lambda: start.compile_rows(1 if quick else 3),
         "fresh processes": lambda: start.rows(min(rounds, 5)),
     }
-    rows: list[dict[str, Any]] = []
     for i, part in enumerate(parts):
         if progress is not None:
             progress(part, i / len(parts))
         rows += made[part]()
-    return rows
+    return [*rows, machine.row_of_load("after")]
 
 
 __all__ = ["FIELDS", "PARTS", "run"]

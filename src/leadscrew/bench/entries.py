@@ -19,7 +19,7 @@ def single(loop: Loop, periods: int, start: Live | None = None) -> Callable[[], 
     S, B = live.state
     select, table, metrics = np.zeros(0, dtype=np.int64), np.zeros((1, 1)), np.zeros((1, max(1, len(loop.metrics))))
     counters = np.zeros(6, dtype=np.int64)
-    entry = live.entry
+    entry = loop.program.entry("single", "llvm")
 
     def call() -> Live:
         S[:], B[:] = place.scalars, place.arrays

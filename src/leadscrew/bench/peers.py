@@ -66,11 +66,35 @@ def held(p: Lathe, x: list[float], duty: float) -> list[float]:
     ]
 
 
-def python_control(p: Lathe, periods: int, substeps: int = 1) -> np.ndarray:
+def hand_fused(p: Lathe, substeps: int) -> Any:
+    """The closed loop as one system of python-control, written by hand: a step is a control period, nothing in between."""
+    import control
+
+    law, h = plain.Controller(p), p.period / substeps
+
+    def moved(t, x, u, params):
+        law.e, law.started = float(x[5]), float(x[6])
+        duty, axis = law.duty(float(x[4])), x[:5].tolist()
+        if substeps == 1:
+            axis = held(p, axis, duty)
+        else:
+            for _ in range(substeps):
+                axis = plain.rk4_step(p, axis, duty, h)
+        return np.array([*axis, law.e, law.started])
+
+    return control.NonlinearIOSystem(
+        moved, lambda t, x, u, params: x[3:4], inputs=[], outputs=["position"], states=7, dt=p.period, name="loop"
+    )
+
+
+def python_control(p: Lathe, periods: int, substeps: int = 1, fused: bool = False) -> np.ndarray:
     """``input_output_response`` of python-control: the exact hold, or RK4 with ``substeps`` steps a period."""
     import control
 
     h = p.period / substeps
+    if fused:
+        found = control.input_output_response(hand_fused(p, substeps), np.arange(periods) * p.period, 0.0, np.zeros(7))
+        return np.asarray(found.outputs).ravel()
     step = (lambda x, duty: held(p, x, duty)) if substeps == 1 else (lambda x, duty: plain.rk4_step(p, x, duty, h))
     time = np.arange(periods * substeps) * h
     found = control.input_output_response(interconnected(p, h, step), time, 0.0, np.zeros(8))
@@ -110,8 +134,21 @@ PEERS: dict[str, tuple[str, str, Callable[[Lathe, int], np.ndarray]]] = {
         "interconnect, input_output_response, 10 kHz, RK4",
         partial(python_control, substeps=SUBSTEPS),
     ),
+    "python-control, hold, fused": (
+        "control",
+        "one system by hand, input_output_response, 1 kHz, exact hold",
+        partial(python_control, fused=True),
+    ),
+    "python-control, RK4, fused": (
+        "control",
+        "one system by hand, input_output_response, 1 kHz, 10 RK4 steps inside",
+        partial(python_control, substeps=SUBSTEPS, fused=True),
+    ),
     "PathSim": ("pathsim", "RK4, 10 steps a period", pathsim),
 }
+FUSED = "; no target: controller and plant melted into one function by hand, which gives up blocks and their signals"
+NOTES = {"python-control, hold, fused": FUSED, "python-control, RK4, fused": FUSED}
+"""What a remark adds."""
 
 
 def missing(package: str) -> bool:

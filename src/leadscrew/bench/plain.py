@@ -1,4 +1,4 @@
-"""The lathe servo's loop in plain Python by hand: local floats, no containers, no calls but ``floor``."""
+"""The lathe servo's loop in plain Python by hand: the plant in local floats, no containers in it, no calls."""
 
 from __future__ import annotations
 

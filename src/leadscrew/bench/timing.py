@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import time
 from collections.abc import Callable, Mapping
 from statistics import median
@@ -31,8 +30,3 @@ def repeated(call: Callable[[], object], times: int) -> Callable[[], None]:
             call()
 
     return calls
-
-
-def load() -> float:
-    """The machine's load over the last minute, NaN where the system does not tell."""
-    return os.getloadavg()[0] if hasattr(os, "getloadavg") else float("nan")

@@ -20,7 +20,7 @@ from leadscrew.plants.lathe_servo import LatheServoParams, lathe_servo_hold
 
 FLAGS = ("-std=c99", "-O3", "-march=native", "-ffp-contract=off", "-fPIC", "-shared")
 SOURCES = Path(__file__).parent / "c"
-LOOPS = ("hold_portable", "hold_libm", "rk4_portable", "rk4_libm")
+LOOPS = tuple(f"{form}_{power}" for form in ("hold", "rk4") for power in ("portable", "shortcut", "libm"))
 
 
 class NoCompilerError(Exception):

@@ -44,7 +44,9 @@ class Batch:
 
     def __repr__(self) -> str:
         lost = int(np.isfinite(self.diverged_at).sum())
-        rows = ", ".join(f"{k} {np.nanmin(v):.4g}..{np.nanmax(v):.4g}" for k, v in self.metrics.items() if np.isfinite(v).any())
+        rows = ", ".join(
+            f"{k} {np.nanmin(v):.4g}..{np.nanmax(v):.4g}" for k, v in self.metrics.items() if np.isfinite(v).any()
+        )
         return f"<Batch {self.loop.name}: {len(self)} runs of {self.duration:g} s, {lost} diverged: {rows}>"
 
     def _repr_html_(self) -> str:

@@ -100,7 +100,9 @@ def write(name: str, code: bytes) -> None:
 
 
 def _evict(folder: Path) -> None:
-    modules = sorted((p for p in folder.glob("*_*") if p.suffix in (".py", ".o", ".npy")), key=lambda p: p.stat().st_mtime)
+    modules = sorted(
+        (p for p in folder.glob("*_*") if p.suffix in (".py", ".o", ".npy")), key=lambda p: p.stat().st_mtime
+    )
     for path in modules[: max(0, len(modules) - LIMIT + 1)]:
         path.unlink(missing_ok=True)
         for compiled in (folder / "__pycache__").glob(f"{path.stem}.*"):

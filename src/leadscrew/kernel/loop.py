@@ -345,7 +345,7 @@ class Loop:
             "blocks": {s: b.name for s, b in self.blocks.items() if b is not None},
             "parameters": {k: v.tolist() if isinstance(v, np.ndarray) else v for k, v in self.parameters.items()},
             "platform": f"{platform.system()} {platform.machine()} Python {platform.python_version()}",
-            "versions": {p: version(p) for p in ("numpy", "numba", "scipy")},
+            "versions": {p: version(p) for p in ("numpy", "llvmlite", "numba", "scipy")},
             "created": time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime()),
         }
 

@@ -32,7 +32,32 @@ MATHS: dict[str, Callable[..., Any]] = {
     for name, portable_name in {
         **{
             n: n
-            for n in ["exp", "log", "sin", "cos", "tan", "atan2", "atan", "asin", "acos", "tanh", "sinh", "cosh", "log10", "log2", "expm1", "log1p", "pow", "hypot", "sqrt", "floor", "ceil", "trunc", "copysign", "fabs"]
+            for n in [
+                "exp",
+                "log",
+                "sin",
+                "cos",
+                "tan",
+                "atan2",
+                "atan",
+                "asin",
+                "acos",
+                "tanh",
+                "sinh",
+                "cosh",
+                "log10",
+                "log2",
+                "expm1",
+                "log1p",
+                "pow",
+                "hypot",
+                "sqrt",
+                "floor",
+                "ceil",
+                "trunc",
+                "copysign",
+                "fabs",
+            ]
         },
         "arctan2": "atan2",
         "arctan": "atan",

@@ -132,7 +132,9 @@ class Run:
         try:
             table = pa.table({k: pa.array(v) for k, v in self.signals.items()})
             pq.write_table(table, beside / "signals.parquet")
-            (beside / "run.json").write_text(json.dumps(strict(self.manifest), indent=1, allow_nan=False), encoding="utf-8")
+            (beside / "run.json").write_text(
+                json.dumps(strict(self.manifest), indent=1, allow_nan=False), encoding="utf-8"
+            )
             beside.chmod(0o755)
             if target.exists():
                 target.rmdir()

@@ -31,7 +31,7 @@ def pictures(runs: Mapping[str, Any], moves: Mapping[str, Move], example: tuple[
         Picture("fig12_error", "True error after 2 s (Figure 12).", partial(error, runs)),
         Picture("creep", "The printed law on its whole way: a creep at 6 mm/s.", partial(creep, runs)),
         Picture("universes", "How the universes of e and ec shrink.", partial(universes, runs, STEPS[0])),
-        Picture("phase", "e and ec, and the universes around them at six times.", partial(phase, runs, STEPS[0])),
+        Picture("phase", "e and ec, and the universes around them at the times that are written beside them.", partial(phase, runs, STEPS[0])),
         Picture("fig6_8_sets", "The six sets of e, ec and the duty (Figures 6 to 8).", partial(initial_sets, SETS)),
         Picture("fig9_10_sets", "The sets contracted for the worked example (Figures 9 and 10).",
                 partial(contracted_sets, SETS, example)),
