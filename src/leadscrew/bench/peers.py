@@ -67,7 +67,7 @@ def held(p: Lathe, x: list[float], duty: float) -> list[float]:
 
 
 def hand_fused(p: Lathe, substeps: int) -> Any:
-    """The closed loop as one system of python-control, written by hand: a step is a control period, nothing in between."""
+    """The closed loop as one system of python-control, written by hand: a step is a control period."""
     import control
 
     law, h = plain.Controller(p), p.period / substeps

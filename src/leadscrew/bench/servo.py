@@ -35,8 +35,16 @@ def comparisons(moving: bool) -> dict[str, tuple[str, float | None, str]]:
         }
     return {
         "portable": ("C with the same portable functions", 1.10, "statement by statement the same"),
-        "shortcut": ("C that also answers pow(0, y) at once", None, "not the same algorithm: ours has no branch there"),
-        "libm": ("C with libm", None, "no target: at rest, most of these 4 s, libm's pow(0, y) returns early"),
+        "shortcut": (
+            "C that also answers pow(0, y) at once",
+            None,
+            "no target: a branch that ours, made for lanes, does not have",
+        ),
+        "libm": (
+            "C with libm",
+            None,
+            "no target here: at rest, three of these 4 s, libm's pow(0, y) returns early; ours does all its work",
+        ),
     }
 
 
@@ -80,7 +88,8 @@ def batch_rows(rounds: int, runs: int, errors: dict[str, float]) -> Rows:
         for library in ("portable", "libm"):
             contenders[library] = repeated(partial(c.run, f"hold_{library}", MOVING), runs)
     ns = {k: v / runs / MOVING * 1e9 for k, v in interleaved(contenders, rounds).items()}
-    name, facts = "batch, one core", {"integrator": INTEGRATORS["hold"], "error": errors.get("hold")}
+    name = "batch, one core"
+    facts: dict[str, Any] = {"integrator": INTEGRATORS["hold"], "error": errors.get("hold")}
     rows = [row(name, f"ours in lanes, {runs} runs of 0.8 s, moving", ns["lanes"], **facts)]
     for library in ("portable", "libm"):
         what = f"against scalar C with {'the same portable functions' if library == 'portable' else 'libm'}"
@@ -106,6 +115,7 @@ def settled_rows(rounds: int, errors: dict[str, float]) -> Rows:
         ns = {k: v / MOVING / 20 * 1e9 for k, v in seen.items()}
         rows.append(
             row(f"settled loop, {form}", "against the moving one", ns["settled"], ratio=ns["settled"] / ns["moving"],
-                at_most=1.1, integrator=INTEGRATORS[form], error=errors.get(form), remark=f"moving {ns['moving']:.0f} ns")
+                at_most=1.1, integrator=INTEGRATORS[form], error=errors.get(form),
+                remark=f"moving {ns['moving']:.0f} ns")
         )  # fmt: skip
     return rows

@@ -68,7 +68,8 @@ def compile_rows(rounds: int) -> list[dict[str, Any]]:
     what = "the lathe's single-run entry, text to machine code"
     return [
         row("compilation, llvm", f"{what}, our lowering", ours, "CPU s"),
-        row("compilation, numba", f"{what}, Numba", theirs, "CPU s", ratio=theirs / ours, remark="the ratio is Numba over ours"),
+        row("compilation, numba", f"{what}, Numba", theirs, "CPU s", ratio=theirs / ours,
+            remark="the ratio is Numba over ours"),
     ]  # fmt: skip
 
 

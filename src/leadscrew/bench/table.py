@@ -11,17 +11,18 @@ HEAD = ("Row", "What", "Measured", "Ratio", "Target", "Met", "Integrator", "Erro
 VERDICTS = {True: "yes", False: "**no**", None: ""}
 
 
-def _number(x: float | None, form: str) -> str:
-    return "" if x is None else format(x, form)
+def _number(x: float | None, limit: float) -> str:
+    """Three digits, in whole numbers from ``limit`` on."""
+    return "" if x is None else f"{x:,.0f}" if x >= limit else f"{x:#.3g}"
 
 
 def markdown(rows: Iterable[Mapping[str, Any]]) -> str:
     """A table for a page."""
     cells = [
         (
-            r["name"], r["what"], f"{_number(r['value'], ',.3g' if abs(r['value'] or 0.0) < 1000 else ',.0f')} {r['unit']}".strip(),
-            _number(r["ratio"], ",.2f" if (r["ratio"] or 0.0) < 100 else ",.0f"), r["target"], VERDICTS[r["passed"]],
-            r["integrator"], _number(r["error"], ".1e"), r["remark"],
+            r["name"], r["what"], f"{_number(r['value'], 100.0)} {r['unit']}".strip(), _number(r["ratio"], 100.0),
+            r["target"], VERDICTS[r["passed"]], r["integrator"],
+            "" if r["error"] is None else f"{r['error']:.1e}", r["remark"],
         )
         for r in rows
     ]  # fmt: skip

@@ -29,7 +29,7 @@ def rows(rounds: int, runs: int, errors: dict[str, float]) -> list[dict[str, Any
     idle = before is not None and before < IDLE
     said = "unknown" if before is None else f"{before:.2f}"
     remark = f"wall time; load {said} before" if idle else f"machine not idle: load {said}"
-    facts = {"integrator": INTEGRATORS["hold"], "error": errors.get("hold")}
+    facts: dict[str, Any] = {"integrator": INTEGRATORS["hold"], "error": errors.get("hold")}
     what = f"{runs} runs of {PERIODS} periods, the door's work included"
     return [
         row("batch, 1 thread", what, runs / walls["1"], "runs/s", **facts),
