@@ -64,7 +64,7 @@ def test_what_is_no_run_is_refused(tmp_path):
     with pytest.raises(DataError, match="cannot be read"):
         load(folder)
     (tmp_path / "file").write_text("")
-    with pytest.raises(DataError, match="cannot be written|exists already"):
+    with pytest.raises(DataError, match=r"cannot be written|exists already"):
         run.save(tmp_path / "file" / "below")
     partial = tmp_path / ".y-123.partial"
     partial.mkdir()

@@ -73,7 +73,7 @@ def uses_while_else(command):
 
 
 def uses_zip(command):
-    for i in zip(range(2), range(2)):
+    for i in zip(range(2), range(2)):  # noqa: B905
         command += i
     return command
 
@@ -182,10 +182,13 @@ def helper_two(x, y):
         (uses_text, "constant 'a'"), (uses_while_else, "'else' on a loop"), (uses_zip, r"only 'for NAME in range"),
         (uses_gamma, "no portable counterpart"), (uses_numpy, "no portable counterpart"),
         (uses_unknown, "'undefined_name' is not defined"), (uses_matmul, "'@'"), (uses_is, "'is' and 'in'"),
-        (uses_star, "'starred'|in a call"), (uses_bad_keyword, "no free parameter 'gain'"), (uses_missing, "misses its argument 'y'"),
-        (uses_many, "takes 2 arguments, 3 given"), (uses_bare_return, "bare 'return'"), (uses_round_digits, r"round\(\) with 2"),
+        (uses_star, "'starred'|in a call"), (uses_bad_keyword, "no free parameter 'gain'"),
+        (uses_missing, "misses its argument 'y'"),
+        (uses_many, "takes 2 arguments, 3 given"), (uses_bare_return, "bare 'return'"),
+        (uses_round_digits, r"round\(\) with 2"),
         (uses_missing_field, "field 'b' is missing"), (uses_replace_blind, "is not plain"), (uses_slice, "slices"),
-        (uses_three_dimensions, "one or two dimensions"), (uses_walrus, "'namedexpr'"), (uses_two_targets, "one target"),
+        (uses_three_dimensions, "one or two dimensions"), (uses_walrus, "'namedexpr'"),
+        (uses_two_targets, "one target"),
         (uses_method, "not a function that can be compiled"),
     ],
 )  # fmt: skip

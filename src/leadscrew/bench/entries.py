@@ -19,12 +19,12 @@ def single(loop: Loop, periods: int, start: Live | None = None) -> Callable[[], 
     S, B = live.state
     select, table, metrics = np.zeros(0, dtype=np.int64), np.zeros((1, 1)), np.zeros((1, max(1, len(loop.metrics))))
     counters = np.zeros(6, dtype=np.int64)
-    entry = loop.program.entry("single", "llvm")
+    run = loop.program.native("single").bind(P, A, S, B, counters, select, table, metrics)
 
     def call() -> Live:
         S[:], B[:] = place.scalars, place.arrays
         counters[:] = (place.period, place.period + periods, 0, 0, 0, 0)
-        entry(P, A, S, B, counters, select, table, metrics)
+        run()
         return live
 
     return call

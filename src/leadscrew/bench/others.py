@@ -19,7 +19,7 @@ TIGHT = "DOP853, rtol 1e-12, per control period"
 LIMITS = {"python-control, hold": 1000.0, "python-control, RK4": 1000.0}
 """How many times faster than a peer ours has to be."""
 PLAIN = {
-    "hold": "no target: the 30 x was measured on RK4; one exact step leaves little to interpret, and pow is C there too",
+    "hold": "no target: the 30 x was measured on RK4; one exact step leaves little to do but pow, C in CPython",
     "rk4": "the form that the target was measured on",
 }
 

@@ -111,7 +111,9 @@ def _columns(varied: Mapping[str, Any], loop: Loop, runs: int | None) -> tuple[d
         door.whole("runs", runs, 1, 2**31 - 1)
     lengths = {len(a) for a in found.values() if len(a) > 1} | ({runs} if runs is not None else set())
     if len(lengths) > 1:
-        raise ValueRefused("a batch needs the same number of values for every key: " + ", ".join(f"{k} has {len(a)}" for k, a in found.items()) + (f", runs = {runs}" if runs is not None else ""))  # fmt: skip
+        held = ", ".join(f"{k} has {len(a)}" for k, a in found.items())
+        wanted = f", runs = {runs}" if runs is not None else ""
+        raise ValueRefused(f"a batch needs the same number of values for every key: {held}{wanted}")
     n = door.whole("runs", lengths.pop() if lengths else 1, 1, 2**31 - 1)
     return {k: np.ascontiguousarray(np.broadcast_to(a, (n, *a.shape[1:]))) for k, a in found.items()}, n
 
@@ -155,7 +157,10 @@ def _prepared(
     _, firsts, inverse = np.unique(rows, axis=0, return_index=True, return_inverse=True)
     kinds = [loop.sheet[f"{slot}.{k}"].type for k in keys]
     given = [columns[f"{slot}.{k}"][firsts] for k in keys]
-    typed = [list(a) if kind == "array" else a.astype(np.int64).tolist() if kind == "int" else a.tolist() for a, kind in zip(given, kinds, strict=True)]  # fmt: skip
+    typed = [
+        list(a) if kind == "array" else a.astype(np.int64).tolist() if kind == "int" else a.tolist()
+        for a, kind in zip(given, kinds, strict=True)
+    ]
     flat = all("." not in k for k in keys)
     plan = loop.program.plan
     with_state = block.initial is not None and not slot.startswith("metrics.")
@@ -200,8 +205,12 @@ def run_batch(
     first = door.whole("first", first, 0, 2**31 - 1)
     names = loop.columns(record) if record is None or len(record) else []
     rows = -(-periods // every) if names else 0
-    if n * rows * len(names) * 8 > MEMORY:
-        raise ValueRefused(f"recording {n} runs of {rows} rows of {len(names)} signals needs {n * rows * len(names) * 8 / 1e9:.0f} GB; record fewer, or a larger every")  # fmt: skip
+    size = n * rows * len(names) * 8
+    if size > MEMORY:
+        raise ValueRefused(
+            f"recording {n} runs of {rows} rows of {len(names)} signals needs {size / 1e9:.0f} GB; "
+            "record fewer, or a larger every"
+        )
     engine = door.one_of("engine", engine or loop.engine, list(ENGINES))
     if engine == "python":
         return _one_by_one(loop, duration, columns, n, names, every, first)
@@ -250,7 +259,10 @@ def _one_by_one(
     done = []
     for k in range(n):
         kinds = {key: loop.sheet[key].type for key in columns}
-        changes = {key: a[k] if kinds[key] == "array" else int(a[k]) if kinds[key] == "int" else float(a[k]) for key, a in columns.items()}  # fmt: skip
+        changes = {
+            key: a[k] if kinds[key] == "array" else int(a[k]) if kinds[key] == "int" else float(a[k])
+            for key, a in columns.items()
+        }
         done.append(
             loop.using(changes).run(
                 duration, record=names or (), every=every if names else 0, engine="python", run=first + k
@@ -259,7 +271,10 @@ def _one_by_one(
     diverged_at = np.array([r.diverged.time if r.diverged else np.nan for r in done])
     measured = {k: np.array([r.metrics[k] for r in done]) for k in loop.metrics}
     longest = -(-loop.periods(duration) // every)
-    signals = {c: np.array([np.pad(r.signals[c], (0, longest - len(r.signals[c])), constant_values=np.nan) for r in done]) for c in names}  # fmt: skip
+    signals = {
+        c: np.array([np.pad(r.signals[c], (0, longest - len(r.signals[c])), constant_values=np.nan) for r in done])
+        for c in names
+    }
     return Batch(loop, duration, columns, measured, diverged_at, signals)
 
 

@@ -62,14 +62,14 @@ def ieee_select(typing_context: Any, condition: Any, yes: Any, no: Any) -> Any:
 @overload(bits.float_to_bits, inline="never")
 def _float_to_bits(x):
     if isinstance(x, (types.Float, types.Integer, types.Boolean)):
-        return lambda x: float_to_bits(float(x))
+        return lambda x: float_to_bits(float(x))  # type: ignore[call-arg]
     return None
 
 
 @overload(bits.bits_to_float, inline="never")
 def _bits_to_float(i):
     if isinstance(i, types.Integer):
-        return lambda i: bits_to_float(i)
+        return lambda i: bits_to_float(i)  # type: ignore[call-arg]
     return None
 
 
@@ -77,7 +77,7 @@ def _bits_to_float(i):
 @overload(bits.stack_buffer, inline="always", prefer_literal=True)
 def _stack_buffer(n):
     if isinstance(n, types.IntegerLiteral):
-        return lambda n: _stack_pointer(n)
+        return lambda n: _stack_pointer(n)  # type: ignore[call-arg]
     return None
 
 
@@ -89,6 +89,6 @@ def _stack_array2(rows, cols):
     size = shape[0] * shape[1]
 
     def array(rows, cols):
-        return carray(_stack_pointer(size), shape)
+        return carray(_stack_pointer(size), shape)  # type: ignore[call-arg]
 
     return array

@@ -83,13 +83,13 @@ class Block:
         return self.using(**changes)
 
     def using(self, **changes: Any) -> Block:
-        """This block with some parameters changed; each is checked against its data sheet."""
+        """The block with some parameters changed; each is checked against its data sheet."""
         if not changes:
             return self
         return replace(self, params=checked_replace(self.params, changes, where=self.name))
 
     def starting(self, **changes: Any) -> Block:
-        """This block with some fields of its state at the start changed."""
+        """The block with some fields of its state at the start changed."""
         return replace(self, state=checked_replace(self.state, changes, where=f"{self.name} state"), initial=None)
 
 

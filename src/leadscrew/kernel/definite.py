@@ -53,8 +53,8 @@ class _Paths:
             return set.intersection(*ends) if ends else None
         if isinstance(node, ast.For):
             self.reads(node.iter, known)
-            target = {node.target.id} if isinstance(node.target, ast.Name) else set()
-            self.block(node.body, known | target)
+            counter = {node.target.id} if isinstance(node.target, ast.Name) else set()
+            self.block(node.body, known | counter)
             return known
         if isinstance(node, ast.While):
             self.reads(node.test, known)

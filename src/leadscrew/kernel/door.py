@@ -79,7 +79,8 @@ def check_blocks(blocks: Mapping[str, Block | None]) -> None:
             continue
         if not isinstance(block, Block):
             raise BlockError(
-                f"{slot} = {block!r} is not a block; decorate the step with @{_FITS.get(slot, (slot,))[0]}(Params(), State())"
+                f"{slot} = {block!r} is not a block; "
+                f"decorate the step with @{_FITS.get(slot, (slot,))[0]}(Params(), State())"
             )
         if block.kind not in _FITS.get(slot, (slot,)):
             raise BlockError(f"{slot} = {block.name!r} is a {block.kind}, not a {_FITS.get(slot, (slot,))[0]}")

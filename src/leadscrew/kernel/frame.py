@@ -27,7 +27,7 @@ class Clock(NamedTuple):
 
 def bundle(type_name: str, values: dict[str, Any]) -> Any:
     """A NamedTuple made for the occasion, annotated with the types of its values."""
-    cls: Any = namedtuple(type_name, list(values))
+    cls: Any = namedtuple(type_name, list(values))  # type: ignore[misc]
     kinds = {k: np.ndarray if isinstance(v, np.ndarray) else type(v) for k, v in values.items()}
     cls.__annotations__ = kinds
     return cls(**values)

@@ -55,7 +55,8 @@ class Layout:
 
     def _grow(self, key: str, value: Any, hint: Any) -> Leaf | Branch:
         if is_branch(value):
-            sheet = hints(type(value))
+            cls: Any = type(value)
+            sheet = hints(cls)
             parts = tuple(
                 self._grow(f"{key}.{f}" if key else f, v, sheet.get(f))
                 for f, v in zip(value._fields, value, strict=True)

@@ -419,7 +419,7 @@ class Linker:
 
     def drives(self) -> None:
         """What goes from the sampling stage to the plant stage of a lane."""
-        places = {}
+        places: dict[tuple[str, str], int] = {}
         for root in ("applied", "load"):
             for x in leaves(self.trees[root]):
                 places[root, x.key] = len(places)

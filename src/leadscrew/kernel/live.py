@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import copy
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
@@ -17,6 +17,7 @@ from leadscrew.kernel.frame import SLOTS
 from leadscrew.kernel.layout import Layout
 from leadscrew.kernel.linker import LARGEST
 from leadscrew.kernel.loop import warn_diverged
+from leadscrew.kernel.native import Entry
 from leadscrew.kernel.run import Divergence, Metrics, Run
 
 if TYPE_CHECKING:
@@ -51,6 +52,10 @@ class Live:
         params, state = loop.values()
         self.params = self.program.plan.params.pack(params)
         self.state = self.program.plan.state.pack(state)
+        self._counters = np.zeros(6, dtype=np.int64)
+        self._nothing = np.zeros(0, dtype=np.int64), np.zeros((1, 1))
+        self._metrics = np.zeros((1, max(1, len(loop.metrics))))
+        self._bound: tuple[tuple[np.ndarray, ...], Callable[[], int]] | None = None
 
     @property
     def time(self) -> float:
@@ -77,11 +82,15 @@ class Live:
                 f"recording {rows} rows of {len(columns)} signals needs {rows * len(columns) * 8 / 1e9:.0f} GB; "
                 f"record fewer signals, or every={-(-rows * len(columns) * 8 // MEMORY) * max(1, every)}"
             )
-        index = {c: i for i, c in enumerate(self.program.plan.columns)}
-        select = np.array([index[c] for c in columns], dtype=np.int64)
-        table = np.zeros((max(1, len(columns)), max(1, rows)))
-        metrics = np.zeros((1, max(1, len(self.loop.metrics))))
-        counters = np.array([self.period, self.period + periods, every, self.run_number, 0, 0], dtype=np.int64)
+        if columns:
+            index = {c: i for i, c in enumerate(self.program.plan.columns)}
+            select = np.array([index[c] for c in columns], dtype=np.int64)
+            table = np.zeros((len(columns), max(1, rows)))
+        else:
+            select, table = self._nothing
+        metrics = self._metrics
+        counters = self._counters if not columns else np.zeros(6, dtype=np.int64)
+        counters[:] = (self.period, self.period + periods, every, self.run_number, 0, 0)
         start = self.period
         began = time.perf_counter()
         if self.diverged is None:
@@ -100,10 +109,16 @@ class Live:
         )  # fmt: skip
 
     def _call(self, counters: np.ndarray, select: np.ndarray, table: np.ndarray, metrics: np.ndarray) -> None:
-        (P, A), (S, B) = self.params, self.state
-        if self.engine != "python":
-            self.entry(P, A, S, B, counters, select, table, metrics)
+        arrays = (*self.params, *self.state, counters, select, table, metrics)
+        if isinstance(self.entry, Entry):
+            if self._bound is None or any(a is not b for a, b in zip(arrays, self._bound[0], strict=True)):
+                self._bound = arrays, self.entry.bind(*arrays)
+            self._bound[1]()
             return
+        if self.engine != "python":
+            self.entry(*arrays)
+            return
+        (P, A), (S, B) = self.params, self.state
         ieee.lost.clear()
         scalars, counts = S.tolist(), counters.tolist()
         self.entry(P.tolist(), A, scalars, B, counts, select, table, metrics)
@@ -169,7 +184,7 @@ class Live:
         self.diverged = None
 
     def switch(self, controller: Block) -> Live:
-        """This loop from here on under another controller, started bumplessly where it supplies ``align``.
+        """The loop from here on under another controller, started bumplessly where it supplies ``align``.
 
         The new live loop has the same plant, sensor and reference state; ``bumpless`` says whether it was aligned.
         """

@@ -122,7 +122,7 @@ class Loop:
         return mine | {f"metrics.{k}": b for k, b in self.metrics.items() if b.params is not None}
 
     def using(self, changes: Mapping[str, Any] | None = None, **options: Any) -> Loop:
-        """This loop with parameters changed by dotted key, and options (``seed``, ``engine``, ``bound``) by name.
+        """The loop with parameters changed by dotted key, and options (``seed``, ``engine``, ``bound``) by name.
 
         Raises:
             NameUnknown: no such key; names the nearest.
@@ -201,7 +201,7 @@ class Loop:
         states = {s: self.start_state(b) for s, b in self.blocks.items()}
         states["integrator"] = 0.0
         applied, shown = (len(Layout(as_floats(self.signals[k])).scalars) for k in ("applied", "actual"))
-        whole, part = divmod(self.sent, self.substeps)
+        whole = self.sent // self.substeps
         states["sent"] = np.zeros((whole + 2, applied)) if self.sent else 0.0
         states["seen"] = np.zeros((self.seen + 1, shown)) if self.seen else 0.0
         kept = {k: self.start_state(b) for k, b in self.metrics.items()}

@@ -444,7 +444,7 @@ class Lowering:
                 left, right = self.cast(left, I64), self.cast(right, I64)
             return {ast.BitAnd: self.builder.and_, ast.BitOr: self.builder.or_, ast.BitXor: self.builder.xor}[op](
                 left, right
-            )  # type: ignore[index]
+            )
         if op in (ast.LShift, ast.RShift):
             shift = self.builder.shl if op is ast.LShift else self.builder.ashr
             return shift(self.cast(left, I64), self.cast(right, I64))

@@ -39,7 +39,14 @@ from leadscrew.kernel.jit import bits_to_float, entry, float_to_bits, ieee_selec
 _RESERVED = {
     "ieee_select", "np", "math", "entry", "NamedTuple", "float", "int", "bool", "abs", "len", "range", *bits.INTRINSICS,
     # the arguments and locals of the drivers and of what the linker writes
-    *["P", "A", "S", "B", "Q", "Z", "U", "V", "H", "R", "M", "D", "Y", "QA", "ZB", "p", "s", "x", "t", "k", "j", "n", "u", "f", "h", "g", "i", "c", "q", "v", "y", "b", "a", "lane", "run", "line", "views", "noise", "dt", "load", "driven", "memory", "here", "plant", "error", "command", "feedback", "output", "applied", "actual", "offset", "bound", "place", "places", "target", "source", "value", "values", "past", "row", "rows", "start", "end", "end_p", "end_a", "end_s", "every", "period", "periods", "countdown", "sound", "counters", "select", "span", "width", "first", "last", "base", "qa", "zb", "clock", "jac", "rates", "metrics", "sensor", "controller", "actuator", "reference", "disturbance", "output_disturbance", "substeps", "shown", "measured", "seed", "k1", "k2", "k3", "k4", "lu", "pivot", "ft", "last", "left", "done", "fresh", "wanted", "signals", "state"],
+    *(  # noqa: SIM905
+        "P A S B Q Z U V H R M D Y QA ZB p s x t k j n u f h g i c q v y b a lane run line views noise dt load "
+        "driven memory here plant error command feedback output applied actual offset bound place places target "
+        "source value values past row rows start end end_p end_a end_s every period periods countdown sound "
+        "counters select span width first last base qa zb clock jac rates metrics sensor controller actuator "
+        "reference disturbance output_disturbance substeps shown measured seed k1 k2 k3 k4 lu pivot ft left done "
+        "fresh wanted signals state"
+    ).split(),
 }  # fmt: skip
 """Names that no definition of a module may have."""
 
@@ -144,14 +151,12 @@ class Module:
     def generated(self, name: str, args: list[str], body: list[ast.stmt]) -> str:
         """Adds a function written by the linker; returns its name."""
         name = self.fresh(name)
-        node = ast.FunctionDef(
-            name=name,
-            args=ast.arguments(posonlyargs=[], args=[ast.arg(a) for a in args], kwonlyargs=[], kw_defaults=[], defaults=[]),
-            body=body,
-            decorator_list=[],
-            type_params=[],
-        )  # fmt: skip
-        node = ast.fix_missing_locations(ast.copy_location(node, ast.Pass(lineno=1, col_offset=0)))  # type: ignore[arg-type]
+        given = [ast.arg(a) for a in args]
+        taken = ast.arguments(posonlyargs=[], args=given, kwonlyargs=[], kw_defaults=[], defaults=[])
+        node = ast.FunctionDef(  # type: ignore[call-arg]
+            name=name, args=taken, body=body, decorator_list=[], type_params=[]
+        )
+        node = ast.fix_missing_locations(ast.copy_location(node, ast.Pass(lineno=1, col_offset=0)))
         self.items[name] = Item(name, node, f"<leadscrew {name}>", "leaf", None, True)
         return name
 

@@ -419,7 +419,7 @@ class Normaliser(ast.NodeTransformer):
             base = getattr(sheet.get(field), "__origin__", sheet.get(field))
             cast = kind in ("float", "int", "bool") and base in (float, int, bool) and not self.trusted
             args.append(self.cast(kind, value) if cast else value)
-        return ast.copy_location(call(self.module.callable(cls, self), *args), node)  # type: ignore[type-var]
+        return ast.copy_location(call(self.module.callable(cls, self), *args), node)
 
     def cast(self, kind: str, value: ast.expr) -> ast.expr:
         """A value as ``float``, ``int`` or ``bool``, with one meaning on every engine."""

@@ -6,7 +6,7 @@ import importlib.util
 import sys
 from collections.abc import Callable
 from functools import cached_property
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -15,16 +15,19 @@ from leadscrew.kernel.errors import ValueRefused
 from leadscrew.kernel.linker import Linker, Plan
 from leadscrew.kernel.module import Module
 
+if TYPE_CHECKING:
+    from leadscrew.kernel.native import Entry
+
 ENGINES = ("llvm", "numba", "python")
+"""The engines that run a loop."""
 RANKS: dict[str, dict[str, tuple[int, str]]] = {
     "single": {"P": (1, "f"), "A": (1, "f"), "S": (1, "f"), "B": (1, "f"), "counters": (1, "i"), "select": (1, "i"),
                "Y": (2, "f"), "M": (2, "f")},
     "lanes": {"P": (1, "f"), "A": (1, "f"), "S": (1, "f"), "B": (1, "f"), "QA": (1, "f"), "ZB": (1, "f"),
-              "places": (1, "i"), "values": (2, "f"), "span": (1, "i"), "select": (1, "i"), "Y": (3, "f"), "M": (2, "f"),
-              "D": (1, "i")},
+              "places": (1, "i"), "values": (2, "f"), "span": (1, "i"), "select": (1, "i"), "Y": (3, "f"),
+              "M": (2, "f"), "D": (1, "i")},
 }  # fmt: skip
 """Dimensions and element (``f`` float, ``i`` integer) of what the entries take."""
-"""The engines that run a loop."""
 
 
 class Program:
@@ -33,7 +36,7 @@ class Program:
     def __init__(self, plan: Plan, module: Module) -> None:
         self.plan = plan
         self.module = Linker(plan, module).link()
-        self._compiled: dict[str, Callable[..., Any]] = {}
+        self._compiled: dict[str, Entry] = {}
 
     @cached_property
     def text(self) -> str:
@@ -68,14 +71,15 @@ class Program:
             ValueRefused: no such engine.
         """
         if engine == "llvm":
-            return self._native(name)
+            return self.native(name)
         if engine == "numba":
             return self._numba(name)
         if engine == "python":
             return self._overflow_as_ieee(self._python[name])
         raise ValueRefused(f"engine = {engine!r}: there are {', '.join(ENGINES)}")
 
-    def _native(self, name: str) -> Callable[..., Any]:
+    def native(self, name: str) -> Entry:
+        """An entry as machine code, compiled by our own lowering or taken from the cache."""
         from leadscrew.kernel.native import compiled
 
         if name not in self._compiled:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import os
 import shutil
 import tempfile
 from dataclasses import dataclass
@@ -86,7 +85,7 @@ class Run:
         return type(example)(*(self.signal(f"{name}.{f}", v) for f, v in zip(example._fields, example, strict=True)))
 
     def check(self) -> Run:
-        """This run, if it did not diverge.
+        """The run, if it did not diverge.
 
         Raises:
             Diverged: with this run inside.
@@ -138,7 +137,7 @@ class Run:
             beside.chmod(0o755)
             if target.exists():
                 target.rmdir()
-            os.replace(beside, target)
+            beside.replace(target)
         except OSError as error:
             shutil.rmtree(beside, ignore_errors=True)
             raise DataError(f"{target} cannot be written: {error.strerror or error}") from None

@@ -130,7 +130,7 @@ class Scalariser:
                     cls, depth = self.classes[cls][path[depth]], depth + 1
                 if depth == len(path):
                     return self._nested(base, tuple(path), cls)
-                node = self._attributes(self.leaf(base, tuple(path[: depth + 1])), path[depth + 1 :])  # type: ignore[assignment]
+                node = self._attributes(self.leaf(base, tuple(path[: depth + 1])), path[depth + 1 :])
                 return node
             if isinstance(base, ast.Call) and isinstance(base.func, ast.Name) and base.func.id in self.classes:
                 at = list(self.classes[base.func.id]).index(path[0])
@@ -175,7 +175,7 @@ class Scalariser:
             node.value = self.expression(node.value)
             if isinstance(target, ast.Subscript):
                 node.targets = [self.expression(target)]
-        elif (isinstance(node, ast.Return) and node.value is not None) or isinstance(node, ast.Expr):
+        elif isinstance(node, ast.Return | ast.Expr) and node.value is not None:
             node.value = self.expression(node.value)
         out.append(node)
 

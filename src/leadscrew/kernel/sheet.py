@@ -84,9 +84,13 @@ class Entry:
             if self.type == "int":
                 if value != int(value) if math.isfinite(value) else True:
                     raise ValueRefused(f"{label}: expected a whole number")
-                if abs(value) > 2**53:
+                if abs(value) > 2**53:  # type: ignore[operator]
                     raise ValueRefused(f"{label}: whole numbers beyond 2^53 cannot be carried exactly")
-            if math.isinf(value) and (self.above != -math.inf or self.below != math.inf) and not self._open_to(value):
+            if (
+                math.isinf(value)
+                and (self.above != -math.inf or self.below != math.inf)
+                and not self._open_to(float(value))
+            ):
                 raise ValueRefused(f"{label}: allowed range is {self.range}{unit}")
             flat = (value,)
         for x in flat:
@@ -136,7 +140,8 @@ def entries(value: Any, prefix: str = "") -> Iterator[Entry]:
     """Every leaf of a NamedTuple, nested ones under dotted keys, with what its annotation says."""
     if value is None:
         return
-    sheet = hints(type(value))
+    cls: Any = type(value)
+    sheet = hints(cls)
     for name, item in zip(value._fields, value, strict=True):
         key = f"{prefix}{name}"
         if isinstance(item, tuple) and hasattr(item, "_fields"):

@@ -10,10 +10,13 @@ from leadscrew.kernel.drivers.period import sample
 
 
 def lanes(P, A, S, B, QA, ZB, places, values, span, select, Y, M, D):
-    """Runs ``span[0]`` to ``span[1]`` (offset ``span[4]`` in the noise) for ``span[2]`` periods, recording every ``span[3]``.
+    """Runs ``span[0]`` to ``span[1]`` (offset ``span[4]`` in the noise) for ``span[2]`` periods.
+
+    Every ``span[3]`` periods are recorded, where anything is.
 
     ``values[v, run]`` replaces the number at ``places[v]`` of parameters, array parameters, state and array state laid
-    end to end. ``QA`` and ``ZB`` are room for the array parameters and states of all lanes. ``D[run]`` becomes the period in which a run diverged, else it stays -1.
+    end to end. ``QA`` and ``ZB`` are room for the array parameters and states of all lanes.
+    ``D[run]`` becomes the period in which a run diverged, else it stays -1.
     """
     width = holes.LANES
     Q = stack_array2(holes.PARAMS, holes.LANES)

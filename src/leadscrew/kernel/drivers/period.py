@@ -39,6 +39,6 @@ def hold(p, s, applied, load, k):
         plant, memory = holes.plant_step(p.plant, plant, memory, u, load, k * p.clock.period + j * step, step)
         holes.watch(s.seen, p.plant, plant, k * substeps + j + 1)
     return holes.LoopState(
-        s.reference, s.disturbance, s.output_disturbance, s.sensor, s.controller, s.actuator, holes.settled(plant), memory,
-        s.sent, s.seen, s.metrics,
+        s.reference, s.disturbance, s.output_disturbance, s.sensor, s.controller, s.actuator, holes.settled(plant),
+        memory, s.sent, s.seen, s.metrics,
     )  # fmt: skip

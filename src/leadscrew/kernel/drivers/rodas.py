@@ -52,7 +52,7 @@ def stage(lu, pivot, k, row, f, ft, weight, n):
 
 
 def try_step(p, s, u, load, t, h, x, f, ft, jac, y, rtol, atol):
-    """One step of size ``h`` from ``x``; writes the new state to ``y`` and returns the error relative to the tolerance."""
+    """One step of size ``h`` from ``x`` to the new state ``y``; returns the error relative to the tolerance."""
     n = holes.ORDER
     lu = stack_array2(holes.ORDER, holes.ORDER)
     k = stack_array2(6, holes.ORDER)
