@@ -22,7 +22,17 @@ if TYPE_CHECKING:
     from leadscrew.kernel.module import Module
 
 
-PIPELINE = ("branchless.py", "fuse.py", "lower.py", "native.py", "returns.py", "scalarise.py", "trees.py")
+PIPELINE = (
+    "branchless.py",
+    "fuse.py",
+    "lower.py",
+    "lower_locals.py",
+    "lower_values.py",
+    "native.py",
+    "returns.py",
+    "scalarise.py",
+    "trees.py",
+)
 """The files between a module and its machine code."""
 
 
