@@ -23,9 +23,10 @@ from leadscrew.kernel.drivers import holes
 from leadscrew.kernel.errors import SubsetError
 from leadscrew.kernel.fuse import Fuser
 from leadscrew.kernel.ieee import OPERATORS
-from leadscrew.kernel.normalise import MATHS, Normaliser, call, is_named_tuple_type, literal
+from leadscrew.kernel.normalise import Normaliser
 from leadscrew.kernel.scalarise import Scalariser, fields_of, without_copies, without_dead
 from leadscrew.kernel.sheet import hints, leaf_type
+from leadscrew.kernel.subset import MATHS, call, is_named_tuple_type
 from leadscrew.kernel.trees import copied, fingerprint
 
 HEAD = '''\
@@ -287,6 +288,3 @@ class _Division(ast.NodeTransformer):
         self.generic_visit(node)
         name = self.names.get(type(node.op))
         return node if name is None else ast.copy_location(call(name, node.left, node.right), node)
-
-
-__all__ = ["Item", "Module", "literal"]
