@@ -46,4 +46,11 @@ def ieee_modulo(a: Any, b: Any) -> Any:
     return 0 if isinstance(a, int) and isinstance(b, int) else math.nan
 
 
-OPERATORS = {f.__name__: f for f in (ieee_divide, ieee_floor_divide, ieee_modulo)}
+def ieee_range(*bounds: int) -> range:
+    """``range``, empty where the step is zero."""
+    return range(*bounds) if len(bounds) < 3 or bounds[2] != 0 else range(0)
+
+
+OPERATORS: dict[str, Any] = {f.__name__: f for f in (ieee_divide, ieee_floor_divide, ieee_modulo)} | {
+    "range": ieee_range
+}

@@ -120,6 +120,13 @@ class Lowering(Values):
             self.builder.branch(back)
         self.builder.position_at_end(after)
 
+    def in_range(self, now: Any, high: Any, by: Any) -> Any:
+        """Whether a range goes on: up or down as its step says, nowhere where that is zero."""
+        build, zero = self.builder, ir.Constant(I64, 0)
+        up = build.and_(build.icmp_signed(">", by, zero), build.icmp_signed("<", now, high))
+        down = build.and_(build.icmp_signed("<", by, zero), build.icmp_signed(">", now, high))
+        return build.or_(up, down)
+
     def do_for(self, node: ast.For) -> None:
         assert isinstance(node.iter, ast.Call) and isinstance(node.target, ast.Name)
         given = [self.cast(self.value(a), I64) for a in node.iter.args]
@@ -131,8 +138,7 @@ class Lowering(Values):
         self.builder.branch(test)
         self.builder.position_at_end(test)
         now = self.builder.load(counter)
-        down = isinstance(node.iter.args[-1], ast.UnaryOp) and len(given) > 2
-        self.builder.cbranch(self.builder.icmp_signed(">" if down else "<", now, high), body, after)
+        self.builder.cbranch(self.in_range(now, high, by), body, after)
         self.builder.position_at_end(on)
         self.builder.store(self.builder.add(self.builder.load(counter), by, flags=("nsw",)), counter)
         self.builder.branch(test)

@@ -12,16 +12,19 @@ from __future__ import annotations
 import ast
 import types
 from collections.abc import Callable
+from functools import cached_property
 from typing import TYPE_CHECKING, Any, NoReturn
 
 import numpy as np
 
 from leadscrew.kernel import definite, guards, portable
 from leadscrew.kernel.block import Block
+from leadscrew.kernel.branchless import is_condition
 from leadscrew.kernel.drivers.holes import Constant
 from leadscrew.kernel.errors import SubsetError
+from leadscrew.kernel.kinds import FLOAT, WHOLE, Kinds
 from leadscrew.kernel.normalise_calls import Calls
-from leadscrew.kernel.sheet import hints
+from leadscrew.kernel.sheet import hints, leaf_type
 from leadscrew.kernel.source import MISSING, local_names, lookup, tree_of
 from leadscrew.kernel.subset import EXPRESSIONS, NUMBERS, STATEMENTS, call, is_named_tuple_type, literal
 from leadscrew.kernel.trees import copied, each
@@ -58,6 +61,20 @@ class Normaliser(Calls):
             definite.check(self.shared, self.locals, self.refuse)
         self.part_locals_from_globals()
         return ast.fix_missing_locations(node)
+
+    @cached_property
+    def kinds(self) -> Kinds:
+        """Which locals are whole numbers, floats, or both."""
+        return Kinds(self.shared, self.field_kind)
+
+    def field_kind(self, node: ast.Attribute) -> str:
+        """Whether a field of a NamedTuple, or a constant by its dotted name, is a whole number or a float."""
+        found = self.value(node)
+        if found is not MISSING:
+            return WHOLE if isinstance(found, int | np.integer) else FLOAT
+        base = self.class_of(node.value)
+        hint = hints(base).get(node.attr) if base else None
+        return WHOLE if leaf_type(hint, 0.0) in ("int", "bool") else FLOAT
 
     def part_locals_from_globals(self) -> None:
         """Renames a local that a name of the module would hide."""
@@ -110,6 +127,7 @@ class Normaliser(Calls):
             indices = target.slice.elts if isinstance(target.slice, ast.Tuple) else [target.slice]
             if len(indices) > 2:
                 self.refuse(node, "arrays of one or two dimensions")
+            indices = self.from_the_end(target.value, indices)
             put = self.module.function((guards.put1, guards.put2)[len(indices) - 1])
             parts = [self.visit(target.value), *(self.visit(i) for i in indices), value]
             return ast.copy_location(ast.Expr(call(put, *parts)), node)
@@ -200,16 +218,18 @@ class Normaliser(Calls):
         if isinstance(found, np.ndarray):
             return ast.copy_location(ast.Name(self.module.array(found, getattr(node, "id", "table")), ast.Load()), node)
         if isinstance(found, Block | types.FunctionType | types.BuiltinFunctionType) or is_named_tuple_type(found):
-            return ast.copy_location(ast.Name(self.module.callable(found, self), ast.Load()), node)
+            return ast.copy_location(ast.Name(self.module.callable(found, self.trusted), ast.Load()), node)
         self.refuse(node, f"{ast.unparse(node)!r} is a {type(found).__name__}; only numbers, arrays, functions, blocks "
                           "and NamedTuple classes can be used from outside a step")  # fmt: skip
 
-    def visit_Constant(self, node: ast.Constant) -> ast.expr:
+    def visit_Constant(self, node: ast.Constant) -> ast.expr:  # noqa: N802
         if not isinstance(node.value, int | float):
             self.refuse(node, f"the constant {node.value!r}; only numbers")
+        if isinstance(node.value, int) and node.value >= 2**63:
+            self.refuse(node, f"the whole number {node.value}; whole numbers have 64 bits")
         return ast.copy_location(literal(node.value), node)
 
-    def visit_Name(self, node: ast.Name) -> ast.expr:
+    def visit_Name(self, node: ast.Name) -> ast.expr:  # noqa: N802
         if isinstance(node.ctx, ast.Store) or node.id in self.locals:
             node.is_local = True  # type: ignore[attr-defined]
             return node
@@ -218,14 +238,15 @@ class Normaliser(Calls):
             self.refuse(node, f"the name {node.id!r} is not defined")
         return self.named(node, found)
 
-    def visit_Attribute(self, node: ast.Attribute) -> ast.expr:
+    def visit_Attribute(self, node: ast.Attribute) -> ast.expr:  # noqa: N802
         found = self.value(node)
-        if found is not MISSING:
+        of_array = node.attr == "shape" and isinstance(self.value(node.value), np.ndarray)
+        if found is not MISSING and not of_array:
             return self.named(node, found)
         node.value = self.visit(node.value)
         return node
 
-    def visit_Subscript(self, node: ast.Subscript) -> ast.expr:
+    def visit_Subscript(self, node: ast.Subscript) -> ast.expr:  # noqa: N802
         indices = node.slice.elts if isinstance(node.slice, ast.Tuple) else [node.slice]
         if self.trusted or (isinstance(node.value, ast.Attribute) and node.value.attr == "shape" and len(indices) == 1):
             return self.generic_visit(node)  # type: ignore[return-value]
@@ -238,16 +259,56 @@ class Normaliser(Calls):
             if not -len(table) <= at < len(table):
                 self.refuse(node, f"the index {at} into an array of {len(table)}")
             return self.generic_visit(node)  # type: ignore[return-value]
-        for axis, index in enumerate(indices):
-            if isinstance(self.constant(index), int) and (self.constant(index) or 0) < 0:
-                size = ast.parse(f"({ast.unparse(node.value)}).shape[{axis}]", mode="eval").body
-                indices[axis] = ast.copy_location(ast.BinOp(size, ast.Add(), index), index)
+        indices = self.from_the_end(node.value, indices)
         at = self.module.function((guards.at1, guards.at2)[len(indices) - 1])
         return ast.copy_location(call(at, self.visit(node.value), *(self.visit(i) for i in indices)), node)
 
-    def visit_BinOp(self, node: ast.BinOp) -> ast.expr:
+    def from_the_end(self, array: ast.expr, indices: list[ast.expr]) -> list[ast.expr]:
+        """Indices, with a constant one below zero counted from the end."""
+        found = []
+        for axis, index in enumerate(indices):
+            at = self.constant(index)
+            if isinstance(at, int) and at < 0:
+                size = ast.Subscript(ast.Attribute(copied(array), "shape", ast.Load()), ast.Constant(axis), ast.Load())
+                index = ast.copy_location(ast.BinOp(size, ast.Sub(), ast.Constant(-at)), index)
+            found.append(index)
+        return found
+
+    def visit_IfExp(self, node: ast.IfExp) -> ast.expr:  # noqa: N802
+        self.generic_visit(node)
+        self.unconditional(node, node.body, node.orelse)
+        return node
+
+    def visit_BoolOp(self, node: ast.BoolOp) -> ast.expr:  # noqa: N802
+        self.generic_visit(node)
+        self.unconditional(node, *node.values[1:])
+        if self.trusted or all(is_condition(v) for v in node.values):
+            return node
+        made = node.values[-1]
+        for value in reversed(node.values[:-1]):
+            sides = (made, copied(value)) if isinstance(node.op, ast.And) else (copied(value), made)
+            made = ast.IfExp(value, *sides)
+        return ast.copy_location(made, node)
+
+    def unconditional(self, node: ast.expr, *arms: ast.expr) -> None:
+        """Refuses a call under a condition whose effects do not wait for the condition: both arms are computed."""
+        for arm in () if self.trusted else arms:
+            for n in each(arm):
+                if isinstance(n, ast.Call) and isinstance(n.func, ast.Name) and self.module.has_effects(n.func.id):
+                    self.refuse(
+                        node, f"{n.func.id!r} writes an array or waits in a 'while'; call it under an 'if' statement"
+                    )
+
+    def visit_BinOp(self, node: ast.BinOp) -> ast.expr:  # noqa: N802
         if isinstance(node.op, ast.MatMult):
             self.refuse(node, "'@'; write the sums out")
+        if isinstance(node.op, ast.Mod | ast.FloorDiv) and not self.trusted and self.kinds.ambiguous(node):
+            self.refuse(node, "a remainder of a local that is a whole number on one path and a float on another; "
+                              "write 0.0 for 0, or float() around it")  # fmt: skip
+        if isinstance(node.op, ast.LShift | ast.RShift) and not self.trusted:
+            by = self.constant(node.right)
+            if not (isinstance(by, int) and 0 <= by < 64):
+                self.refuse(node, "a shift by anything but a number from 0 to 63")
         if not isinstance(node.op, ast.Pow):
             return self.generic_visit(node)  # type: ignore[return-value]
         power, base = self.constant(node.right), self.visit(node.left)
@@ -262,7 +323,7 @@ class Normaliser(Calls):
             made = ast.BinOp(ast.Constant(1.0), ast.Div(), made)
         return ast.copy_location(made, node)
 
-    def visit_Compare(self, node: ast.Compare) -> ast.expr:
+    def visit_Compare(self, node: ast.Compare) -> ast.expr:  # noqa: N802
         for op in node.ops:
             if isinstance(op, ast.Is | ast.IsNot | ast.In | ast.NotIn):
                 self.refuse(node, "'is' and 'in'")

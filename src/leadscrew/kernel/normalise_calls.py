@@ -33,6 +33,10 @@ class Calls(ast.NodeTransformer):
         """The object that a name stands for."""
         raise NotImplementedError
 
+    def constant(self, node: ast.expr) -> Any:
+        """The number that an expression always has."""
+        raise NotImplementedError
+
     def class_of(self, node: ast.expr) -> type | None:
         """The NamedTuple class that an expression makes."""
         raise NotImplementedError
@@ -61,7 +65,7 @@ class Calls(ast.NodeTransformer):
         if not isinstance(target, types.FunctionType):
             self.refuse(node, f"{ast.unparse(node.func)!r} is a {type(found).__name__}, not a plain Python function")
         args = self.arguments(node, target)
-        return ast.copy_location(call(self.module.callable(target, self), *args), node)
+        return ast.copy_location(call(self.module.callable(target, self.trusted), *args), node)
 
     def arguments(self, node: ast.Call, target: types.FunctionType) -> list[ast.expr]:
         """The arguments of a call to a plain function, keywords and defaults put in order."""
@@ -104,7 +108,7 @@ class Calls(ast.NodeTransformer):
             base = getattr(sheet.get(field), "__origin__", sheet.get(field))
             cast = kind in ("float", "int", "bool") and base in (float, int, bool) and not self.trusted
             args.append(self.cast(kind, value) if cast else value)
-        return ast.copy_location(call(self.module.callable(cls, self), *args), node)
+        return ast.copy_location(call(self.module.callable(cls, self.trusted), *args), node)
 
     def cast(self, kind: str, value: ast.expr) -> ast.expr:
         """A value as ``float``, ``int`` or ``bool``, with one meaning on every engine."""
@@ -141,6 +145,10 @@ class Calls(ast.NodeTransformer):
         if name == "float64" and len(args) == 1:
             return ast.copy_location(self.cast("float", args[0]), node)
         if name in SHAPERS:
+            sizes = node.args[0].elts if node.args and isinstance(node.args[0], ast.Tuple) else node.args
+            known = [self.constant(x) for x in sizes]
+            if not (0 < len(known) <= 2 and all(isinstance(n, int) and n > 0 for n in known)):
+                self.refuse(node, f"np.{name} needs a constant size of one or two dimensions")
             return ast.copy_location(
                 ast.Call(ast.Attribute(ast.Name("np", ast.Load()), name, ast.Load()), args, []), node
             )

@@ -82,7 +82,8 @@ def literal(value: Any) -> ast.expr:
     if isinstance(value, bool | np.bool_):
         return ast.Constant(bool(value))
     if isinstance(value, int | np.integer):
-        return ast.Constant(int(value))
+        whole = ast.Constant(abs(int(value)))
+        return whole if value >= 0 else ast.UnaryOp(ast.USub(), whole)
     value = float(value)
     if value != value:
         return ast.Attribute(ast.Name("np", ast.Load()), "nan", ast.Load())
