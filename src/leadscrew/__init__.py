@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     )
     from leadscrew.kernel.live import Live
     from leadscrew.kernel.loop import DivergenceWarning, Loop
+    from leadscrew.kernel.noise import normal, uniform
     from leadscrew.kernel.run import Run, load
     from leadscrew.kernel.sheet import Doc, Ge, Gt, Le, Lt, Unit
 
@@ -54,10 +55,12 @@ __all__ = [
     "disturbance",
     "load",
     "metric",
+    "normal",
     "plant",
     "reference",
     "sensor",
     "study",
+    "uniform",
 ]
 
 _HOMES = {
@@ -67,6 +70,7 @@ _HOMES = {
     "kernel.errors": "BlockError DataError Diverged LeadscrewError NameUnknown SubsetError ValueRefused",
     "kernel.live": "Live",
     "kernel.loop": "DivergenceWarning Loop",
+    "kernel.noise": "normal uniform",
     "kernel.run": "Run load",
     "kernel.sheet": "Doc Ge Gt Le Lt Unit",
 }

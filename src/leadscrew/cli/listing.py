@@ -66,9 +66,10 @@ def _found(name: str) -> Study | Block:
 def _everything(as_json: bool) -> None:
     from leadscrew import catalogue
     from leadscrew.kernel.errors import LeadscrewError
-    from leadscrew.report.tables import first_line
+    from leadscrew.kernel.sheet import entries
+    from leadscrew.report.tables import Setting, first_line
 
-    def one(kind: str, name: str, what: Any) -> dict[str, str]:
+    def one(kind: str, name: str, what: Any) -> dict[str, Any]:
         try:
             found = what(name)
         except LeadscrewError as error:
@@ -77,7 +78,11 @@ def _everything(as_json: bool) -> None:
             "name": name,
             "kind": getattr(found, "kind", kind),
             "doc": first_line(getattr(found, "title", "") or getattr(found, "doc", "")),
+            "parameters": [Setting(e).as_dict() for e in entries(getattr(found, "params", None))],
         }
+
+    def defaults(row: dict[str, Any]) -> str:
+        return ", ".join(f"{s['key']}={_short(s['default'])} {s['unit']}".rstrip() for s in row.get("parameters", ()))
 
     studies = [one("study", n, catalogue.study) for n in catalogue.study_names()]
     blocks = [one("block", n, catalogue.block) for n in catalogue.block_names()]
@@ -90,12 +95,23 @@ def _everything(as_json: bool) -> None:
         return
     print_table(["study", "title"], [(r["name"], r["doc"]) for r in studies])
     typer.echo()
-    print_table(["block", "kind", "what it is"], [(r["name"], r["kind"], r["doc"]) for r in blocks])
+    print_table(
+        ["block", "kind", "what it is", "parameters and their defaults"],
+        [(r["name"], r["kind"], r["doc"], defaults(r)) for r in blocks],
+    )
     typer.echo()
     print_table(
         ["made in Python by", "kind", "what it is"], [(r["name"] + "(...)", r["kind"], r["doc"]) for r in makers]
     )
     typer.echo("\nleadscrew list NAME shows what can be set, with unit, default and range.")
+
+
+def _short(value: Any) -> str:
+    """A default in a few characters; of an array its shape."""
+    shape = getattr(value, "shape", None)
+    if shape:
+        return f"array {'x'.join(map(str, shape))}"
+    return f"{value:g}" if isinstance(value, float) else str(value)
 
 
 def _block(name: str, block: Block, as_json: bool) -> None:
