@@ -15,7 +15,7 @@ from leadscrew.kernel.errors import NameUnknown, ValueRefused
 from leadscrew.kernel.layout import numbers_of
 from leadscrew.kernel.linker import LANES
 from leadscrew.kernel.program import ENGINES
-from leadscrew.kernel.run import Metrics
+from leadscrew.kernel.run import Metrics, recorded
 from leadscrew.kernel.sheet import nearest, put
 
 if TYPE_CHECKING:
@@ -64,12 +64,7 @@ class Batch:
         return np.asarray(self.signals["time"][0])
 
     def __getitem__(self, name: str) -> np.ndarray:
-        if name in self.signals:
-            return self.signals[name]
-        for key, value in self.signals.items():
-            if key.startswith(f"{name}."):
-                return value
-        raise NameUnknown(f"{name!r} was not recorded{nearest(name, list(self.signals))}")
+        return recorded(self.signals, name)
 
     def grid(self, metric: str) -> np.ndarray:
         """A metric in the shape of the sweep's grid."""

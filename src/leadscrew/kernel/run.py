@@ -49,6 +49,20 @@ class Divergence:
         return f"diverged at t = {self.time:g} s (period {self.period}): {self.state} {what}{place}"
 
 
+def recorded(signals: dict[str, np.ndarray], name: str) -> np.ndarray:
+    """A recorded signal; a NamedTuple signal's own name gives its first number.
+
+    Raises:
+        NameUnknown: it was not recorded; names the nearest.
+    """
+    if name in signals:
+        return signals[name]
+    for key, value in signals.items():
+        if key.startswith(f"{name}."):
+            return value
+    raise NameUnknown(f"{name!r} was not recorded{nearest(name, list(signals))}")
+
+
 @dataclass(frozen=True)
 class Run:
     """The result of one run."""
@@ -71,12 +85,7 @@ class Run:
 
     def __getitem__(self, name: str) -> np.ndarray:
         """A recorded signal; a NamedTuple signal's own name gives its first number."""
-        if name in self.signals:
-            return self.signals[name]
-        for key, value in self.signals.items():
-            if key.startswith(f"{name}."):
-                return value
-        raise NameUnknown(f"{name!r} was not recorded{nearest(name, list(self.signals))}")
+        return recorded(self.signals, name)
 
     def signal(self, name: str, example: Any) -> Any:
         """The last value of a signal in its own type."""
