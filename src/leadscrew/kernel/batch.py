@@ -171,7 +171,9 @@ def _prepared(
                 params = put(params, key.split("."), value)
         prepared = params if block.prepare is None else block.prepare(params, dt)
         numbers = prepared if plain else tuple(numbers_of(prepared))
-        made.append(numbers + tuple(numbers_of(block.initial(params))) if with_state else numbers)  # type: ignore[misc]
+        if with_state and block.initial is not None:
+            numbers = (*numbers, *numbers_of(block.initial(params)))
+        made.append(numbers)
     where = [*plan.params.places(slot, sizes[0], 0)]
     if with_state:
         where += plan.state.places(slot, sizes[2], sizes[0] + sizes[1])
