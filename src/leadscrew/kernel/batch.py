@@ -220,7 +220,8 @@ def run_batch(
     metrics = np.zeros((n, max(1, len(loop.metrics))))
     lost = np.full(n, -1, dtype=np.int64)
     entry = program.entry("lanes_recorded" if names else "lanes", engine)
-    chunk = max(LANES, -(-n // (8 * threads)) // LANES * LANES)
+    parts = 1 if threads == 1 and progress is None else 8 * threads
+    chunk = max(LANES, -(-n // parts // LANES) * LANES)
     starts = list(range(0, n, chunk))
 
     def work(low: int) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import namedtuple
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -27,10 +28,15 @@ class Clock(NamedTuple):
 
 def bundle(type_name: str, values: dict[str, Any]) -> Any:
     """A NamedTuple made for the occasion, annotated with the types of its values."""
-    cls: Any = namedtuple(type_name, list(values))  # type: ignore[misc]
-    kinds = {k: np.ndarray if isinstance(v, np.ndarray) else type(v) for k, v in values.items()}
-    cls.__annotations__ = kinds
-    return cls(**values)
+    kinds = tuple((k, np.ndarray if isinstance(v, np.ndarray) else type(v)) for k, v in values.items())
+    return _bundle_type(type_name, kinds)(**values)
+
+
+@lru_cache(maxsize=1024)
+def _bundle_type(type_name: str, kinds: tuple[tuple[str, type], ...]) -> Any:
+    cls: Any = namedtuple(type_name, [k for k, _ in kinds])  # type: ignore[misc]
+    cls.__annotations__ = dict(kinds)
+    return cls
 
 
 def as_floats(signal: Any) -> Any:
