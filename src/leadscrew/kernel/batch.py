@@ -238,11 +238,9 @@ def run_batch(
             work(low)
             report(i + 1)
     else:
-        work(starts[0])
-        report(1)
         with ThreadPoolExecutor(threads) as pool:
-            for i, _ in enumerate(pool.map(work, starts[1:])):
-                report(i + 2)
+            for i, _ in enumerate(pool.map(work, starts)):
+                report(i + 1)
     metrics[lost >= 0] = np.nan
     diverged_at = np.where(lost >= 0, (lost + 1) * loop.period, np.nan)
     signals = {c: table[:, i, :] for i, c in enumerate(names)}
