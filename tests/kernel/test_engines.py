@@ -1,5 +1,9 @@
 """The same bits from every engine, for everything that a loop can be made of."""
 
+import subprocess
+import sys
+from pathlib import Path
+
 import numpy as np
 import pytest
 
@@ -92,3 +96,50 @@ def test_noise_differs_from_run_to_run_and_repeats_with_the_seed():
     assert same(batch["feedback"], again["feedback"])
     other = loop.using(seed=8).batch(0.05, runs=20, record="feedback")
     assert not same(batch["feedback"], other["feedback"])
+
+
+def test_the_python_engine_runs_the_users_own_lines_so_that_a_debugger_stops_in_them():
+    seen: set[tuple[str, int]] = set()
+
+    def trace(frame, event, _):
+        if event == "line":
+            seen.add((frame.f_code.co_filename, frame.f_lineno))
+        return trace
+
+    loop = made("pid")
+    live = loop.start(engine="python")
+    before = sys.gettrace()
+    sys.settrace(trace)
+    try:
+        live.advance(3)
+    finally:
+        sys.settrace(before)
+    lines = Path(zoo.__file__).read_text().splitlines()
+    mine = {lines[n - 1].strip() for file, n in seen if file == zoo.__file__}
+    assert "integral = s.integral + error * dt" in mine
+    assert "return PIDState(integral, error), output" in mine
+
+
+def test_a_breakpoint_of_pdb_holds_in_the_users_file(tmp_path):
+    program = tmp_path / "mine.py"
+    program.write_text(
+        "import sys\nsys.path.insert(0, sys.argv[1])\n"
+        "from leadscrew.kernel.loop import Loop\nfrom tests.kernel import zoo\n"
+        "loop = Loop(reference=zoo.sine, controller=zoo.pid, plant=zoo.mass, metrics={})\n"
+        "loop.run(0.003, engine='python')\n"
+    )
+    root = str(Path(__file__).parents[2])
+    line = next(
+        i for i, text in enumerate(Path(zoo.__file__).read_text().splitlines(), 1) if "integral = s.integral" in text
+    )
+    talk = f"import sys; sys.path.insert(0, {root!r})\nbreak {zoo.__file__}:{line}\ncontinue\n"
+    talk += "print('error is', error)\nquit\n"
+    done = subprocess.run(
+        [sys.executable, "-m", "pdb", str(program), root],
+        input=talk,
+        capture_output=True,
+        text=True,
+        timeout=120,
+        cwd=root,
+    )
+    assert f"zoo.py({line})pid()" in done.stdout and "error is 0.0" in done.stdout, done.stdout + done.stderr
