@@ -466,3 +466,27 @@ def test_a_constant_index_into_a_local_array_is_guarded_too(engine):
     assert lost.diverged is not None and lost.diverged.period == 0
     run = controller_of(local_zeros).run(0.01, engine=engine)
     assert np.array_equal(run["output"], run["command"])
+
+
+class Point(NamedTuple):
+    x: float = 0.0
+    y: float = 0.0
+
+
+class Line(NamedTuple):
+    start: Point = Point()
+    end: Point = Point()
+
+
+def either_end(command, feedback):
+    line = Line(Point(command, 1.0), Point(feedback, 2.0))
+    flipped = Line(line.end, line.start)
+    chosen = line if command > feedback else flipped
+    return (chosen.start if command > 0.2 else chosen.end).x + (line if feedback < 0.1 else flipped).end.y
+
+
+def test_a_namedtuple_can_be_chosen_whole_and_read_field_by_field():
+    runs = [controller_of(either_end).run(0.3, engine=e) for e in ("python", "llvm")]
+    assert np.array_equal(runs[0]["output"], runs[1]["output"])
+    for k in range(300):
+        assert runs[0]["output"][k] == either_end(runs[0]["command"][k], runs[0]["feedback"][k])

@@ -135,6 +135,9 @@ class Scalariser:
             if isinstance(base, ast.Call) and isinstance(base.func, ast.Name) and base.func.id in self.classes:
                 at = list(self.classes[base.func.id]).index(path[0])
                 return self.expression(self._attributes(base.args[at], path[1:]))
+            if isinstance(base, ast.IfExp) and self.type_of(base):
+                sides = (self._attributes(side, path) for side in (base.body, base.orelse))
+                return self.expression(ast.IfExp(base.test, *sides))
         if isinstance(node, ast.Name) and self.types.get(node.id) and isinstance(node.ctx, ast.Load):
             return self.whole(node, str(self.types[node.id]))
         for name, value in ast.iter_fields(node):
