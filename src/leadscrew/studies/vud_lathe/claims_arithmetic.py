@@ -48,19 +48,21 @@ def _scales() -> list[Claim]:
     return [
         _number("eq5_ke", "(5)", "K_e", 0.00526, 1.0 / 190.0, 5e-6, unit="1/mm"),
         _number("eq6_kec", "(6)", "K_ec", 0.03865, 1.0 / 25.87, 1e-5, unit="1/mm",
-                reason="0.038655, cut off instead of rounded; the unit is per mm in 0.1 s, not per mm/s (see ec_unit)"),
+                reason=f"{1.0 / 25.87:.6f}, cut off instead of rounded; the unit is per mm in 0.1 s, not per mm/s "
+                "(see ec_unit)"),
     ]  # fmt: skip
 
 
 def _partition() -> list[Claim]:
     count = partition_count(CURVATURES, ACCURACY)
     bound = interpolation_bound(CURVATURES, SETS.centres)
+    equal = max(interpolation_bound(CURVATURES, np.linspace(-1.0, 1.0, len(SETS.centres)).tolist()))
     text = "number of sets for an accuracy of 0.05"
     return [
         _number("eq10_half", "(10)", f"{text}, read as printed", 6, count.half, 0, "not reproduced",
-                "with U = 1 the printed formula gives 3 sets", target=3, unit="sets"),
+                f"with U = 1 the printed formula gives {count.half} sets", target=3, unit="sets"),
         _number("eq10_full", "(10)", f"{text}, with the full width 2U in place of U", 6, count.full, 0,
-                "reproduced with change", "a width of 2 gives 6; the text says that U is 1", unit="sets"),
+                "reproduced with change", f"a width of 2 gives {count.full}; the text says that U is 1", unit="sets"),
         _number("eq10_intervals", "(10)", f"{text}, with the root over the sum alone, as intervals", 5,
                 count.intervals, 0, "reproduced with change",
                 "5 intervals make 6 sets, which also explains the printed count (5 + 1)^2; it is not what (10) says",
@@ -73,8 +75,9 @@ def _partition() -> list[Claim]:
               f"the printed centres lie {', '.join(f'{w:.2f}' for w in SETS.widths)} apart: there is no set at zero"),
         _number("interpolation_bound", "(10), text", "error that six sets guarantee, in the worst interval", ACCURACY,
                 max(bound), 5e-4, "not reproduced",
-                f"0.180 in the middle interval, {min(bound):.3f} in the outer ones; six equal sets would guarantee "
-                f"0.066, and 0.05 needs {equal_sets_for(CURVATURES, ACCURACY)} equal sets", target=0.180),
+                f"{max(bound):.3f} in the middle interval, {min(bound):.3f} in the outer ones; six equal sets would "
+                f"guarantee {equal:.3f}, and 0.05 needs {equal_sets_for(CURVATURES, ACCURACY)} equal sets",
+                target=0.180),
     ]  # fmt: skip
 
 
@@ -89,12 +92,12 @@ def _strengths() -> list[Claim]:
         _number("k1_ec_pm", "before (12)", "membership of ec = 0.497 in PM", 0.509, ec1[4], 5e-4, "not reproduced",
                 swapped, target=0.491),
         _number("eq14_strength", "(14)", "strength of the first rule", 0.404, e1[0] * ec1[3] * rho1[5], 1e-5,
-                target=0.40398, reason="0.40398; the number is right although its set has the wrong name"),
+                target=0.40398, reason="the number is right although its set has the wrong name"),
         _number("k2_e_nm", "before (15)", "membership of e = -0.801 in NM", 0.603, e2[1], 5e-4),
         _number("k2_ec_pb", "before (15)", "membership of ec = 0.965 in PB", 0.894, ec2[5], 5e-4),
         _number("k2_rho_pb", "before (15)", "membership of rho = 0.921 in PB", 0.761, rho2[5], 5e-4),
         _number("eq16_strength", "(16)", "strength of the second rule", 0.410, e2[1] * ec2[5] * rho2[5], 1e-5,
-                target=0.41002, reason="0.41002; the rule is overruled by k = 3, which the text does not say"),
+                target=0.41002, reason="the rule is overruled by k = 3, which the text does not say"),
     ]  # fmt: skip
 
 
@@ -106,15 +109,17 @@ def _example() -> list[Claim]:
     medium_as_in_text = np.where(abs(TABLE_2) == 0.677, 0.67 * np.sign(TABLE_2), TABLE_2)
     consequents = {0.677: TABLE_2, 0.67: medium_as_in_text}
     shape = {size: infer(rule_base(CENTRES, CENTRES, t), e / alpha_e, ec / alpha_ec) for size, t in consequents.items()}
+    printed = (-0.25 + 0.1925) / (-0.2873 + 0.1925)
+    rounded = (0.12 - 0.0995) / (0.1485 - 0.0995)
     swapped = (
-        "the printed fractions give 0.6065 and 0.3935, not 0.5009 and 0.4991; all four rules that fire have the same "
-        "consequent, so the duty does not change"
+        f"the printed fractions give {printed:.4f} and {1.0 - printed:.4f}, not 0.5009 and 0.4991; all four rules that "
+        "fire have the same consequent, so the duty does not change"
     )
     where = "section V, example"
     return [
         _number("example_alpha_e", "(17), example", "alpha of e = -0.25", 0.2873, alpha_e, 5e-5),
         _number("example_alpha_ec", "(18), example", "alpha of ec = 0.12", 0.1485, alpha_ec, 1e-4,
-                reason="0.14844; the paper rounds up"),
+                reason="the paper rounds up"),
         _number("example_e_nm_centre", where, "peak of NM of e on the contracted universe", -0.1925, -0.67 * alpha_e,
                 5e-5, unit="1"),
         _number("example_e_ns_centre", where, "peak of NS of e on the contracted universe", -0.0948, -0.33 * alpha_e,
@@ -128,13 +133,14 @@ def _example() -> list[Claim]:
         _number("example_e_nm", where, "membership of e in NM", 0.4991, nb_nm[1], 5e-4, "not reproduced", swapped,
                 target=0.3935),
         _number("example_ec_pb", where, "membership of ec in PB", 0.4184, pm_pb[5], 2e-3,
-                reason="0.4194 without the paper's rounding of alpha_ec", kind="report"),
+                "reproduced with change",
+                f"without the paper's rounding of alpha_ec; with it {rounded:.4f}", kind="report"),
         _number("example_duty", where, "next duty, without the floor in beta and with 0.67 as consequent", 0.4998,
                 abs(rho) ** TAU * shape[0.67], 1e-5, target=0.49976),
         _number("example_duty_floor", where, "next duty by (19) and (21) as printed, with 0.67", 0.4998,
                 contraction(rho, TAU, FLOOR, 1.0) * shape[0.67], 1e-5, target=0.49982,
                 reason="the example leaves out the 0.0001 of (19)"),
         _number("example_duty_table2", where, "next duty by (19) and (21) with Table 2's 0.677", 0.4998,
-                contraction(rho, TAU, FLOOR, 1.0) * shape[0.677], 1e-4, "reproduced with change",
-                "0.505: the example uses 0.67, Table 2 has 0.677", kind="report"),
+                contraction(rho, TAU, FLOOR, 1.0) * shape[0.677], 1e-4, "not reproduced",
+                "the example uses 0.67, Table 2 has 0.677", kind="report"),
     ]  # fmt: skip

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
+import numpy as np
+
 from leadscrew.report.claim import Claim, Group, Kind, Sense, Verdict
 from leadscrew.studies.vud_lathe.runs import STEPS, speed_between, table_misfit_percent
 
@@ -15,9 +17,11 @@ ARRIVAL_S = {STEPS[0]: 1.0, STEPS[1]: 1.25}
 """When both curves are said to have nearly arrived."""
 
 CREEP = (
-    "the duty is fed back through beta(rho): while the axis moves the rules say 0.677, and 0.677^10 = 0.020 of full "
-    "duty is all that remains"
+    "the duty is fed back through beta(rho): while the axis moves the rules say 0.677, and "
+    f"0.677^10 = {0.677**10:.3f} of full duty is all that remains"
 )
+NEAR_MM = 10.0
+"""How near "almost reached" is in a plot of 170 mm: our reading, since Table 1 is still 9 mm away at 1.25 s."""
 CHANGE = "with beta following the error in place of the duty, (19) changed and nothing else"
 RECONSTRUCTED = "simulated on the plant rebuilt from Table 1; says nothing about the machine"
 
@@ -84,12 +88,13 @@ def _printed(runs: Mapping[str, Any]) -> list[Claim]:
 def _corrected(runs: Mapping[str, Any]) -> list[Claim]:
     rows = []
     for scenario, limit_1pct, limit_2um in ((STEPS[0], 0.80, 1.0), (STEPS[1], 1.30, 1.6)):
-        metrics = runs[f"{scenario}/corrected.vud_beta_e"].metrics
+        run = runs[f"{scenario}/corrected.vud_beta_e"]
+        metrics = run.metrics
         way, key = WAY[scenario], KEY[scenario]
         rows += [
             _claim(f"beta_e_1pct_{key}", FIGURE[scenario], "as corrected", f"within 1 % of {way} mm",
-                   ARRIVAL_S[scenario], metrics["settling_1pct"], "s", "<=", limit_1pct, 0.0, "reproduced with change",
-                   CHANGE),
+                   ARRIVAL_S[scenario], metrics["settling_1pct"], "s", "<=", limit_1pct, 0.0,
+                   *_arrival(run, scenario, CHANGE)),
             _claim(f"beta_e_2um_{key}", "Figure 12", "as corrected", f"within 2 um of {way} mm", 2.0,
                    metrics["settling_2um"], "s", "<=", limit_2um, 0.0, "reproduced with change", CHANGE),
             _claim(f"beta_e_error_{key}", "Figure 12", "as corrected", f"largest error at {way} mm for t > 2 s", 2.0,
@@ -102,17 +107,28 @@ def _corrected(runs: Mapping[str, Any]) -> list[Claim]:
     return rows
 
 
+def _arrival(run: Any, scenario: str, group: str) -> tuple[Verdict, str]:
+    """Verdict on an arrival as the paper means it, near the target in a plot, and the distance that decides it."""
+    at = ARRIVAL_S[scenario]
+    row = int(np.searchsorted(run.time, at))
+    distance = abs(float(run["command"][row] - run["actual.position"][row]))
+    near = distance <= NEAR_MM
+    said = f"{distance:.1f} mm away at {at:g} s; 'almost reached' is read as within {NEAR_MM:.0f} mm; {group}"
+    return "reproduced with change" if near else "not reproduced", said
+
+
 def _milder(runs: Mapping[str, Any]) -> list[Claim]:
     expected = {STEPS[0]: (0.866, 1.093, 0.08), STEPS[1]: (1.614, 1.917, 0.40)}
     rows = []
     for scenario, (band, fine, error) in expected.items():
-        metrics = runs[f"{scenario}/corrected.vud_beta_e_half"].metrics
+        run = runs[f"{scenario}/corrected.vud_beta_e_half"]
+        metrics = run.metrics
         way, key = WAY[scenario], KEY[scenario]
         text = "beta = |e|^0.5 + 0.0001, no gain"
         rows += [
             _claim(f"beta_e_half_1pct_{key}", FIGURE[scenario], "as corrected", f"within 1 % of {way} mm, {text}",
-                   ARRIVAL_S[scenario], metrics["settling_1pct"], "s", "=", band, 0.005, "reproduced with change", text,
-                   "report"),
+                   ARRIVAL_S[scenario], metrics["settling_1pct"], "s", "=", band, 0.005,
+                   *_arrival(run, scenario, text), "report"),
             _claim(f"beta_e_half_2um_{key}", "Figure 12", "as corrected", f"within 2 um of {way} mm, {text}", 2.0,
                    metrics["settling_2um"], "s", "=", fine, 0.005, "reproduced with change", text, "report"),
             _claim(f"beta_e_half_error_{key}", "Figure 12", "as corrected",
@@ -130,12 +146,13 @@ def _original(runs: Mapping[str, Any], moves: Mapping[str, Any]) -> list[Claim]:
         for name, misfit in table_misfit_percent(runs, moves).items()
     ]  # fmt: skip
     for scenario, band in ((STEPS[0], 0.882), (STEPS[1], 1.431)):
-        metrics = runs[f"{scenario}/ours.original_fit"].metrics
+        run = runs[f"{scenario}/ours.original_fit"]
+        metrics = run.metrics
         way, key = WAY[scenario], KEY[scenario]
         rows += [
             _claim(f"original_1pct_{key}", FIGURE[scenario], "ours", f"within 1 % of {way} mm by the original servo",
-                   ARRIVAL_S[scenario], metrics["settling_1pct"], "s", "=", band, 0.005, "reproduced with change",
-                   "our stand-in; 1.25 s for -170 mm is the time to about 10 mm, as Table 1 shows for -190 mm"),
+                   ARRIVAL_S[scenario], metrics["settling_1pct"], "s", "=", band, 0.005,
+                   *_arrival(run, scenario, "our stand-in")),
             _claim(f"original_error_{key}", "Figure 12", "ours",
                    f"largest error at {way} mm for t > 2 s by the original servo", 10.0,
                    1000.0 * metrics["error_after_2s"], "um", "<=", 0.4, 0.0, "cannot be checked",
@@ -149,6 +166,10 @@ def _order(runs: Mapping[str, Any]) -> list[Claim]:
         vud, old = (runs[f"{scenario}/{c}"].metrics["settling_1pct"] for c in (controller, "ours.original_fit"))
         return "original first" if old < vud else "VUD first"
 
+    late = [
+        runs[f"{s}/paper.vud"].metrics["settling_1pct"] - runs[f"{s}/ours.original_fit"].metrics["settling_1pct"]
+        for s in STEPS
+    ]
     rows = []
     for controller, group, expected in (
         ("paper.vud", "as printed", ("original first", "original first")),
@@ -164,7 +185,7 @@ def _order(runs: Mapping[str, Any]) -> list[Claim]:
                        "original first, by a little", measured, "", "order", target, 0.0,
                        "reproduced with change" if a_little else "not reproduced",
                        "the order depends on which correction is taken for the printed law" if a_little or
-                       controller != "paper.vud" else "by 8 s and 26 s, not by a little",
+                       controller != "paper.vud" else f"by {late[0]:.0f} s and {late[1]:.0f} s, not by a little",
                        "report" if controller == "paper.vud" else "required")
             )  # fmt: skip
     return rows

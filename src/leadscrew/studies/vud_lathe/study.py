@@ -10,20 +10,12 @@ from leadscrew.studies.study import Study, StudyResult
 from leadscrew.studies.vud_lathe.runs import CONTROLLERS, Loops, build, simulate, sweep_gain
 from leadscrew.studies.vud_lathe.scenarios import SCENARIOS
 
-NOTES = [
-    "Taken literally, (21) creeps at 6 mm/s: the paper's moves do not follow from it. Changing (19) alone gives them.",
-    "28 of the 36 rules of Table 2 are not in Table 1. The half of the table that brakes a growing error is expert "
-    "knowledge.",
-    "A plain PD on the same grating settles in less than half the time and within the same error: on this plant, which "
-    "has no friction, nothing here needs a fuzzy controller.",
-    "The plant is rebuilt from Table 1. One linear gain fits the long moves to 1.5 % and the short ones to 14 %.",
-]
-
 
 def evaluate(progress: Callable[[str, float], None] = lambda what, done: None) -> StudyResult:
     """Runs every loop that the claims and figures need, and judges the claims."""
     from leadscrew.studies.vud_lathe.claims import all_claims
     from leadscrew.studies.vud_lathe.figures import pictures
+    from leadscrew.studies.vud_lathe.findings import findings
     from leadscrew.studies.vud_lathe.rules import SETS, learn
     from leadscrew.studies.vud_lathe.tables import moves
 
@@ -33,9 +25,7 @@ def evaluate(progress: Callable[[str, float], None] = lambda what, done: None) -
     sweep = sweep_gain("corrected.vud_beta_e", "fig11b_step_m170", loops)
     claims = all_claims(runs, sweep, found)
     example = tuple(SETS.contracted(contraction(x, 0.9, 1e-4, 1.0)) for x in (-0.25, 0.12))
-    rules = learn(found)
-    lost = [f"{rules.say(c.winner)} beats {rules.say(c.losers[0])}" for c in rules.conflicts.values()]
-    notes = [*NOTES, "Rules in conflict: " + "; ".join(lost) + "."]
+    notes = findings(claims, runs, learn(found))
     return StudyResult(claims, pictures(runs, found, (example[0], example[1])), runs, notes)
 
 
