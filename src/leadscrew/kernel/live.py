@@ -5,7 +5,7 @@ from __future__ import annotations
 import copy
 import time
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -218,4 +218,4 @@ class Live:
     """Whether the controller was aligned to the one before it."""
 
 
-__all__ = ["Live", "Saved", "replace"]
+__all__ = ["Live", "Saved"]

@@ -129,3 +129,16 @@ def move_at(move, t):
         move.direction * along.velocity,
         move.direction * along.acceleration,
     )
+
+
+def row_at(table, last, t):
+    """The last row of a table whose first column, a time, is not after ``t``; by bisection, 0 before the first."""
+    low = 0
+    high = last
+    while low < high:
+        middle = (low + high + 1) // 2
+        if t >= table[middle, 0]:
+            low = middle
+        else:
+            high = middle - 1
+    return low

@@ -27,7 +27,7 @@ from numpy.typing import NDArray
 from leadscrew.kernel.block import Block, reference
 from leadscrew.kernel.errors import ValueRefused
 from leadscrew.kernel.sheet import Doc, Ge, Gt, Unit
-from leadscrew.references.motion import Motion, Profile, profile_duration, shortest_profile, travel
+from leadscrew.references.motion import Motion, Profile, profile_duration, row_at, shortest_profile, travel
 
 
 class PathPoint(NamedTuple):
@@ -122,14 +122,7 @@ def duration(block: Block) -> float:
 
 def point_on_path(p, t):
     """The point at ``t``: the segment that ``t`` lies in or after is found by bisection."""
-    low = 0
-    high = p.last
-    while low < high:
-        middle = (low + high + 1) // 2
-        if t >= p.table[middle, 0]:
-            low = middle
-        else:
-            high = middle - 1
+    low = row_at(p.table, p.last, t)
     profile = Profile(
         p.table[low, 1], p.table[low, 2], p.table[low, 3], p.table[low, 4], p.table[low, 5], p.table[low, 6]
     )

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from leadscrew.kernel.block import Block, reference
 from leadscrew.kernel.errors import ValueRefused
 from leadscrew.kernel.sheet import Doc, Ge, Gt, Unit
-from leadscrew.references.motion import Motion, Profile, profile_duration, shortest_profile, travel
+from leadscrew.references.motion import Motion, Profile, profile_duration, row_at, shortest_profile, travel
 
 
 class WaypointsParams(NamedTuple):
@@ -51,14 +51,7 @@ def plan_waypoints(params: WaypointsParams, dt: float) -> WaypointsPlan:
 
 def waypoints_step(p, t):
     """The move that ``t`` lies in or after, found by bisection, as a :class:`Motion`."""
-    low = 0
-    high = p.last
-    while low < high:
-        middle = (low + high + 1) // 2
-        if t >= p.table[middle, 0]:
-            low = middle
-        else:
-            high = middle - 1
+    low = row_at(p.table, p.last, t)
     profile = Profile(
         p.table[low, 3], p.table[low, 4], p.table[low, 5], p.table[low, 6], p.table[low, 7], p.table[low, 8]
     )
