@@ -60,6 +60,11 @@ clean:
 	@$(INSTALL) -e ".[bench]"
 	@touch $@ .venv/.core
 
+.venv/.verify: $(RECIPE) | .venv/bin/pip
+	@echo "Installing Leadscrew and the FMU importers that judge its exports into .venv (once) ..."
+	@$(INSTALL) -e ".[dev,verify]"
+	@touch $@ .venv/.core .venv/.dev
+
 .venv/bin/pip:
 	@for python in $(PYTHON) python3 python3.14 python3.13 python3.12 python3.11; do \
 	  if $$python -c 'import sys, venv, ensurepip; sys.exit(sys.version_info < (3, 11))' 2>/dev/null; then \

@@ -13,9 +13,9 @@ def missing(tool: str, reason: str) -> NoReturn:
     pytest.skip(reason)
 
 
-def needed(module: str) -> None:
+def needed(module: str, extra: str = "bench") -> None:
     """Skips or fails where a Python package is not installed."""
     try:
         __import__(module)
     except ImportError:
-        missing(module, f"{module} is not installed: pip install leadscrew[bench]")
+        missing(module, f"{module} is not installed: pip install leadscrew[{extra}]")

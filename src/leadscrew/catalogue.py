@@ -36,15 +36,22 @@ BLOCKS: dict[str, str] = {
     "noisy_ruler": "leadscrew.sensors.noisy_ruler:noisy_ruler",
     "ruler": "leadscrew.sensors.ruler:ruler",
     # controllers
+    "csmc": "leadscrew.controllers.sliding.complementary:csmc",
     "duty_pd": "leadscrew.controllers.vud.duty_pd:duty_pd",
+    "npid": "leadscrew.controllers.npid:npid",
+    "pid": "leadscrew.controllers.pid:pid",
     "power_law": "leadscrew.controllers.vud.power_law:power_law",
+    "smc": "leadscrew.controllers.sliding.conventional:smc",
+    "smc_integral": "leadscrew.controllers.sliding.integral:smc_integral",
     "vud": "leadscrew.controllers.vud.literal:vud",
     "vud_beta_e": "leadscrew.controllers.vud.error_factor:vud_beta_e",
     # actuators
     "limits": "leadscrew.actuators.limits:limits",
     "saturation": "leadscrew.actuators.saturation:saturation",
     # plants
+    "ballscrew_stage": "leadscrew.plants.ballscrew_stage:ballscrew_stage",
     "lathe_servo": "leadscrew.plants.lathe_servo:lathe_servo",
+    "xy_table": "leadscrew.plants.xy_table:xy_table",
     # disturbances
     "pulse_load": "leadscrew.disturbances.pulse_load:pulse_load",
     "sine_load": "leadscrew.disturbances.sine_load:sine_load",

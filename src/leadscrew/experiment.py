@@ -111,6 +111,13 @@ class Experiment:
             raise ValueRefused(f"{self.study} is a loop without a scenario: give its duration in seconds")
         return float(found.scenario(self._parts(found)[1]).duration_s)
 
+    def with_first_scenario(self) -> Experiment:
+        """The experiment with the study's first scenario, where none is given and a scenario is needed."""
+        found = self._subject()
+        if self.scenario is not None or isinstance(found, _Loop()):
+            return self
+        return replace(self, scenario=next(iter(found.scenarios)))
+
     def _subject(self) -> Any:
         """The study or the loop that the experiment is about."""
         if not userfile.is_reference(self.study):

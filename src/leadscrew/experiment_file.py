@@ -22,7 +22,7 @@ class ExperimentFile(BaseModel):
     controller: str | None = None
     scenario: str | None = None
     duration: Annotated[float, Field(gt=0, allow_inf_nan=False)] | None = None
-    engine: Literal["llvm", "numba", "python"] | None = None
+    engine: Literal["llvm", "c", "numba", "python"] | None = None
     every: Annotated[int, Field(ge=1)] = 1
     record: list[str] | None = None
     seed: Annotated[int, Field(ge=0)] | None = None

@@ -45,6 +45,10 @@ KINDS: dict[str, tuple[str, ...]] = {
 """The kinds of block and the signals that a step of each may take."""
 
 
+DRIVES = ("torque", "velocity", "voltage", "duty", "position")
+"""What a controller's output may command."""
+
+
 @dataclass(frozen=True)
 class Block:
     """A block: its step, its parameters and its state at the start.
@@ -74,7 +78,11 @@ class Block:
     unit: str = ""
     """Unit of the signal that the block gives."""
     drive: str = ""
-    """Controller: what its output commands (torque, velocity, voltage, duty, position)."""
+    """Controller: what its output commands; one of :data:`DRIVES`."""
+    full_scale: float = 0.0
+    """Controller: size of the output at full drive; 0 where it has none of its own."""
+    sense: int = 1
+    """Controller: -1 where a positive output moves the axis towards negative feedback, as some papers have it."""
     doc: str = field(default="", repr=False)
 
     def __call__(self, *args: Any, **changes: Any) -> Any:
@@ -123,6 +131,10 @@ def make(kind: str, step: Callable[..., Any], params: Any = None, state: Any = N
             raise BlockError(
                 f"{step.__name__}: {what} must be an instance of a NamedTuple, for example Params(), not {value!r}"
             )
+    if more.get("drive", "") not in ("", *DRIVES):
+        raise BlockError(f"{step.__name__}: drive={more['drive']!r}; there are {', '.join(DRIVES)}")
+    if more.get("sense", 1) not in (1, -1):
+        raise BlockError(f"{step.__name__}: sense={more['sense']!r}; allowed are 1 and -1")
     if kind == "plant" and state is None:
         raise BlockError(f"{step.__name__}: a plant needs a state: @plant(Params(), State())")
     name = more.pop("name", None) or step.__name__

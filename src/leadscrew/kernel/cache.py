@@ -9,6 +9,7 @@ import sys
 import tempfile
 import warnings
 from dataclasses import dataclass
+from functools import lru_cache
 from pathlib import Path
 
 LIMIT = 500
@@ -16,13 +17,14 @@ LIMIT = 500
 _fallback: Path | None = None
 
 
+@lru_cache(maxsize=1)
 def stamp() -> str:
     """The versions that compiled code depends on: library, Python, LLVM."""
-    import llvmlite
+    from importlib.metadata import version
 
     from leadscrew import __version__
 
-    return f"{__version__}-py{sys.version_info.major}.{sys.version_info.minor}-llvmlite{llvmlite.__version__}"
+    return f"{__version__}-py{sys.version_info.major}.{sys.version_info.minor}-llvmlite{version('llvmlite')}"
 
 
 def root() -> Path:
@@ -101,7 +103,7 @@ def write(name: str, code: bytes) -> None:
 
 def _evict(folder: Path) -> None:
     modules = sorted(
-        (p for p in folder.glob("*_*") if p.suffix in (".py", ".o", ".npy")), key=lambda p: p.stat().st_mtime
+        (p for p in folder.glob("*_*") if p.suffix in (".py", ".o", ".so", ".npy")), key=lambda p: p.stat().st_mtime
     )
     for path in modules[: max(0, len(modules) - LIMIT + 1)]:
         path.unlink(missing_ok=True)
@@ -122,7 +124,7 @@ def info() -> CacheInfo:
     """What lies in the cache, all versions together."""
     base = root()
     files = [p for p in base.rglob("*") if p.is_file()] if base.exists() else []
-    modules = [p for p in files if p.name.startswith("loop_") and p.suffix in (".py", ".o")]
+    modules = [p for p in files if p.name.startswith("loop_") and p.suffix in (".py", ".o", ".so")]
     return CacheInfo(str(base), len(modules), sum(p.stat().st_size for p in files))
 
 

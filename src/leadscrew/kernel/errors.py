@@ -24,6 +24,10 @@ class NameUnknown(LeadscrewError, KeyError):
         return str(self.args[0]) if self.args else ""
 
 
+class EngineError(LeadscrewError):
+    """What an engine needs is not on this machine, or does not work: says what and what else would do."""
+
+
 class DataError(LeadscrewError, ValueError):
     """A file of data is malformed: names file, row and column."""
 

@@ -54,7 +54,7 @@ class Loop:
         seed: of all noise.
         sample: interval between samples of a continuous loop, seconds.
         rtol, atol: tolerances of the adaptive integrator.
-        engine: ``llvm`` (the default), ``numba`` or ``python``; all give the same bits.
+        engine: ``llvm`` (the default), ``c`` (where a C compiler is), ``numba`` or ``python``; all give the same bits.
         name: for titles and manifests.
     """
 

@@ -18,7 +18,7 @@ from leadscrew.kernel.module import Module
 if TYPE_CHECKING:
     from leadscrew.kernel.native import Entry
 
-ENGINES = ("llvm", "numba", "python")
+ENGINES = ("llvm", "c", "numba", "python")
 """The engines that run a loop."""
 RANKS: dict[str, dict[str, tuple[int, str]]] = {
     "single": {"P": (1, "f"), "A": (1, "f"), "S": (1, "f"), "B": (1, "f"), "counters": (1, "i"), "select": (1, "i"),
@@ -36,7 +36,7 @@ class Program:
     def __init__(self, plan: Plan, module: Module) -> None:
         self.plan = plan
         self.module = Linker(plan, module).link()
-        self._compiled: dict[str, Entry] = {}
+        self._compiled: dict[tuple[str, str], Entry] = {}
 
     @cached_property
     def text(self) -> str:
@@ -69,23 +69,27 @@ class Program:
 
         Raises:
             ValueRefused: no such engine.
+            EngineError: the engine ``c`` without a C compiler.
         """
-        if engine == "llvm":
-            return self.native(name)
+        if engine in ("llvm", "c"):
+            return self.native(name, engine)
         if engine == "numba":
             return self._numba(name)
         if engine == "python":
             return self._overflow_as_ieee(self._python[name])
         raise ValueRefused(f"engine = {engine!r}: there are {', '.join(ENGINES)}")
 
-    def native(self, name: str) -> Entry:
-        """An entry as machine code, compiled by our own lowering or taken from the cache."""
-        from leadscrew.kernel.native import compiled
-
-        if name not in self._compiled:
+    def native(self, name: str, engine: str = "llvm") -> Entry:
+        """An entry as machine code: from our own lowering, or from C and the machine's compiler; kept in the cache."""
+        if (name, engine) not in self._compiled:
+            compiled: Callable[..., Entry]
+            if engine == "c":
+                from leadscrew.kernel.compiler import compiled
+            else:
+                from leadscrew.kernel.native import compiled
             ranks = RANKS["single" if name == "single" else "lanes"]
-            self._compiled[name] = compiled(self.module, name, f"{self.name}_{name}", ranks)
-        return self._compiled[name]
+            self._compiled[name, engine] = compiled(self.module, name, f"{self.name}_{name}", ranks)
+        return self._compiled[name, engine]
 
     @staticmethod
     def _overflow_as_ieee(function: Callable[..., Any]) -> Callable[..., Any]:

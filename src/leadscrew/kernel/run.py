@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import json
-import shutil
-import tempfile
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -14,6 +12,7 @@ import numpy as np
 from leadscrew.kernel.errors import DataError, Diverged, NameUnknown
 from leadscrew.kernel.layout import is_branch
 from leadscrew.kernel.sheet import nearest
+from leadscrew.newfolder import appearing
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -129,31 +128,13 @@ class Run:
         import pyarrow as pa
         import pyarrow.parquet as pq
 
-        target = Path(folder)
-        if target.exists() and (not target.is_dir() or any(target.iterdir())):
-            raise DataError(f"{target} exists already; choose another folder or remove it")
-        try:
-            target.parent.mkdir(parents=True, exist_ok=True)
-            beside = Path(tempfile.mkdtemp(prefix=f".{target.name}-", suffix=".partial", dir=target.parent))
-        except OSError as error:
-            raise DataError(f"{target} cannot be written: {error.strerror or error}") from None
-        try:
+        with appearing(folder) as beside:
             table = pa.table({k: pa.array(v) for k, v in self.signals.items()})
             pq.write_table(table, beside / "signals.parquet")
             (beside / "run.json").write_text(
                 json.dumps(strict(self.manifest), indent=1, allow_nan=False), encoding="utf-8"
             )
-            beside.chmod(0o755)
-            if target.exists():
-                target.rmdir()
-            beside.replace(target)
-        except OSError as error:
-            shutil.rmtree(beside, ignore_errors=True)
-            raise DataError(f"{target} cannot be written: {error.strerror or error}") from None
-        except BaseException:
-            shutil.rmtree(beside, ignore_errors=True)
-            raise
-        return target
+        return Path(folder)
 
     def plot(self) -> Figure:
         """Command, true output, error and controller output against time."""

@@ -136,6 +136,24 @@ def leaf_type(hint: Any, value: Any) -> str:
     return "bool" if isinstance(value, bool) else "int" if isinstance(value, int) else "float"
 
 
+def entry_of(key: str, hint: Any, value: Any) -> Entry:
+    """What an annotation says of one value."""
+    found: dict[str, Any] = {}
+    for extra in typing.get_args(hint)[1:] if typing.get_origin(hint) is typing.Annotated else ():
+        for part in extra if isinstance(extra, Interval) else (extra,):
+            if isinstance(part, Unit):
+                found["unit"] = part.unit
+            elif isinstance(part, Doc):
+                found["doc"] = part.text
+            elif isinstance(part, Ge | Gt):
+                found["above"] = float(part.ge if isinstance(part, Ge) else part.gt)  # type: ignore[arg-type]
+                found["above_open"] = isinstance(part, Gt)
+            elif isinstance(part, Le | Lt):
+                found["below"] = float(part.le if isinstance(part, Le) else part.lt)  # type: ignore[arg-type]
+                found["below_open"] = isinstance(part, Lt)
+    return Entry(key, leaf_type(hint, value), value, **found)
+
+
 def entries(value: Any, prefix: str = "") -> Iterator[Entry]:
     """Every leaf of a NamedTuple, nested ones under dotted keys, with what its annotation says."""
     if value is None:
@@ -147,21 +165,7 @@ def entries(value: Any, prefix: str = "") -> Iterator[Entry]:
         if isinstance(item, tuple) and hasattr(item, "_fields"):
             yield from entries(item, f"{key}.")
             continue
-        hint = sheet.get(name)
-        found: dict[str, Any] = {}
-        for extra in typing.get_args(hint)[1:] if typing.get_origin(hint) is typing.Annotated else ():
-            for part in extra if isinstance(extra, Interval) else (extra,):
-                if isinstance(part, Unit):
-                    found["unit"] = part.unit
-                elif isinstance(part, Doc):
-                    found["doc"] = part.text
-                elif isinstance(part, Ge | Gt):
-                    found["above"] = float(part.ge if isinstance(part, Ge) else part.gt)  # type: ignore[arg-type]
-                    found["above_open"] = isinstance(part, Gt)
-                elif isinstance(part, Le | Lt):
-                    found["below"] = float(part.le if isinstance(part, Le) else part.lt)  # type: ignore[arg-type]
-                    found["below_open"] = isinstance(part, Lt)
-        yield Entry(key, leaf_type(hint, item), item, **found)
+        yield entry_of(key, sheet.get(name), item)
 
 
 def checked_replace(value: Any, changes: Mapping[str, Any], where: str) -> Any:

@@ -1,0 +1,56 @@
+"""The target ``c99``: sources, an example, and a program that checks them by the golden vectors."""
+
+from __future__ import annotations
+
+from leadscrew.export.core import Core
+from leadscrew.export.machine import LICENCE
+from leadscrew.export.templates import render
+
+FLAGS = ("-std=c99", "-Wall", "-Wextra", "-pedantic", "-Werror", "-ffp-contract=off")
+"""How every exported C file must compile. Contraction off: a fused multiply-add would change the results."""
+
+
+def check_program(core: Core) -> str:
+    """``check.c``."""
+    return render(
+        "c99_check.c.j2", n=core.name, real=core.real, inputs=core.inputs, outputs=core.outputs, licence=LICENCE,
+        cast="(float)" if core.real == "float" else "",
+    )  # fmt: skip
+
+
+def files(core: Core) -> dict[str, str]:
+    """The files of the target, besides the core's own."""
+    example = core.knobs[0].places[0] if core.knobs else "period"
+    unit = f" {core.outputs[0].unit}" if core.outputs[0].unit not in ("", "1") else ""
+    main = render(
+        "c99_main.c.j2", n=core.name, core=core, real=core.real, period=repr(core.period), example=example, unit=unit
+    )
+    return {"check.c": check_program(core), "main.c": main}
+
+
+def readme(core: Core) -> str:
+    """The part of the README that is about C."""
+    n = core.name
+    return f"""\
+## Calling it from C
+
+```c
+#include "{n}_machine.h"
+
+{n}_machine m;
+{n}_machine_init(&m);            /* once */
+{n}_machine_step(&m, enable, 0, {", ".join(i.name for i in core.inputs)});   /* every {core.period!r} s */
+use(m.{core.outputs[0].name});
+```
+
+`{n}_step()` in `{n}.h` is the controller alone, in its own signs, without limits and faults.
+Numbers are `{core.real}`. No memory is allocated and there are no globals: every instance has its own struct.
+
+Compile with `{" ".join(FLAGS[:1])} {FLAGS[-1]}` (contraction off, or results may change), and never with
+`-ffast-math`. The only library functions used are in `math.h` (`-lm`), all of them exact.
+
+    cc {" ".join(FLAGS)} -O2 -o check check.c {n}.c -lm && ./check
+    cc {" ".join(FLAGS)} -O2 -o example main.c {n}.c {n}_machine.c -lm && ./example
+
+`check` replays `golden.csv` and exits with 0 only if every output is identical.
+"""

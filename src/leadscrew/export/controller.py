@@ -1,0 +1,251 @@
+"""From a loop to an exported controller: its C, its ports and knobs, and a recorded run in the loop to check it by."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from leadscrew.export.core import Core, Limits, Port, Record
+from leadscrew.export.knobs import knobs_of
+from leadscrew.export.machine import LICENCE, machine_files
+from leadscrew.export.source import Source
+from leadscrew.kernel.block import DRIVES, Block
+from leadscrew.kernel.c99.names import is_identifier
+from leadscrew.kernel.errors import BlockError, ValueRefused
+from leadscrew.kernel.frame import pairs
+from leadscrew.kernel.layout import numbers_of
+from leadscrew.kernel.sheet import entries
+
+if TYPE_CHECKING:
+    from leadscrew.kernel.loop import Loop
+
+REALS = ("double", "float")
+ROLES = {"velocity": "command-deriv", "acceleration": "command-accel"}
+LONGEST_NAME = 25
+"""LinuxCNC has 47 characters for a name like ``NAME.0.max-following-error``."""
+
+
+def checked_name(name: str) -> str:
+    """A name for the exported files.
+
+    Raises:
+        ValueRefused: not an identifier of C, a keyword, or too long.
+    """
+    hint = f"choose another, for example --name {name}_controller"
+    if not name.isidentifier() or not name.isascii() or name.startswith("_"):
+        raise ValueRefused(f"name = {name!r}: allowed are letters, digits and underscores, a letter first")
+    if not is_identifier(name):
+        raise ValueRefused(f"name = {name!r} is a word of the C language or its library; {hint}")
+    if len(name) > LONGEST_NAME:
+        raise ValueRefused(
+            f"name = {name!r} has {len(name)} characters; at most {LONGEST_NAME} are allowed: use --name"
+        )
+    return name
+
+
+def drive_of(block: Block, wanted: str | None) -> str:
+    """What the controller's output commands.
+
+    Raises:
+        ValueRefused: the machine's drive is another, or none of the known ones.
+    """
+    if wanted is None:
+        return block.drive
+    if wanted not in DRIVES:
+        raise ValueRefused(f"drive = {wanted!r}: there are {', '.join(DRIVES)}")
+    if block.drive and block.drive != wanted:
+        raise ValueRefused(
+            f"drive = {wanted!r}: {block.name} commands {block.drive} (full scale {block.full_scale:g} {block.unit}); "
+            "choose a controller made for this drive, or put an amplifier's model between"
+        )
+    return wanted
+
+
+def _role(key: str, first: dict[str, str]) -> str:
+    if key in first:
+        return first[key]
+    signal, *rest = key.split(".")
+    return ROLES.get(rest[-1], "other") if rest and signal == "command" else "other"
+
+
+def _unit(loop: Loop, block: Block, role: str) -> str:
+    plant = loop.blocks["plant"]
+    base = plant.unit if plant is not None else ""
+    if role == "output":
+        return block.unit
+    return {"command-deriv": f"{base}/s", "command-accel": f"{base}/s^2"}.get(role, base) if base else ""
+
+
+DOCS = {
+    "command": "where the axis is to be", "feedback": "where the axis is, as measured",
+    "command-deriv": "time derivative of the command", "command-accel": "second time derivative of the command",
+    "output": "to the drive",
+}  # fmt: skip
+
+
+def ports(loop: Loop, block: Block, source: Source) -> tuple[tuple[Port, ...], tuple[Port, ...]]:
+    """Inputs and outputs of a controller in a loop."""
+    pair = pairs(source.tree("command"), source.tree("feedback"))[0]
+    first = {
+        f"command.{pair.command}".rstrip("."): "command",
+        f"feedback.{pair.other}".rstrip("."): "feedback",
+    }
+
+    def port(argument: Any, role: str) -> Port:
+        return Port(argument.key, argument.name, role, _unit(loop, block, role), DOCS.get(role, argument.key))
+
+    inputs = tuple(port(a, _role(a.key, first)) for a in source.inputs)
+    return inputs, tuple(port(o, "output") for o in source.outputs)
+
+
+def rounded_up(value: float) -> float:
+    """A positive number rounded up to two digits."""
+    if value <= 0.0:
+        return 0.0
+    scale = 10.0 ** (math.floor(math.log10(value)) - 1)
+    return float(f"{math.ceil(value / scale) * scale:.6g}")
+
+
+def limits_of(core: Core, record: Record) -> Limits:
+    """Limits for the machine: full scale, twice the record's following error, and its way against the output.
+
+    The way against the output is what the machine layer counts: how far the feedback goes against an output that
+    should close the error, without slowing down. Allowed is twice what the record has, and a twentieth of its
+    following error more.
+    """
+    at = {p.role: i for i, p in enumerate(core.inputs)}
+    command, feedback = record.inputs[:, at["command"]], record.inputs[:, at["feedback"]]
+    error = command - feedback
+    output = record.outputs[:, 0] * core.sense
+    worst = way = last = 0.0
+    for k in range(1, len(error)):
+        move = feedback[k] - feedback[k - 1]
+        if move != 0:
+            closing = output[k - 1] != 0 and (output[k - 1] > 0) == (error[k] > 0)
+            if not closing or (move > 0) == (error[k] > 0):
+                way = 0.0
+            elif abs(move) >= abs(last):
+                way += abs(move)
+            worst = max(worst, way)
+        last = move
+    largest = float(np.max(np.abs(error), initial=0.0))
+    return Limits(core.full_scale, rounded_up(2.0 * largest), rounded_up(2.0 * worst + 0.05 * largest))
+
+
+def recorded(loop: Loop, source: Source, duration: float) -> Record:
+    """A run of the loop: what its controller took and gave in every period.
+
+    Raises:
+        ValueRefused: the loop diverges, so that there is nothing to check an export by.
+    """
+    import warnings
+
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        run = loop.run(duration, record=("command", "feedback", "output"), every=1)
+    if run.diverged is not None:
+        raise ValueRefused(f"{loop.name} {run.diverged}; an export is checked by a run of its loop, which must hold")
+    inputs = np.column_stack([run.signals[a.key] for a in source.inputs])
+    outputs = np.column_stack([run.signals[o.key] for o in source.outputs])
+    return Record(inputs, outputs)
+
+
+def _depends_on_period(block: Block, period: float) -> bool:
+    if block.prepare is None:
+        return False
+    both = [list(numbers_of(block.prepare(block.params, dt))) for dt in (period, 1.01 * period)]
+    return both[0] != both[1]
+
+
+def export_controller(
+    loop: Loop, duration: float, *, name: str, title: str, real: str = "double", drive: str | None = None
+) -> tuple[Core, Record]:
+    """The controller of a loop as C99, and a run of the loop by which every target is checked.
+
+    Args:
+        loop: the closed loop; its controller is exported with the parameters that it has there.
+        duration: seconds of the run that becomes the golden vectors.
+        name: stem of the C names, an identifier.
+        title: how the controller is called in texts.
+        real: ``double`` or ``float``.
+        drive: what the machine's drive takes; refused where the controller commands something else.
+
+    Raises:
+        SubsetError: a construct that cannot be translated, by file and line.
+        ValueRefused: a bad name, drive or number type; a loop that diverges.
+        BlockError: a loop without a control period.
+    """
+    block = loop.blocks["controller"]
+    assert block is not None
+    if real not in REALS:
+        raise ValueRefused(f"real = {real!r}: there are {', '.join(REALS)}")
+    if loop.continuous or block.continuous:
+        raise BlockError(f"{block.name}: a continuous loop (period=None) has no control period to run on a machine")
+    checked_name(name)
+    drive = drive_of(block, drive)
+    prepared = None if block.params is None else loop.prepared(block, "controller")
+    state = None if block.state is None else loop.start_state(block)
+    head = f"/* {title}, exported by Leadscrew from {block.name}.\n{LICENCE} */\n"
+    source = Source(block, prepared, state, loop.signals, name=name, period=loop.period, real=real, head=head)
+    files = source.files()
+    inputs, outputs = ports(loop, block, source)
+    knobs, baked = knobs_of(block, prepared, loop.period)
+    record = recorded(loop, source, duration)
+    double = record
+    if real == "float":
+        from leadscrew.export.single import replay
+
+        held = record.inputs.astype(np.float32).astype(np.float64)
+        record = Record(held, replay(source, held))
+    core = Core(
+        name=name, title=title, doc=block.doc, real=real, period=loop.period, inputs=inputs, outputs=outputs,
+        knobs=knobs, baked=baked, limits=Limits(), sense=block.sense, drive=drive, full_scale=block.full_scale,
+        bumpless=block.align is not None, files=files,
+    )  # fmt: skip
+    core = replace(core, limits=limits_of(core, record))
+    core = replace(core, files={**files, **machine_files(core)})
+    return replace(core, manifest=manifest(core, loop, source, record, double)), record
+
+
+def manifest(core: Core, loop: Loop, source: Source, record: Record, double: Record) -> dict[str, Any]:
+    """What every exported folder says of itself, in ``manifest.json``."""
+    from leadscrew import __version__
+
+    block = loop.blocks["controller"]
+    assert block is not None
+    found: dict[str, Any] = {
+        "schema_version": 1,
+        "leadscrew": __version__,
+        "name": core.name,
+        "title": core.title,
+        "block": block.name,
+        "loop": loop.name,
+        "origin": loop.origin,
+        "period_s": core.period,
+        "real": core.real,
+        "drive": core.drive,
+        "full_scale": core.full_scale,
+        "unit": block.unit,
+        "sense": core.sense,
+        "bumpless": core.bumpless,
+        "rediscretisable": not _depends_on_period(block, core.period),
+        "inputs": [vars(p) for p in core.inputs],
+        "outputs": [vars(p) for p in core.outputs],
+        "parameters": {e.key: e.default for e in entries(block.params)} if block.params is not None else {},
+        "knobs": [vars(k) for k in core.knobs],
+        "baked": list(core.baked),
+        "limits": vars(core.limits),
+        "source_hash": source.module.identity(),
+        "seed": loop.seed,
+        "cycles": len(record.outputs),
+    }
+    if core.real == "float":
+        found["single_precision"] = {
+            "largest_difference_to_double": float(np.max(np.abs(record.outputs - double.outputs), initial=0.0)),
+            "unit": block.unit,
+            "said": "same inputs, output in single precision against output in double precision",
+        }
+    return found

@@ -1,0 +1,216 @@
+"""LinuxCNC: the controller as a HAL component in place of ``pid``, with an example and a demonstration."""
+
+from __future__ import annotations
+
+import math
+import unicodedata
+from dataclasses import dataclass
+from typing import Any
+
+from leadscrew.export import hal_names
+from leadscrew.export.core import Core, Knob, Port
+from leadscrew.export.machine import LICENCE, number
+from leadscrew.export.templates import render
+
+S32 = (-(2**31), 2**31 - 1)
+LENGTHS = {"mm": 1.0, "um": 1000.0, "m": 0.001}
+"""How many of a unit make a millimetre."""
+
+
+@dataclass(frozen=True)
+class Pin:
+    """An input or output as a HAL pin."""
+
+    hal: str
+    """Name in HAL."""
+    c: str
+    """Name in the component's C."""
+    name: str
+    """C identifier in the machine layer."""
+    unit: str
+    doc: str
+    about: str
+    """What it is, with its unit."""
+
+
+@dataclass(frozen=True)
+class Setting:
+    """A number that can be set in HAL: a knob or a limit."""
+
+    hal: str
+    c: str
+    hal_type: str
+    start: str
+    """Its value as exported, for halcompile."""
+    unit: str
+    doc: str
+    about: str
+    """What it is, with its unit and range."""
+    range: str
+    held_type: str
+    wanted: str
+    """C that reads it, in the type it is held in."""
+    outside: str
+    """C that tells whether it is out of range."""
+    places: tuple[str, ...]
+    """Where it goes, below the machine."""
+
+
+def files(core: Core) -> dict[str, str]:
+    """The component, its header, an example of use and a demonstration that runs without hardware.
+
+    Raises:
+        ValueRefused: a name is too long for HAL.
+    """
+    view = _view(core)
+    hal_names.fit(core.name, [p.hal for p in (*view["inputs"], *view["outputs"], *view["settings"])])
+    hal_names.fit(core.name, hal_names.FIXED)
+    n = core.name
+    return {
+        f"{n}.comp": render("hal_comp.j2", **view),
+        f"{n}_hal.h": render("hal_header.j2", **view),
+        f"{n}_example.hal": render("hal_example.j2", **view),
+        f"{n}_sim.hal": render("hal_sim.j2", **view),
+    }
+
+
+def readme(core: Core) -> str:
+    """The LinuxCNC section of the README, as Markdown."""
+    return render("hal_readme.j2", **_view(core))
+
+
+def _view(core: Core) -> dict[str, Any]:
+    """What the templates are filled in with."""
+    inputs, outputs = _pins(core.inputs), _pins(core.outputs)
+    taken = [p.hal for p in (*inputs, *outputs)]
+    names = hal_names.parameters([k.name for k in core.knobs], taken)
+    knobs = [_knob(core, k, name) for k, name in zip(core.knobs, names, strict=True)]
+    derived = [p for p in inputs if p.hal in ("command-deriv", "command-accel")]
+    return {
+        "core": core,
+        "n": core.name,
+        "comp": hal_names.component(core.name),
+        "licence": LICENCE,
+        "inputs": inputs,
+        "outputs": outputs,
+        "derived": derived,
+        "derived_names": [p.hal for p in derived],
+        "knobs": knobs,
+        "settings": [*_limits(core), *knobs],
+        "limits": core.limits,
+        "rediscretisable": bool(core.manifest.get("rediscretisable")),
+        "design": repr(float(core.period)),
+        "nanoseconds": round(core.period * 1e9),
+        "text": _text,
+        "unit": lambda port: f", {_unit(port.unit)}" if _unit(port.unit) else "",
+        "sim": _demonstration(core),
+        "per_mm": LENGTHS.get(_text(core.inputs[0].unit), 1.0),
+    }
+
+
+def _text(text: str) -> str:
+    """A text that halcompile can read between double quotes."""
+    plain = text.replace("µ", "u").replace("μ", "u").replace('"', "'").replace("\\", "/")
+    return " ".join(unicodedata.normalize("NFKD", plain).encode("ascii", "replace").decode().split())
+
+
+def _unit(unit: str) -> str:
+    """A unit as text, empty for a pure number."""
+    return "" if unit == "1" else _text(unit)
+
+
+def _about(doc: str, unit: str, interval: str = "") -> str:
+    """What a number is, in one line."""
+    return ", ".join(p for p in (_text(doc), _unit(unit), interval and f"in {interval}") if p)
+
+
+def _pins(ports: tuple[Port, ...]) -> list[Pin]:
+    names = hal_names.pins((p.name, p.role) for p in ports)
+    return [
+        Pin(hal, hal.replace("-", "_"), p.name, _unit(p.unit), _text(p.doc or p.key), _about(p.doc or p.key, p.unit))
+        for hal, p in zip(names, ports, strict=True)
+    ]
+
+
+def _limits(core: Core) -> list[Setting]:
+    """The limits that the machine layer watches: numbers from 0, which means none."""
+    unit, way = core.outputs[0].unit, core.inputs[0].unit
+    rows = [
+        ("maxoutput", "*inst->maxoutput", "max_output", core.limits.max_output, unit, "largest size of an output"),
+        ("max-following-error", None, "max_error", core.limits.max_error, way, "fault above this size of error"),
+        (
+            "max-wrong-way",
+            None,
+            "max_wrong_way",
+            core.limits.max_wrong_way,
+            way,
+            "fault after this way against the output",
+        ),
+    ]
+    return [
+        _setting(core, Knob(hal, hal, "float", value, (), unit, doc, 0.0, math.inf, "[0, inf)"), hal, (place,), source)
+        for hal, source, place, value, unit, doc in rows
+    ]
+
+
+def _knob(core: Core, knob: Knob, hal: str) -> Setting:
+    return _setting(core, knob, hal, tuple(f"params.{p}" for p in knob.places))
+
+
+def _setting(core: Core, knob: Knob, hal: str, places: tuple[str, ...], source: str | None = None) -> Setting:
+    c = hal.replace("-", "_")
+    hal_type = {"float": "float", "int": "s32", "bool": "bit"}[knob.kind]
+    held = {"float": core.real, "int": "int", "bool": "int"}[knob.kind]
+    read = source or f"inst->{c}"
+    start = repr(float(knob.value)) if knob.kind == "float" else str(int(knob.value))
+    wanted = f"{read} != 0" if knob.kind == "bool" else f"({held}){read}"
+    interval = "" if knob.kind == "bool" else _interval(knob)
+    doc, unit = _text(knob.doc or knob.key), _unit(knob.unit)
+    about = _about(doc, unit, interval)
+    outside = _outside(core, knob)
+    return Setting(hal, c, hal_type, start, unit, doc, about, interval, held, wanted, outside, places)
+
+
+def _interval(knob: Knob) -> str:
+    if knob.range:
+        return _text(knob.range)
+    left = "(" if math.isinf(knob.low) else "["
+    right = ")" if math.isinf(knob.high) else "]"
+    return f"{left}{knob.low:g}, {knob.high:g}{right}"
+
+
+def _outside(core: Core, knob: Knob) -> str:
+    """C that is true for a value out of the knob's range, or not finite."""
+    if knob.kind == "bool":
+        return "0"
+    if knob.kind == "int":
+        low, high = max(knob.low, S32[0]), min(knob.high, S32[1])
+        bounds = [f"wanted < {int(low)}"] if low > S32[0] else []
+        bounds += [f"wanted > {int(high)}"] if high < S32[1] else []
+        return " || ".join(bounds) or "0"
+    largest = "FLT_MAX" if core.real == "float" else "DBL_MAX"
+    above = ">" if knob.range.startswith("(") and math.isfinite(knob.low) else ">="
+    below = "<" if knob.range.endswith(")") and math.isfinite(knob.high) else "<="
+    low_text = number(knob.low, core.real) if math.isfinite(knob.low) else f"-{largest}"
+    high_text = number(knob.high, core.real) if math.isfinite(knob.high) else largest
+    return f"!(wanted {above} {low_text} && wanted {below} {high_text})"
+
+
+def _demonstration(core: Core) -> dict[str, Any]:
+    """Size and speed of the demonstration's plant, none of any machine: full drive makes 100 or 200 mm/s."""
+    unit = LENGTHS.get(_text(core.inputs[0].unit), 1.0)
+    full = core.full_scale or core.limits.max_output or 1.0
+    amplitude = 10.0 * unit
+    if core.limits.max_error > 0:
+        amplitude = min(amplitude, core.limits.max_error / 4)
+    kind = {"torque": "torque", "force": "torque", "position": "position"}.get(core.drive, "speed")
+    at_full = {"speed": 100.0, "torque": 200.0, "position": 1.0}[kind] * unit
+    return {
+        "kind": kind,
+        "gain": 1.0 if kind == "position" else at_full / full,
+        "full": full,
+        "amplitude": amplitude,
+        "frequency": 0.2,
+        "lag": min(1.0, core.period / {"speed": 1.0, "torque": 0.1, "position": 0.02}[kind]),
+        "seconds": max(4, math.ceil(200 * core.period)),
+    }

@@ -1,0 +1,352 @@
+"""Expressions of the step subset as C, each with its type: the arithmetic of IEEE-754 and of Python, nothing fused."""
+
+from __future__ import annotations
+
+import ast
+import math
+from typing import TYPE_CHECKING, NamedTuple, NoReturn
+
+import numpy as np
+
+from leadscrew.kernel.c99.types import BOOL, DOUBLE, FLOAT, INT, Array, Number, Pair, Struct, Type, joined, sizes_of
+from leadscrew.kernel.errors import SubsetError
+
+if TYPE_CHECKING:
+    from leadscrew.kernel.c99.translation import Translation
+
+PRIMARY, UNARY, PRODUCT, SUM, RELATION, EQUALITY, BITS, AND, OR, CHOICE = 10, 9, 8, 7, 6, 5, 4, 3, 2, 1
+
+
+class Value(NamedTuple):
+    """An expression in C: its text, its type, how tightly it binds, and its number where it is one."""
+
+    text: str
+    type: Type
+    level: int = PRIMARY
+    literal: float | int | None = None
+
+
+class Unknown(Exception):
+    """The type of a local that is not known yet."""
+
+
+class Expressions:
+    """Prints expressions of one function; ``types`` are those of its locals, ``real`` is what a float is here."""
+
+    unit: Translation
+    node: ast.FunctionDef
+    real: Number
+    types: dict[str, Type]
+    names: dict[str, str]
+    place: str
+
+    def refuse(self, node: ast.AST, what: str) -> NoReturn:
+        """Says what cannot be printed, and where it was written."""
+        line = getattr(node, "lineno", 0)
+        at = f"{self.place}:{line}" if line > 1 else self.place
+        raise SubsetError(f"{at}: in {self.node.name!r}: {what} cannot be translated to C: {ast.unparse(node)[:100]}")
+
+    def hoisted(self, value: Value) -> Value:
+        """A call's value; kept in a local where the order of effects matters."""
+        return value
+
+    # ---- printing
+    @staticmethod
+    def inside(value: Value, level: int) -> str:
+        """The text of an operand, in brackets where it binds less tightly than ``level``."""
+        return value.text if value.level >= level else f"({value.text})"
+
+    def number(self, value: float | int | bool, kind: Number) -> Value:
+        """A literal."""
+        if kind is BOOL:
+            return Value("true" if value else "false", BOOL, PRIMARY, int(value))
+        if kind is INT:
+            text = str(int(value)) if abs(int(value)) < 2**31 else f"INT64_C({int(value)})"
+            return Value(text, INT, PRIMARY if value >= 0 else UNARY, int(value))
+        value = float(np.float32(value)) if kind is FLOAT else float(value)
+        if not math.isfinite(value):
+            self.unit.include("math.h")
+            sign = "-" if value < 0 else ""
+            return Value(f"{sign}{'NAN' if math.isnan(value) else 'INFINITY'}", kind, UNARY if sign else PRIMARY)
+        text = f"{np.float32(value)!s}f" if kind is FLOAT else repr(value)
+        return Value(text, kind, PRIMARY if text[0] != "-" else UNARY, value)
+
+    def cast(self, value: Value, kind: Type) -> Value:
+        """A number as another type, where C would not do it by itself; a literal is written anew."""
+        if value.type == kind or not isinstance(kind, Number) or not isinstance(value.type, Number):
+            return value
+        if kind is BOOL:
+            return self.truth(value)
+        if value.literal is not None and kind.rank > INT.rank:
+            return self.number(value.literal, kind)
+        return Value(f"({kind.c}){self.inside(value, UNARY)}", kind, UNARY)
+
+    def truth(self, value: Value) -> Value:
+        """Whether a number is not zero; NaN is true, as in Python."""
+        if value.type is BOOL:
+            return value
+        return Value(f"{self.inside(value, RELATION)} != 0", BOOL, EQUALITY)
+
+    def met(self, a: Value, b: Value, least: Number = INT) -> tuple[Value, Value, Number]:
+        """Two numbers and the type in which they meet; a literal is written in it."""
+        kind = joined(a.type, b.type)
+        if not isinstance(kind, Number):
+            raise Unknown
+        kind = kind if kind.rank >= least.rank else least
+        a, b = (self.number(v.literal, kind) if v.literal is not None and v.type is not BOOL else v for v in (a, b))
+        return a, b, kind
+
+    # ---- dispatch
+    def value(self, node: ast.expr) -> Value:
+        """An expression."""
+        method = getattr(self, f"on_{type(node).__name__.lower()}", None)
+        if method is None:
+            self.refuse(node, "this expression")
+        found: Value = method(node)
+        return found
+
+    def on_constant(self, node: ast.Constant) -> Value:
+        v = node.value
+        if isinstance(v, bool):
+            return self.number(v, BOOL)
+        if isinstance(v, int):
+            return self.number(v, INT)
+        return self.number(float(v), self.real)  # type: ignore[arg-type]
+
+    def on_name(self, node: ast.Name) -> Value:
+        if node.id in self.names:
+            if node.id not in self.types:
+                raise Unknown
+            return Value(self.names[node.id], self.types[node.id])
+        return self.unit.table(node.id)
+
+    def on_attribute(self, node: ast.Attribute) -> Value:
+        text = ast.unparse(node)
+        if text in ("np.nan", "np.inf"):
+            return self.number(math.nan if text == "np.nan" else math.inf, self.real)
+        base = self.value(node.value)
+        if not isinstance(base.type, Struct):
+            self.refuse(node, "a field of what is not a NamedTuple")
+        field = self.unit.field(base.type, node.attr)
+        return Value(f"{self.inside(base, PRIMARY)}.{field}", base.type.field(node.attr))
+
+    # ---- arrays
+    def on_subscript(self, node: ast.Subscript) -> Value:
+        inner = node.value
+        if isinstance(inner, ast.Attribute) and inner.attr == "shape":
+            array = self.value(inner.value)
+            at = self.value(node.slice).literal
+            if not isinstance(array.type, Array) or at is None:
+                self.refuse(node, "this size")
+            size = array.type.shape[int(at)]
+            return self.number(size, INT) if isinstance(size, int) else Value(size, INT)
+        array = self.value(inner)
+        if not isinstance(array.type, Array):
+            self.refuse(node, "an element of what is not an array")
+        base = self.inside(array, PRIMARY)
+        if isinstance(node.slice, ast.Slice):
+            assert node.slice.lower is not None and node.slice.upper is not None
+            low, high = (self.value(x).literal for x in (node.slice.lower, node.slice.upper))
+            assert low is not None and high is not None
+            text = base if low == 0 else f"{base} + {low}"
+            return Value(text, Array(array.type.element, (int(high - low),), array.type.const), SUM)
+        indices = node.slice.elts if isinstance(node.slice, ast.Tuple) else [node.slice]
+        shape = array.type.shape
+        offset = self.value(indices[0])
+        for size, index in zip(shape[1:], indices[1:], strict=False):
+            scaled = self.by(offset, size)
+            more = self.value(index)
+            offset = Value(f"{scaled.text} + {self.inside(more, PRODUCT)}", INT, SUM)
+        rest = shape[len(indices) :]
+        if rest:
+            for size in rest:
+                offset = self.by(offset, size)
+            return Value(f"{base} + {offset.text}", Array(array.type.element, rest, array.type.const), SUM)
+        return self.hoisted(Value(f"{base}[{offset.text}]", array.type.element))
+
+    def by(self, offset: Value, size: int | str) -> Value:
+        """An offset times a size."""
+        if offset.literal is not None and isinstance(size, int):
+            return self.number(int(offset.literal) * size, INT)
+        return Value(f"{self.inside(offset, PRODUCT)} * {size}", INT, PRODUCT)
+
+    # ---- operators
+    def on_unaryop(self, node: ast.UnaryOp) -> Value:
+        value = self.value(node.operand)
+        if isinstance(node.op, ast.Not):
+            return Value(f"!{self.inside(self.truth(value), UNARY)}", BOOL, UNARY)
+        if not isinstance(value.type, Number):
+            self.refuse(node, "this operator")
+        kind = value.type if value.type.rank >= INT.rank else INT
+        if isinstance(node.op, ast.UAdd):
+            return value
+        if isinstance(node.op, ast.USub) and value.literal is not None:
+            return self.number(-value.literal, kind) if value.literal else Value(f"-{value.text}", kind, UNARY)
+        sign = "~" if isinstance(node.op, ast.Invert) else "-"
+        return Value(f"{sign}{self.inside(value, PRIMARY)}", kind, UNARY)
+
+    def on_boolop(self, node: ast.BoolOp) -> Value:
+        sign, level = ("&&", AND) if isinstance(node.op, ast.And) else ("||", OR)
+        parts = [self.inside(self.truth(self.value(v)), EQUALITY) for v in node.values]
+        return Value(f" {sign} ".join(parts), BOOL, level)
+
+    def on_compare(self, node: ast.Compare) -> Value:
+        signs = {ast.Lt: "<", ast.LtE: "<=", ast.Gt: ">", ast.GtE: ">=", ast.Eq: "==", ast.NotEq: "!="}
+        ends = [self.value(x) for x in (node.left, *node.comparators)]
+        parts = []
+        for i, op in enumerate(node.ops):
+            a, b, kind = self.met(ends[i], ends[i + 1])
+            if a.text == b.text and len(node.ops) == 1:
+                return self.with_itself(a, op, kind)
+            parts.append(f"{self.inside(a, SUM)} {signs[type(op)]} {self.inside(b, SUM)}")
+        order = isinstance(node.ops[0], ast.Lt | ast.LtE | ast.Gt | ast.GtE)
+        level = AND if len(parts) > 1 else RELATION if order else EQUALITY
+        return Value(" && ".join(parts), BOOL, level)
+
+    def with_itself(self, value: Value, op: ast.cmpop, kind: Number) -> Value:
+        """A number compared with itself: what Python code asks NaN by, and C compilers warn of."""
+        equal = isinstance(op, ast.Eq | ast.LtE | ast.GtE)
+        if kind is INT or isinstance(op, ast.Lt | ast.Gt):
+            return self.number(equal and kind is INT, BOOL)
+        self.unit.include("math.h")
+        return Value(f"{'!' if equal else ''}isnan({value.text})", BOOL, UNARY if equal else PRIMARY)
+
+    def on_ifexp(self, node: ast.IfExp) -> Value:
+        return self.choice(self.truth(self.value(node.test)), self.value(node.body), self.value(node.orelse), node)
+
+    def choice(self, test: Value, a: Value, b: Value, node: ast.expr) -> Value:
+        """``test ? a : b``."""
+        kind = joined(a.type, b.type)
+        if kind is None:
+            self.refuse(node, "a choice between values of two types")
+        if isinstance(kind, Number) and kind is not BOOL:
+            a, b, _ = self.met(a, b, kind)
+        text = f"{self.inside(test, AND)} ? {self.inside(a, OR)} : {self.inside(b, CHOICE)}"
+        return Value(text, kind, CHOICE)
+
+    def on_binop(self, node: ast.BinOp) -> Value:
+        left, right = self.value(node.left), self.value(node.right)
+        op = type(node.op)
+        if not (isinstance(left.type, Number) and isinstance(right.type, Number)):
+            self.refuse(node, "arithmetic of whole arrays or NamedTuples")
+        if op in (ast.BitAnd, ast.BitOr, ast.BitXor):
+            kind = BOOL if left.type is BOOL and right.type is BOOL else INT
+            sign = {ast.BitAnd: "&", ast.BitOr: "|", ast.BitXor: "^"}[op]
+            return Value(f"{self.inside(left, UNARY)} {sign} {self.inside(right, UNARY)}", kind, BITS)
+        if op is ast.LShift:
+            self.unit.help("shift_left")
+            return Value(f"shift_left({left.text}, {right.text})", INT)
+        if op is ast.RShift:
+            return Value(f"{self.inside(left, UNARY)} >> {self.inside(right, UNARY)}", INT, BITS)
+        if op is ast.Div:
+            a, b, kind = self.met(left, right, self.real)
+            if a.type.rank < self.real.rank and b.type.rank < self.real.rank:  # type: ignore[union-attr]
+                a = self.cast(a, self.real)
+            return Value(f"{self.inside(a, PRODUCT)} / {self.inside(b, UNARY)}", kind, PRODUCT)
+        a, b, kind = self.met(left, right)
+        if kind is INT and a.literal is not None and b.literal is not None and op in (ast.Add, ast.Sub, ast.Mult):
+            folded = {ast.Add: int.__add__, ast.Sub: int.__sub__, ast.Mult: int.__mul__}[op]
+            return self.number(folded(int(a.literal), int(b.literal)), INT)
+        if op in (ast.Mod, ast.FloorDiv):
+            name = f"{'int' if kind is INT else 'float'}_{'mod' if op is ast.Mod else 'floordiv'}"
+            self.unit.help(name)
+            return Value(f"{name}({a.text}, {b.text})", kind)
+        if op is ast.Mult:
+            return Value(f"{self.inside(a, PRODUCT)} * {self.inside(b, UNARY)}", kind, PRODUCT)
+        if op not in (ast.Add, ast.Sub):
+            self.refuse(node, "this operator")
+        return Value(f"{self.inside(a, SUM)} {'+' if op is ast.Add else '-'} {self.inside(b, PRODUCT)}", kind, SUM)
+
+    # ---- tuples and calls
+    def on_tuple(self, node: ast.Tuple) -> Value:
+        parts = [self.value(e) for e in node.elts]
+        kind = Pair(tuple(p.type for p in parts))
+        return self.packed(parts, kind)
+
+    def packed(self, parts: list[Value], kind: Pair) -> Value:
+        """A tuple of values."""
+        return Value(f"({self.unit.name_of(kind)}){{{', '.join(p.text for p in parts)}}}", kind)
+
+    def on_call(self, node: ast.Call) -> Value:
+        name = ast.unparse(node.func)
+        intrinsic = getattr(self, f"call_{name.replace('.', '_')}", None)
+        if intrinsic is not None:
+            found: Value = intrinsic(node)
+            return found
+        if name.endswith(".reshape") and isinstance(node.func, ast.Attribute):
+            array = self.value(node.func.value)
+            assert isinstance(array.type, Array)
+            sizes = tuple(self.value(a).literal for a in node.args)
+            return array._replace(type=Array(array.type.element, sizes, array.type.const))  # type: ignore[arg-type]
+        if self.unit.is_class(name):
+            return self.built(name, [self.value(self.uncast(a)) for a in node.args])
+        return self.hoisted(self.called(node, name, [self.value(a) for a in node.args]))
+
+    @staticmethod
+    def uncast(node: ast.expr) -> ast.expr:
+        """What a field is set to, without the ``1.0 *`` that makes it a float in Python: in C the field does that."""
+        if isinstance(node, ast.BinOp) and isinstance(node.op, ast.Mult) and isinstance(node.left, ast.Constant):
+            return node.right if isinstance(node.left.value, float) and node.left.value == 1.0 else node
+        return node
+
+    def built(self, name: str, parts: list[Value]) -> Value:
+        """A NamedTuple from all its fields."""
+        kind = self.unit.struct_of(name, [p.type for p in parts])
+        pairs = zip(kind.fields, parts, strict=True)
+        inits = [f".{self.unit.field(kind, f)} = {self.assigned(v, t)}" for (f, t), v in pairs]
+        return Value(f"({self.unit.name_of(kind)}){{{', '.join(inits)}}}", kind)
+
+    def assigned(self, value: Value, kind: Type) -> str:
+        """The text of a value where a value of a type is wanted."""
+        if isinstance(kind, Number) and value.literal is not None and value.type is not BOOL:
+            return self.number(value.literal, kind).text if kind is not BOOL else self.truth(value).text
+        return self.truth(value).text if kind is BOOL else value.text
+
+    def called(self, node: ast.Call, name: str, args: list[Value]) -> Value:
+        """A call of another function of the module."""
+        made = self.unit.function(name, [a.type for a in args], self, node)
+        pairs = zip(args, made.arguments, strict=True)
+        given = [[self.assigned(a, t), *sizes_of(a.type)] for a, t in pairs]
+        found = Value(f"{made.name}({', '.join(x for group in given for x in group)})", made.result)
+        return self.cast(found, self.real) if made.result is DOUBLE else found
+
+    def call_len(self, node: ast.Call) -> Value:
+        array = self.value(node.args[0])
+        if not isinstance(array.type, Array):
+            self.refuse(node, "the length of what is not an array")
+        size = array.type.shape[0]
+        return self.number(size, INT) if isinstance(size, int) else Value(size, INT)
+
+    def call_ieee_select(self, node: ast.Call) -> Value:
+        test, a, b = (self.value(x) for x in node.args)
+        return self.choice(self.truth(test), a, b, node)
+
+    def call_abs(self, node: ast.Call) -> Value:
+        value = self.value(node.args[0])
+        if value.type in (INT, BOOL):
+            self.unit.help("int_abs")
+            return Value(f"int_abs({value.text})", INT)
+        self.unit.include("math.h")
+        return Value(f"{'fabsf' if value.type is FLOAT else 'fabs'}({value.text})", value.type)
+
+    def call_float_to_bits(self, node: ast.Call) -> Value:
+        self.unit.help("float_to_bits")
+        return Value(f"float_to_bits({self.value(node.args[0]).text})", INT)
+
+    def call_bits_to_float(self, node: ast.Call) -> Value:
+        self.unit.help("bits_to_float")
+        return Value(f"bits_to_float({self.value(node.args[0]).text})", DOUBLE)
+
+    def call_int(self, node: ast.Call) -> Value:
+        value = self.value(node.args[0])
+        return value if value.type is INT else Value(f"(int64_t){self.inside(value, UNARY)}", INT, UNARY)
+
+    def call_bool(self, node: ast.Call) -> Value:
+        return self.truth(self.value(node.args[0]))
+
+    def call_float(self, node: ast.Call) -> Value:
+        return self.cast(self.value(node.args[0]), self.real)
+
+    def call_math_sqrt(self, node: ast.Call) -> Value:
+        self.unit.include("math.h")
+        return Value(f"sqrt({self.value(node.args[0]).text})", DOUBLE)

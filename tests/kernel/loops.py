@@ -1,0 +1,91 @@
+"""A loop around any block of the catalogue, and random parameters for it."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from leadscrew import catalogue
+from leadscrew.actuators.saturation import saturation
+from leadscrew.kernel.block import Block, controller
+from leadscrew.kernel.errors import LeadscrewError
+from leadscrew.kernel.loop import Loop
+from leadscrew.references.sine import sine, sine_motion
+from tests.kernel import zoo
+
+
+class GainParams(NamedTuple):
+    gain: float = 0.8
+
+
+@controller(GainParams())
+def follows_motion(p, command, feedback):
+    return p.gain * (command.position - feedback)
+
+
+@controller(GainParams())
+def follows_position(p, command, feedback):
+    return p.gain * (command - feedback.position)
+
+
+PERIOD = 1e-3
+COMMANDS = (sine(amplitude=3.0, frequency=0.7), sine_motion(amplitude=3.0, frequency=0.7))
+CONTROLLERS = (zoo.pid(kp=0.8), follows_motion, follows_position)
+
+
+def _candidates(block: Block):
+    """Loops that a block may fit into, the plainest first."""
+    rest = {"period": PERIOD, "actuator": saturation(lower=-100.0, upper=100.0), "metrics": {}}
+    if block.kind == "reference":
+        for c in CONTROLLERS:
+            yield {"reference": block, "controller": c, "plant": zoo.mass, **rest}
+    elif block.kind == "controller":
+        for command in COMMANDS:
+            yield {"reference": command, "controller": block, "plant": zoo.mass, **rest}
+    elif block.kind == "plant":
+        for c in CONTROLLERS:
+            for method in ("rk4", "sdirk3"):
+                yield {"reference": COMMANDS[0], "controller": c, "plant": block, "method": method, **rest}
+    elif block.kind == "metric":
+        yield {
+            "reference": COMMANDS[0],
+            "controller": CONTROLLERS[0],
+            "plant": zoo.mass,
+            **rest,
+            "metrics": {"it": block},
+        }
+    else:
+        plain = {"reference": COMMANDS[0], "controller": CONTROLLERS[0], "plant": zoo.mass, **rest}
+        yield {**plain, block.kind: block}
+        plants = [catalogue.block(n) for n in catalogue.block_names() if catalogue.block(n).kind == "plant"]
+        for plant in plants:
+            yield {**plain, "plant": plant, block.kind: block}
+
+
+def around(name: str) -> Loop:
+    """A loop with a block of the catalogue in its place."""
+    block = catalogue.block(name)
+    said = []
+    for parts in _candidates(block):
+        try:
+            loop = Loop(**parts, name=name)
+            loop.program  # noqa: B018
+            return loop
+        except LeadscrewError as error:
+            said.append(str(error))
+    raise AssertionError(f"{name} fits into no loop: {said}")
+
+
+def varied(loop: Loop, rng: np.random.Generator) -> Loop:
+    """The loop with every number of every block moved by up to 20 %, where its data sheet and its block allow it."""
+    for key, entry in loop.sheet.items():
+        if entry.type not in ("float", "array"):
+            continue
+        value = entry.default * (1.0 + 0.2 * rng.uniform(-1.0, 1.0, np.shape(entry.default)))
+        try:
+            moved = loop.using({key: np.asarray(value) if entry.type == "array" else float(value)})
+            moved.values()
+        except LeadscrewError:
+            continue
+        if moved.fits(loop.program):
+            loop = moved
+    return loop

@@ -1,0 +1,127 @@
+"""The C that is printed: the same bits as machine code and Numba, for every block, at every level of optimisation."""
+
+import ctypes
+import shutil
+import subprocess
+import warnings
+
+import numpy as np
+import pytest
+
+from leadscrew import catalogue
+from leadscrew.kernel import compiler
+from leadscrew.kernel.c99.entry import entry_text
+from leadscrew.kernel.native import Entry
+from leadscrew.kernel.program import RANKS
+from tests.kernel import test_engines
+from tests.kernel.loops import around, varied
+from tests.tools import missing
+
+PERIODS = 10_000
+STRICT = ("-std=c99", "-Wall", "-Wextra", "-pedantic", "-Werror", "-ffp-contract=off")
+LEVELS = ("-O0", "-O2", "-O3")
+
+
+@pytest.fixture(scope="module", autouse=True)
+def gcc():
+    if shutil.which("gcc") is None:
+        missing("gcc", "gcc is not installed")
+
+
+def entry_at(loop, folder, level) -> Entry:
+    """A loop's single run from C in which every function is one of its own, as an export has it."""
+    source = entry_text(loop.program.module, "single", RANKS["single"], fused=False)
+    made = compiler.build(source, folder, f"single{level[1:]}", *STRICT, level)
+    address = ctypes.cast(ctypes.CDLL(str(made)).single, ctypes.c_void_p).value
+    order = [RANKS["single"][a] for a in loop.program.module.arguments_of("single")]
+    return Entry("single", order, address)
+
+
+def recorded(loop, engine="llvm", entry=None, periods=PERIODS):
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        live = loop.start(engine=engine)
+        live.entry = entry or live.entry
+        return live.advance(periods, record=loop.program.plan.columns)
+
+
+def assert_same(a, b):
+    assert a.signals.keys() == b.signals.keys()
+    for column in a.signals:
+        assert a[column].shape == b[column].shape
+        assert test_engines.same(a[column], b[column]), column
+    assert str(a.diverged) == str(b.diverged)
+
+
+def moves(run) -> bool:
+    return any(np.ptp(run[c][np.isfinite(run[c])]) > 0 for c in run.signals if c != "time")
+
+
+@pytest.mark.parametrize("name", catalogue.BLOCKS)
+def test_every_block_of_the_catalogue_in_c_is_what_machine_code_computes(name, tmp_path):
+    loop = around(name)
+    entries = {level: entry_at(loop, tmp_path, level) for level in LEVELS}
+    rng = np.random.default_rng(catalogue.block_names().index(name))
+    for case in range(3):
+        mine = varied(loop, rng) if case else loop
+        expected = recorded(mine)
+        assert moves(expected)
+        assert_same(recorded(mine, engine="c"), expected)
+        for entry in entries.values():
+            assert_same(recorded(mine, entry=entry), expected)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", catalogue.BLOCKS)
+def test_every_block_of_the_catalogue_in_c_is_what_numba_computes(name):
+    loop = around(name)
+    rng = np.random.default_rng(catalogue.block_names().index(name))
+    for case in range(3):
+        mine = varied(loop, rng) if case else loop
+        assert_same(recorded(mine, engine="c"), recorded(mine, engine="numba"))
+
+
+@pytest.mark.parametrize("name", test_engines.LOOPS)
+def test_loops_of_all_kinds_in_c(name, tmp_path):
+    loop = test_engines.made(name)
+    expected = recorded(loop, periods=1000)
+    assert_same(recorded(loop, engine="c", periods=1000), expected)
+    for level in LEVELS:
+        assert_same(recorded(loop, entry=entry_at(loop, tmp_path, level), periods=1000), expected)
+
+
+@pytest.mark.parametrize("name", ["pid", "everything", "two axes"])
+def test_a_batch_in_c(name):
+    loop = test_engines.made(name)
+    a, b = (loop.batch(0.2, runs=37, engine=e, record=("output",)) for e in ("llvm", "c"))
+    for column in a.signals:
+        assert test_engines.same(a[column], b[column]), column
+    assert a.metrics.keys() == b.metrics.keys()
+
+
+def test_with_contraction_the_bits_would_differ(tmp_path):
+    """What -ffp-contract=off is for, and that this comparison can fail."""
+    loop = around("lathe_servo")
+    if (
+        "fma"
+        not in subprocess.run(["gcc", "-march=native", "-Q", "--help=target"], capture_output=True, text=True).stdout
+    ):
+        pytest.skip("this processor has no fused multiply-add")
+    source = entry_text(loop.program.module, "single", RANKS["single"])
+    flags = ("-std=gnu99", "-O2", "-mfma", "-ffp-contract=fast")
+    made = compiler.build(source, tmp_path, "fused", *flags)
+    address = ctypes.cast(ctypes.CDLL(str(made)).single, ctypes.c_void_p).value
+    order = [RANKS["single"][a] for a in loop.program.module.arguments_of("single")]
+    got, expected = recorded(loop, entry=Entry("single", order, address)), recorded(loop)
+    assert any(not test_engines.same(got[c], expected[c]) for c in expected.signals)
+
+
+def test_without_a_compiler_the_engine_says_what_to_do(monkeypatch):
+    from leadscrew.kernel.errors import EngineError
+
+    monkeypatch.setenv("PATH", "/nonexistent")
+    monkeypatch.delenv("CC", raising=False)
+    compiler.find.cache_clear()
+    with pytest.raises(EngineError, match="install gcc, or use engine='llvm'"):
+        compiler.find()
+    compiler.find.cache_clear()
