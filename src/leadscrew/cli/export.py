@@ -64,7 +64,7 @@ def export(
     stem = name or title.rsplit(":", 1)[-1].rsplit(".", 1)[-1]
     with busy(f"{title} to {target}"):
         core, record = export_controller(loop, experiment.seconds(), name=stem, title=title, real=real, drive=drive)
-        manifest = write(core, record, target, out, binary=not sources_only)
+        manifest = write(core, record, target, out, loop=loop, binary=not sources_only)
     if as_json:
         emit({"schema_version": SCHEMA_VERSION, "out": str(out), "files": sorted(p.name for p in out.iterdir()),
               "manifest": manifest})  # fmt: skip

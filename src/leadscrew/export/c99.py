@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from leadscrew.export.core import Core
+from leadscrew.export.core import Core, Port
 from leadscrew.export.machine import LICENCE
 from leadscrew.export.templates import render
 
@@ -10,21 +10,26 @@ FLAGS = ("-std=c99", "-Wall", "-Wextra", "-pedantic", "-Werror", "-ffp-contract=
 """How every exported C file must compile. Contraction off: a fused multiply-add would change the results."""
 
 
+def shown_unit(port: Port) -> str:
+    """A unit behind a number in a format string of C; nothing for a pure number."""
+    return f" {port.unit}".replace("%", "%%").replace("\\", "").replace('"', "") if port.unit not in ("", "1") else ""
+
+
 def check_program(core: Core) -> str:
     """``check.c``."""
     return render(
         "c99_check.c.j2", n=core.name, real=core.real, inputs=core.inputs, outputs=core.outputs, licence=LICENCE,
-        cast="(float)" if core.real == "float" else "",
+        cast="(float)" if core.real == "float" else "", unit=shown_unit(core.outputs[0]),
     )  # fmt: skip
 
 
 def files(core: Core) -> dict[str, str]:
     """The files of the target, besides the core's own."""
     example = core.knobs[0].places[0] if core.knobs else "period"
-    unit = f" {core.outputs[0].unit}" if core.outputs[0].unit not in ("", "1") else ""
     main = render(
-        "c99_main.c.j2", n=core.name, core=core, real=core.real, period=repr(core.period), example=example, unit=unit
-    )
+        "c99_main.c.j2", n=core.name, core=core, real=core.real, period=repr(core.period), example=example,
+        unit=shown_unit(core.outputs[0]), way=shown_unit(core.inputs[0]),
+    )  # fmt: skip
     return {"check.c": check_program(core), "main.c": main}
 
 

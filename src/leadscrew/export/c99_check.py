@@ -10,10 +10,11 @@ from pathlib import Path
 from typing import Any
 
 from leadscrew.export.c99 import FLAGS
-from leadscrew.export.verdict import DIFFERENT, FAILED, IDENTICAL, NOT_RUN, Verdict
+from leadscrew.export.verdict import DIFFERENT, FAILED, GOLDEN, IDENTICAL, NOT_RUN, Verdict
 
 COMPILERS = ("gcc", "clang")
 LEVELS = ("-O0", "-O2", "-O3")
+LONGEST_S = 600
 _SAID = re.compile(r"cycles (\d+) different (\d+) worst (\S+)")
 
 
@@ -43,18 +44,20 @@ def replayed(folder: Path, name: str, compiler: str, level: str, note: str) -> V
             if built.returncode:
                 said = next((x for x in built.stderr.splitlines() if "error" in x), built.stderr.strip()[:200])
                 return Verdict(target, FAILED, note=f"does not compile: {said}")
-        ran = subprocess.run(
-            [str(program), str(folder / "golden.csv")], capture_output=True, text=True, check=False, timeout=600
-        )
+        command = [str(program), str(folder / GOLDEN)]
+        try:
+            ran = subprocess.run(command, capture_output=True, text=True, check=False, timeout=LONGEST_S)
+        except subprocess.TimeoutExpired:
+            return Verdict(target, FAILED, note=f"check did not end within {LONGEST_S} s")
         found = _SAID.search(ran.stdout)
         if found is None:
             return Verdict(target, FAILED, note=ran.stderr.strip()[:200] or f"check ended with {ran.returncode}")
         cycles, different, worst = int(found[1]), int(found[2]), float(found[3])
-        same = ran.returncode == 0 and different == 0 and cycles == manifest_cycles(folder)
+        same = ran.returncode == 0 and different == 0 and cycles == golden_cycles(folder)
         return Verdict(target, IDENTICAL if same else DIFFERENT, cycles, worst, note)
 
 
-def manifest_cycles(folder: Path) -> int:
+def golden_cycles(folder: Path) -> int:
     """How many rows the golden vectors have."""
-    with (folder / "golden.csv").open(encoding="utf-8") as lines:
+    with (folder / GOLDEN).open(encoding="utf-8") as lines:
         return sum(1 for _ in lines) - 1

@@ -2,20 +2,27 @@
 
 from __future__ import annotations
 
+import hashlib
 import json
 import tempfile
 from importlib import import_module
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
 
 from leadscrew.export import c99, c99_check
 from leadscrew.export.core import Core, Record
 from leadscrew.export.templates import render
-from leadscrew.export.verdict import GOLDEN, IDENTICAL, NOT_RUN, Verdict, golden_text
+from leadscrew.export.verdict import DIFFERENT, GOLDEN, IDENTICAL, NOT_RUN, Verdict, golden_text, read_golden
 from leadscrew.kernel import compiler
+from leadscrew.kernel.c99.names import is_identifier
 from leadscrew.kernel.errors import DataError, EngineError, LeadscrewError, ValueRefused
 from leadscrew.newfolder import appearing
 from leadscrew.report.strict import strict
+
+if TYPE_CHECKING:
+    from leadscrew.kernel.loop import Loop
 
 TARGETS = {
     "c99": "C99 sources, an example and a check program",
@@ -53,9 +60,12 @@ class ExportDiffers(LeadscrewError):
     """The exported C does not give the bits of the simulation: nothing is written."""
 
 
-def write(core: Core, record: Record, target: str, folder: Path, *, binary: bool = True) -> dict[str, Any]:
+def write(
+    core: Core, record: Record, target: str, folder: Path, *, loop: Loop | None = None, binary: bool = True
+) -> dict[str, Any]:
     """Writes an export into a new folder and gives its manifest.
 
+    With its ``loop``, a HAL export brings the rest of the loop as a simulated machine, to be tried on.
     ``binary=False`` leaves the shared library out of an FMU, which then needs no compiler here.
 
     Raises:
@@ -72,15 +82,21 @@ def write(core: Core, record: Record, target: str, folder: Path, *, binary: bool
             "an FMU needs a C compiler for its binary, and there is no gcc, clang or cc on the PATH; install gcc, or "
             "write one without: --sources-only"
         )
-    golden = first_check(core, record)
+    golden = first_check(core, record) | {"sha256": fingerprint(np.column_stack([record.inputs, record.outputs]))}
     manifest = strict({**core.manifest, "target": target, "golden": golden})
+    files = contents(core, record, target, path if binary else None, manifest, loop)
     with appearing(folder) as beside:
-        for name, content in contents(core, record, target, path if binary else None, manifest).items():
+        for name, content in files.items():
             if isinstance(content, bytes):
                 (beside / name).write_bytes(content)
             else:
                 (beside / name).write_text(content, encoding="utf-8", newline="\n")
     return dict(manifest)
+
+
+def fingerprint(rows: np.ndarray) -> str:
+    """Of the numbers of golden vectors, however they are written down; one NaN is as good as another."""
+    return hashlib.sha256(np.where(np.isnan(rows), np.nan, rows).astype("<f8").tobytes()).hexdigest()
 
 
 def compiler_path() -> str | None:
@@ -114,7 +130,7 @@ def first_check(core: Core, record: Record) -> dict[str, Any]:
 
 
 def contents(
-    core: Core, record: Record, target: str, path: str | None, manifest: dict[str, Any]
+    core: Core, record: Record, target: str, path: str | None, manifest: dict[str, Any], loop: Loop | None = None
 ) -> dict[str, str | bytes]:
     """Every file of an export by name."""
     found: dict[str, str | bytes] = {GOLDEN: golden_text(core, record)}
@@ -128,6 +144,10 @@ def contents(
         from leadscrew.export import hal
 
         found.update({**core.files, "check.c": c99.check_program(core), **hal.files(core)})
+        if loop is not None:
+            from leadscrew.export import plant
+
+            found.update(plant.plant_files(loop, core))
         about = hal.readme(core)
     else:
         found.update({**core.files, **c99.files(core)})
@@ -150,22 +170,49 @@ def read_manifest(folder: Path) -> dict[str, Any]:
         found = json.loads(file.read_text(encoding="utf-8"))
     except OSError as error:
         raise DataError(f"{folder} is not an exported folder: {file}: {error.strerror or error}") from None
-    except ValueError as error:
+    except (ValueError, RecursionError) as error:
         raise DataError(f"{file}: not JSON: {error}") from None
-    if not isinstance(found, dict) or found.get("target") not in TARGETS or found.get("schema_version") != 1:
-        raise DataError(f"{file}: not a manifest that leadscrew export wrote")
-    return found
+    if not _ours(found):
+        raise DataError(f"{file}: not a manifest that leadscrew export wrote; export the controller again")
+    return dict(found)
+
+
+def _ours(manifest: Any) -> bool:
+    """Whether a manifest has all that the checks read."""
+    try:
+        ports = [*manifest["inputs"], *manifest["outputs"]]
+        texts = [
+            manifest["title"],
+            manifest["golden"]["sha256"],
+            *(p[k] for p in ports for k in ("name", "role", "unit")),
+        ]
+        sizes = [float(manifest["limits"]["max_output"]), float(manifest["period_s"])]
+        return (
+            manifest["schema_version"] == 1
+            and manifest["target"] in TARGETS
+            and is_identifier(manifest["name"])
+            and manifest["real"] in ("double", "float")
+            and manifest["sense"] in (1, -1)
+            and len(manifest["outputs"]) > 0
+            and all(isinstance(text, str) for text in texts)
+            and sizes[0] >= 0.0 < sizes[1]
+        )
+    except (KeyError, TypeError, ValueError):
+        return False
 
 
 def verify(folder: Path) -> list[Verdict]:
     """Checks an exported folder with everything that this machine has.
 
     Raises:
-        DataError: not an exported folder.
+        DataError: not an exported folder, or its golden vectors cannot be read.
     """
     manifest = read_manifest(folder)
     target = manifest["target"]
     found: list[Verdict] = []
+    _, rows = read_golden(folder / GOLDEN)
+    if fingerprint(rows) != manifest["golden"]["sha256"]:
+        found.append(Verdict(GOLDEN, DIFFERENT, len(rows), note="not the golden vectors that were exported"))
     if not target.startswith("fmu"):
         found += c99_check.check(folder, manifest)
     if target != "c99":

@@ -200,16 +200,13 @@ def _demonstration(core: Core) -> dict[str, Any]:
     """Size and speed of the demonstration's plant, none of any machine: full drive makes 100 or 200 mm/s."""
     unit = LENGTHS.get(_text(core.inputs[0].unit), 1.0)
     full = core.full_scale or core.limits.max_output or 1.0
-    amplitude = 10.0 * unit
-    if core.limits.max_error > 0:
-        amplitude = min(amplitude, core.limits.max_error / 4)
     kind = {"torque": "torque", "force": "torque", "position": "position"}.get(core.drive, "speed")
     at_full = {"speed": 100.0, "torque": 200.0, "position": 1.0}[kind] * unit
     return {
         "kind": kind,
         "gain": 1.0 if kind == "position" else at_full / full,
         "full": full,
-        "amplitude": amplitude,
+        "amplitude": 10.0 * unit,
         "frequency": 0.2,
         "lag": min(1.0, core.period / {"speed": 1.0, "torque": 0.1, "position": 0.02}[kind]),
         "seconds": max(4, math.ceil(200 * core.period)),

@@ -15,6 +15,7 @@ from leadscrew.export.verdict import FAILED, GOLDEN, NOT_RUN, Verdict, compared,
 from leadscrew.kernel.errors import DataError
 
 TARGET = "hal halrun"
+LOOP = "hal halrun, loop closed"
 MOST_PINS = 20
 """That streamer and sampler take in one FIFO."""
 FAULTS = {1: "a number was not finite", 2: "following error", 3: "moved the wrong way", 4: "period of the thread"}
@@ -65,9 +66,54 @@ def check(folder: Path, manifest: dict[str, Any], speed: int = 300) -> list[Verd
             hal_run.install(place, folder, manifest["name"])
             stream = Stream({pin: rows[:, i] for i, pin in enumerate(pins)})
             got = replay(place, manifest, stream, speed)
+            found = [compared(TARGET, expected(manifest, rows[:, len(inputs) :]), got.outputs, _note(got, speed))]
+            if (folder / f"{manifest['name']}_plant.comp").is_file():
+                found.append(closed_loop(place, folder, manifest, rows, speed))
+            return found
     except (DataError, hal_run.HalFailed) as error:
         return [Verdict(TARGET, FAILED, note=str(error))]
-    return [compared(TARGET, expected(manifest, rows[:, len(inputs) :]), got.outputs, _note(got, speed))]
+
+
+def closed_loop(place: Path, folder: Path, manifest: dict[str, Any], rows: np.ndarray, speed: int = 300) -> Verdict:
+    """Closes the loop in HAL, the exported controller around its simulated machine, and compares every signal.
+
+    In single precision the loop goes its own way after the first rounding, so there is nothing to compare it with.
+    """
+    if manifest["real"] != "double":
+        return Verdict(LOOP, NOT_RUN, note="single precision: the loop that was recorded is in double precision")
+    name = manifest["name"]
+    hal_run.install(place, folder, f"{name}_plant")
+    own, machine = f"{hal_names.component(name)}.0", f"{hal_names.component(f'{name}_plant')}.0"
+    inputs, outputs = manifest["inputs"], manifest["outputs"]
+    ins, outs = (hal_names.pins((p["name"], p["role"]) for p in side) for side in (inputs, outputs))
+    there = [p["name"].replace("_", "-") for p in (*inputs, *outputs)]
+    sampled = [f"{machine}.{p}" for p in there[: len(inputs)]] + [f"{own}.{p}" for p in outs]
+    thread, count = round(float(manifest["period_s"]) * 1e9), len(rows)
+    wires = [
+        f"net w{i} {machine}.{a} => {own}.{b} sampler.0.pin.{i}"
+        for i, (a, b) in enumerate(zip(there, ins, strict=False))
+    ]
+    back = [f"net b{i} {own}.{b} => {machine}.{a} sampler.0.pin.{len(inputs) + i}"
+            for i, (a, b) in enumerate(zip(there[len(inputs) :], outs, strict=True))]  # fmt: skip
+    lines = [
+        f"loadrt threads name1=servo period1={thread}",
+        f"loadrt sampler depth={count + 10} cfg={'f' * len(sampled)}",
+        f"loadrt {name} count=1",
+        f"loadrt {name}_plant count=1",
+        *(f"addf {f} servo" for f in (f"{machine}.read", own, f"{machine}.write", "sampler.0")),
+        *([f"setp {own}.bumpless 0"] if manifest.get("bumpless") else []),
+        f"setp {own}.maxoutput 0",
+        f"setp {own}.enable 1",
+        *wires,
+        *back,
+        "start",
+        *reading(place, count, "f" * len(sampled)),
+    ]
+    ran(place, lines, thread, count, speed)
+    table = taken(place, len(sampled))
+    turned = rows.copy()
+    turned[:, len(inputs) :] *= manifest["sense"]
+    return compared(LOOP, turned, table, f"LinuxCNC {hal_run.version()}: command, feedback and output")
 
 
 def expected(manifest: dict[str, Any], outputs: np.ndarray) -> np.ndarray:
@@ -86,7 +132,7 @@ def replay(place: Path, manifest: dict[str, Any], stream: Stream, speed: int = 3
     columns = [*stream.inputs.values(), *(b.astype(float) for b in stream.bits.values())]
     rows = np.column_stack(columns)
     count = len(rows)
-    given, taken = place / "given.txt", place / "taken.bin"
+    given = place / "given.txt"
     kinds = "f" * len(stream.inputs) + "b" * len(stream.bits)
     with given.open("w", encoding="utf-8") as out:
         for row in rows.tolist():
@@ -96,8 +142,6 @@ def replay(place: Path, manifest: dict[str, Any], stream: Stream, speed: int = 3
     pins = [f"{instance}.{p}" for p in (*stream.inputs, *stream.bits)]
     sampled = [f"{instance}.{p}" for p in (*outputs, "fault-code")]
     sampled_kinds = "f" * len(outputs) + "s"
-    reader = place / "reader.py"
-    reader.write_text(Path(hal_run.__file__).with_name("hal_reader.py").read_text(encoding="utf-8"), encoding="utf-8")
     lines = [
         f"loadrt threads name1=servo period1={thread}",
         f"loadrt streamer depth={count + 10} cfg={kinds}",
@@ -111,17 +155,40 @@ def replay(place: Path, manifest: dict[str, Any], stream: Stream, speed: int = 3
         *(f"net out{i} {pin} => sampler.0.pin.{i}" for i, pin in enumerate(sampled)),
         f"loadusr -w halstreamer {given}",
         "start",
-        f"loadusr -w {hal_run.PYTHON} {reader} {count} {sampled_kinds} {taken}",
+        *reading(place, count, sampled_kinds),
         *stream.after,
     ]
+    printed = ran(place, lines, thread, count, speed)
+    table = taken(place, len(sampled))
+    return Replay(table[:, :-1].copy(), table[:, -1].astype(int), printed)
+
+
+def reading(place: Path, count: int, kinds: str) -> list[str]:
+    """The lines of a script that read the sampler's FIFO, exactly."""
+    reader = place / "reader.py"
+    reader.write_text(Path(hal_run.__file__).with_name("hal_reader.py").read_text(encoding="utf-8"), encoding="utf-8")
+    return [f"loadusr -w {hal_run.PYTHON} {reader} {count} {kinds} {place / 'taken.bin'}"]
+
+
+def ran(place: Path, lines: list[str], thread: int, count: int, speed: int) -> str:
+    """What a script prints that takes some periods of a thread."""
     factor = max(speed, round(speed * thread / 1e6)) if speed > 1 else 1
     fast = factor if hal_run.faketime() else 1
-    printed = hal_run.run(place, "\n".join(lines) + "\n", factor, timeout=60.0 + 3.0 * count * thread * 1e-9 / fast)
-    if not taken.is_file():
+    return hal_run.run(place, "\n".join(lines) + "\n", factor, timeout=60.0 + 3.0 * count * thread * 1e-9 / fast)
+
+
+def taken(place: Path, columns: int) -> np.ndarray:
+    """What the sampler took, row by row.
+
+    Raises:
+        HalFailed: nothing.
+    """
+    file = place / "taken.bin"
+    if not file.is_file():
         raise hal_run.HalFailed("halrun ended without samples")
-    table = np.fromfile(taken).reshape(-1, len(sampled))
-    taken.unlink()
-    return Replay(table[:, :-1].copy(), table[:, -1].astype(int), printed)
+    table = np.fromfile(file).reshape(-1, columns)
+    file.unlink()
+    return table
 
 
 def _note(got: Replay, speed: int) -> str:

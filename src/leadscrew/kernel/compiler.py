@@ -22,8 +22,10 @@ from leadscrew.kernel.native import Entry
 if TYPE_CHECKING:
     from leadscrew.kernel.module import Module
 
-FLAGS = ("-std=c99", "-O3", "-march=native", "-ffp-contract=off", "-fno-math-errno", "-fno-trapping-math", "-fwrapv")
+FLAGS = ("-std=c99", "-march=native", "-ffp-contract=off", "-fno-math-errno", "-fno-trapping-math", "-fwrapv")
 """None of these changes a result: contraction is off, the other three say what the code never looks at or relies on."""
+LEVELS = {"single": "-O2"}
+"""A single run has nothing to vectorise: -O3 is no faster there, and takes longer to compile. Else -O3."""
 SOURCES = ("branchless.py", "fuse.py", "returns.py", "scalarise.py", "trees.py", "compiler.py", "c99")
 """The files between a module and its C."""
 
@@ -58,7 +60,7 @@ def _identity() -> str:
     here = Path(__file__).parent
     files = [f for name in SOURCES for f in (sorted((here / name).glob("*.py")) or [here / name])]
     code = b"".join(f.read_bytes() for f in files)
-    parts = (str(path), str(stat.st_size), str(stat.st_mtime_ns), platform.machine(), flags, " ".join(FLAGS))
+    parts = (str(path), str(stat.st_size), str(stat.st_mtime_ns), platform.machine(), flags, " ".join(FLAGS), str(LEVELS))
     return hashlib.sha256("\n".join(parts).encode() + code).hexdigest()[:12]
 
 
@@ -72,7 +74,7 @@ def build(source: str, folder: Path, name: str, *flags: str) -> Path:
     file.write_text(source, encoding="utf-8", newline="\n")
     made = folder / f"{name}.so"
     done = subprocess.run(
-        [find(), *(flags or FLAGS), "-fPIC", "-shared", "-o", str(made), str(file), "-lm"],
+        [find(), *(flags or (*FLAGS, LEVELS.get(name, "-O3"))), "-fPIC", "-shared", "-o", str(made), str(file), "-lm"],
         capture_output=True, text=True, check=False,
     )  # fmt: skip
     if done.returncode:

@@ -7,7 +7,7 @@ from collections.abc import Callable
 from typing import Any
 
 from leadscrew.kernel.block import Block
-from leadscrew.kernel.drivers import continuous, fixed, holes, lanes, rodas, single
+from leadscrew.kernel.drivers import continuous, fixed, holes, lanes, rodas, single, split
 from leadscrew.kernel.errors import BlockError
 from leadscrew.kernel.frame import under
 from leadscrew.kernel.layout import Branch, Leaf, leaves
@@ -270,6 +270,25 @@ class Linker(Places):
         assert plant is not None
         self.module.link(holes.rates, self.module.function(continuous.continuous_rates))
         self.jacobian(plant)
+
+    def split(self) -> list[tuple[str, Leaf]]:
+        """Adds the entries ``read`` and ``write``: the loop without its controller, for a machine to be simulated by.
+
+        Returns:
+            what stands in their vector ``X``: the leaves of command, feedback, load and output, with their signals.
+        """
+        self.blocks()
+        self.places()
+        held = [(s, x) for s in ("command", "feedback", "load", "output") for x in leaves(self.trees[s])]
+        at = {(s, x.key): i for i, (s, x) in enumerate(held)}
+        writes = [put("X", (at[s, x.key],), under(s, x.key)) for s, x in held if s != "output"]
+        self.define(holes.keep_sensed, "X command feedback load", [*writes, give(ast.Constant(0))])
+        for signal, hole in (("output", holes.given_output), ("load", holes.given_load)):
+            made = body_of(self.trees[signal], self.module, lambda x, s=signal: item("X", at[s, x.key]))  # type: ignore[misc]
+            self.define(hole, "X", [give(made)])
+        self.module.entry(split.read, "read")
+        self.module.entry(split.write, "write")
+        return held
 
     def link(self) -> Module:
         """The whole module."""

@@ -46,7 +46,7 @@ _RESERVED = {
         "source value values past row rows start end end_p end_a end_s every period periods countdown sound "
         "counters select span width first last base qa zb clock jac rates metrics sensor controller actuator "
         "reference disturbance output_disturbance substeps shown measured seed k1 k2 k3 k4 lu pivot ft left done "
-        "fresh wanted signals state"
+        "fresh wanted signals state X sensed acted"
     ).split(),
 }  # fmt: skip
 """Names that no definition of a module may have."""
@@ -259,7 +259,7 @@ class Module:
         assert isinstance(node, ast.FunctionDef)
         whole = Scalariser(classes).function(self._fuser.function(node))
         lean = without_dead(without_copies(without_dead(whole, harmless)), harmless)
-        self._fused[name] = ast.fix_missing_locations(Branchless().visit(lean))
+        self._fused[name] = Branchless().visit(lean)
         return self._fused[name]
 
     def arguments_of(self, name: str) -> list[str]:
@@ -280,7 +280,7 @@ class Module:
     def text(self, name: str) -> str:
         """An entry and what it needs, for the compiled engines."""
         parts = [HEAD, *(ast.unparse(i.node) for i in self.ordered() if i.kind == "array")]
-        parts.append(f"@entry\n{ast.unparse(self.fused(name))}")
+        parts.append(f"@entry\n{ast.unparse(ast.fix_missing_locations(self.fused(name)))}")
         return "\n\n".join(parts) + "\n"
 
     def namespace(self) -> dict[str, Any]:

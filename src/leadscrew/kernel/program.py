@@ -26,6 +26,7 @@ RANKS: dict[str, dict[str, tuple[int, str]]] = {
     "lanes": {"P": (1, "f"), "A": (1, "f"), "S": (1, "f"), "B": (1, "f"), "QA": (1, "f"), "ZB": (1, "f"),
               "places": (1, "i"), "values": (2, "f"), "span": (1, "i"), "select": (1, "i"), "Y": (3, "f"),
               "M": (2, "f"), "D": (1, "i")},
+    "split": {"P": (1, "f"), "A": (1, "f"), "S": (1, "f"), "B": (1, "f"), "X": (1, "f"), "counters": (1, "i")},
 }  # fmt: skip
 """Dimensions and element (``f`` float, ``i`` integer) of what the entries take."""
 

@@ -7,7 +7,7 @@ that stayed a function returns) is left whole and read field by field.
 from __future__ import annotations
 
 import ast
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 from leadscrew.kernel.trees import clone, each
 
@@ -35,19 +35,20 @@ class Scalariser:
     def function(self, node: ast.FunctionDef) -> ast.FunctionDef:
         """The function with its NamedTuples taken apart; ``node`` is changed."""
         self.types = {a.arg: None for a in node.args.args}
+        setters = [n for n in each(node) if n.__class__ is ast.Assign or n.__class__ is ast.For]
         for _ in range(8):
             before = dict(self.types)
-            self.infer(node)
+            self.infer(node, setters)
             if self.types == before:
                 break
         node.body = self.block(node.body)
         return node
 
     # ---- types
-    def infer(self, node: ast.FunctionDef) -> None:
+    def infer(self, node: ast.FunctionDef, setters: Sequence[ast.stmt]) -> None:
         """The class of each local that only ever holds one class."""
         found: dict[str, set[str | None]] = {a.arg: {None} for a in node.args.args}
-        for n in each(node):
+        for n in setters:
             if isinstance(n, ast.Assign):
                 for target in n.targets:
                     if isinstance(target, ast.Name):

@@ -43,15 +43,17 @@ def copied(node: Any) -> Any:
 def each(node: ast.AST) -> Iterator[Any]:
     """Every node of a tree that has fields, in no order that matters."""
     stack: list[Any] = [node]
+    pop, push = stack.pop, stack.append
     while stack:
-        n = stack.pop()
+        n = pop()
         yield n
-        for field in n._fields:
-            value = getattr(n, field, None)
+        for value in n.__dict__.values():
             if value.__class__ is list:
-                stack.extend(v for v in value if isinstance(v, ast.AST))
+                for v in value:
+                    if isinstance(v, ast.AST):
+                        push(v)
             elif isinstance(value, ast.AST) and value._fields:
-                stack.append(value)
+                push(value)
 
 
 def names(node: ast.AST) -> Iterator[ast.Name]:

@@ -175,6 +175,21 @@ def keep_lane_plant(Z, lane, plant, memory):
     _open(Z, lane, plant, memory)
 
 
+def keep_sensed(X, command, feedback, load):
+    """Command, feedback and load side by side."""
+    _open(X, command, feedback, load)
+
+
+def given_output(X):
+    """The controller's output from beside them."""
+    _open(X)
+
+
+def given_load(X):
+    """The load back."""
+    _open(X)
+
+
 def keep_drive(U, lane, applied, load):
     """Writes what goes to the plant of one lane."""
     _open(U, lane, applied, load)

@@ -4,8 +4,12 @@ from leadscrew.kernel.drivers import holes
 from leadscrew.kernel.noise import Noise
 
 
-def sample(p, s, t, k, run):
-    """The loop's next state but for the plant's, and the signals of period ``k``."""
+def sense(p, s, t, k, run):
+    """The first half of a period: the loop's state with reference, disturbances and sensor moved on, and what they say.
+
+    Returns:
+        state, command, feedback, true output, load.
+    """
     dt = p.clock.period
     seed = p.clock.seed
     reference, command = holes.reference(p.reference, s.reference, t, dt, Noise(seed, run, 0, k))
@@ -17,13 +21,34 @@ def sample(p, s, t, k, run):
     actual = holes.disturbed(shown, offset)
     measured = holes.disturbed(holes.seen(s.seen, shown, k, p.clock.substeps), offset)
     sensor, feedback = holes.sensor(p.sensor, s.sensor, measured, t, dt, Noise(seed, run, 3, k))
-    controller, output = holes.controller(p.controller, s.controller, command, feedback, t, dt)
-    actuator, applied = holes.actuator(p.actuator, s.actuator, output, t, dt)
+    state = holes.LoopState(
+        reference, disturbance, output_disturbance, sensor, s.controller, s.actuator, s.plant, s.integrator, s.sent,
+        s.seen, s.metrics,
+    )  # fmt: skip
+    return state, command, feedback, actual, load
+
+
+def act(p, s, output, t, k):
+    """The second half: the loop's state with the actuator moved on, and what goes to the plant."""
+    actuator, applied = holes.actuator(p.actuator, s.actuator, output, t, p.clock.period)
     holes.send(s.sent, applied, k)
+    state = holes.LoopState(
+        s.reference, s.disturbance, s.output_disturbance, s.sensor, s.controller, actuator, s.plant, s.integrator,
+        s.sent, s.seen, s.metrics,
+    )  # fmt: skip
+    return state, applied
+
+
+def sample(p, s, t, k, run):
+    """The loop's next state but for the plant's, and the signals of period ``k``."""
+    dt = p.clock.period
+    sensed, command, feedback, actual, load = sense(p, s, t, k, run)
+    controller, output = holes.controller(p.controller, s.controller, command, feedback, t, dt)
+    acted, applied = act(p, sensed, output, t, k)
     metrics = holes.metrics(p.metrics, s.metrics, command, actual, feedback, output, t, dt)
     state = holes.LoopState(
-        reference, disturbance, output_disturbance, sensor, controller, actuator, s.plant, s.integrator, s.sent, s.seen,
-        metrics,
+        acted.reference, acted.disturbance, acted.output_disturbance, acted.sensor, controller, acted.actuator, s.plant,
+        s.integrator, s.sent, s.seen, metrics,
     )  # fmt: skip
     return state, holes.Signals(command, feedback, output, applied, actual, load)
 
