@@ -22,6 +22,8 @@ def appearing(folder: str | Path) -> Iterator[Path]:
     try:
         if target.exists() and (not target.is_dir() or any(target.iterdir())):
             raise DataError(f"{target} exists already; choose another folder or remove it")
+        if target.parent.exists() and not target.parent.is_dir():
+            raise DataError(f"{target} cannot be written: {target.parent} is not a folder")
         target.parent.mkdir(parents=True, exist_ok=True)
         beside = Path(tempfile.mkdtemp(prefix=f".{target.name}-", suffix=".partial", dir=target.parent))
     except OSError as error:

@@ -11,15 +11,24 @@ from pathlib import Path
 import matplotlib
 import pytest
 
+from leadscrew.export.folder import compiler_path
+from tests.docs.sessions import assert_shown, steps_of
 from tests.docs.snippets import PAGES, ROOT, blocks, commands_of, python_of
+from tests.tools import missing
 
 matplotlib.use("Agg")
 LONG = ("leadscrew demo", "leadscrew run", "leadscrew bench", "leadscrew cache clear")
 """Commands that other tests run, or that would disturb this machine."""
-COMMANDS = list(dict.fromkeys(c for page in PAGES for c in commands_of(page) if not c.startswith(LONG)))
+ELSEWHERE = ("export.md",)
+"""Pages whose Python needs what their commands wrote: tests of their own run both."""
+COMMANDS = {
+    page: [c for c in commands_of(page) if not c.startswith(LONG)] for page in PAGES if page.name not in ELSEWHERE
+}
 
 
-@pytest.mark.parametrize("page", [p for p in PAGES if blocks(p, ("python",))], ids=lambda p: p.name)
+@pytest.mark.parametrize(
+    "page", [p for p in PAGES if blocks(p, ("python",)) and p.name not in ELSEWHERE], ids=lambda p: p.name
+)
 def test_python_of_page_runs(page: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     name = f"page_{page.stem.lower()}"
     file = tmp_path / f"{name}.py"
@@ -37,13 +46,17 @@ def test_first_loop_of_the_readme_is_short() -> None:
     assert len([line for line in first if line.strip()]) <= 25
 
 
-@pytest.mark.parametrize("command", COMMANDS)
-def test_command_of_a_page_runs(command: str, tmp_path: Path) -> None:
-    if importlib.util.find_spec("leadscrew.cli") is None:
-        pytest.skip("the command line is not there yet")
-    program = [sys.executable, "-c", "from leadscrew.cli import main; main()", *shlex.split(command)[1:]]
-    done = subprocess.run(program, cwd=tmp_path, capture_output=True, text=True, timeout=120)
-    assert done.returncode == 0, done.stdout + done.stderr
+@pytest.mark.parametrize("page", [p for p in COMMANDS if COMMANDS[p]], ids=lambda p: p.name)
+def test_commands_of_a_page_run(page: Path, tmp_path: Path) -> None:
+    shown = {step.command: step for step in steps_of(page)}
+    for command in COMMANDS[page]:
+        if command.startswith("leadscrew export") and compiler_path() is None:
+            missing("gcc", "there is no C compiler on this machine")
+        program = [sys.executable, "-c", "from leadscrew.cli import main; main()", *shlex.split(command)[1:]]
+        done = subprocess.run(program, cwd=tmp_path, capture_output=True, text=True, timeout=120)
+        assert done.returncode == 0, done.stdout + done.stderr
+        if command in shown:
+            assert_shown(shown[command], done.stdout)
 
 
 def test_links_between_pages_lead_somewhere() -> None:

@@ -1,8 +1,10 @@
 """The C that is printed: the same bits as machine code and Numba, for every block, at every level of optimisation."""
 
 import ctypes
+import os
 import shutil
 import subprocess
+import sys
 import warnings
 
 import numpy as np
@@ -125,3 +127,15 @@ def test_without_a_compiler_the_engine_says_what_to_do(monkeypatch):
     with pytest.raises(EngineError, match="install gcc, or use engine='llvm'"):
         compiler.find()
     compiler.find.cache_clear()
+
+
+def test_the_engine_c_imports_neither_numba_nor_llvm(tmp_path):
+    code = (
+        "import sys; from leadscrew.bench.loops import lathe; run = lathe('rk4').run(0.1, engine='c');"
+        "print(len(run.time), [m for m in ('numba', 'llvmlite', 'scipy') if m in sys.modules])"
+    )
+    env = {**os.environ, "LEADSCREW_CACHE_DIR": str(tmp_path)}
+    for _ in range(2):
+        done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, env=env, check=True)
+        assert done.stdout.strip() == "100 []"
+    assert len(list(tmp_path.rglob("*.so"))) == 1

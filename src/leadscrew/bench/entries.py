@@ -11,7 +11,7 @@ from leadscrew.kernel.live import Live
 from leadscrew.kernel.loop import Loop
 
 
-def single(loop: Loop, periods: int, start: Live | None = None) -> Callable[[], Live]:
+def single(loop: Loop, periods: int, start: Live | None = None, engine: str = "llvm") -> Callable[[], Live]:
     """A call that moves the loop on by some periods, always from the same place, and records nothing."""
     live = start or loop.start()
     place = live.save()
@@ -19,7 +19,7 @@ def single(loop: Loop, periods: int, start: Live | None = None) -> Callable[[], 
     S, B = live.state
     select, table, metrics = np.zeros(0, dtype=np.int64), np.zeros((1, 1)), np.zeros((1, max(1, len(loop.metrics))))
     counters = np.zeros(6, dtype=np.int64)
-    run = loop.program.native("single").bind(P, A, S, B, counters, select, table, metrics)
+    run = loop.program.native("single", engine).bind(P, A, S, B, counters, select, table, metrics)
 
     def call() -> Live:
         S[:], B[:] = place.scalars, place.arrays

@@ -59,9 +59,16 @@ def single_rows(form: str, rounds: int, errors: dict[str, float]) -> Rows:
         contenders = {"ours": repeated(ours, repeats)}
         compared = comparisons(periods == MOVING)
         if c is not None:
+            contenders["engine c"] = repeated(entries.single(loop, periods, engine="c"), repeats)
             contenders |= {k: repeated(partial(c.run, f"{form}_{k}", periods), repeats) for k in compared}
         ns = {k: v / periods / repeats * 1e9 for k, v in interleaved(contenders, rounds).items()}
         rows.append(row(name, f"ours, {what}", ns["ours"], integrator=integrator, error=error))
+        if c is not None:
+            rows.append(
+                row(f"engine c, {form}", f"against C with the same portable functions, {what}", ns["engine c"],
+                    ratio=ns["engine c"] / ns["portable"], at_most=1.10, integrator=integrator, error=error,
+                    remark=f"C {ns['portable']:.0f} ns")
+            )  # fmt: skip
         for kind, (title, bound, note) in compared.items():
             title = f"against {title}, {what}"
             if c is None:

@@ -12,7 +12,7 @@ from typing import Any
 
 from leadscrew.bench.row import row
 
-FIRST_RESULT = "from leadscrew.bench.loops import lathe; lathe().run(4.0, engine={engine!r})"
+FIRST_RESULT = "from leadscrew.bench.loops import lathe; lathe({form!r}).run(4.0, engine={engine!r})"
 COMPILES = """\
 import time
 from leadscrew.bench import loops, probes
@@ -36,10 +36,10 @@ def fresh(code: str, folder: str) -> str:
     return done.stdout
 
 
-def wall(folder: str, engine: str = "llvm") -> float:
+def wall(folder: str, engine: str = "llvm", form: str = "hold") -> float:
     """Seconds from the start of a process to the end of its first run, its cache in ``folder``."""
     began = time.perf_counter()
-    fresh(FIRST_RESULT.format(engine=engine), folder)
+    fresh(FIRST_RESULT.format(engine=engine, form=form), folder)
     return time.perf_counter() - began
 
 
@@ -73,6 +73,29 @@ def compile_rows(rounds: int) -> list[dict[str, Any]]:
     ]  # fmt: skip
 
 
+def c_rows(rounds: int) -> list[dict[str, Any]]:
+    """Cold and cached starts of the engine ``c``, for a plant that is integrated and for one that SciPy prepares."""
+    import shutil
+
+    found = []
+    for form, remark, bounds in (
+        ("rk4", "with gcc", (0.6, 0.25)),
+        ("hold", "with gcc, and SciPy imported for the plant's matrix exponential where it is not cached", (0.6, 0.25)),
+    ):
+        what = f"process start to first result, wall time, {form}"
+        if shutil.which("gcc") is None:
+            found.append(row("start, engine c", what, unit="s", remark="left out: no gcc"))
+            continue
+        colds, warms = [], []
+        for _ in range(rounds):
+            with tempfile.TemporaryDirectory(prefix="leadscrew-bench-") as folder:
+                colds.append(wall(folder, "c", form))
+                warms.append(wall(folder, "c", form))
+        found.append(row("start, engine c, cold", what, median(colds), "s", at_most=bounds[0], remark=remark))
+        found.append(row("start, engine c, cached", what, median(warms), "s", at_most=bounds[1]))
+    return found
+
+
 def rows(rounds: int) -> list[dict[str, Any]]:
     """Cold, cached, import; and cold with Numba."""
     with tempfile.TemporaryDirectory(prefix="leadscrew-bench-") as folder:
@@ -87,4 +110,5 @@ def rows(rounds: int) -> list[dict[str, Any]]:
         row("start, cold, numba", what, numba, "s", ratio=numba / cold, remark=f"{why}; the ratio is Numba over ours"),
         row("import leadscrew", "python -X importtime, in all", median(import_seconds() for _ in range(rounds)), "s",
             at_most=0.15),
+        *c_rows(rounds),
     ]  # fmt: skip

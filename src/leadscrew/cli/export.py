@@ -61,7 +61,7 @@ def export(
     block = loop.blocks["controller"]
     assert block is not None
     title = experiment.controller or block.name
-    stem = name or title.rsplit(":", 1)[-1].rsplit(".", 1)[-1]
+    stem = title.rsplit(":", 1)[-1].rsplit(".", 1)[-1] if name is None else name
     with busy(f"{title} to {target}"):
         core, record = export_controller(loop, experiment.seconds(), name=stem, title=title, real=real, drive=drive)
         manifest = write(core, record, target, out, loop=loop, binary=not sources_only)
@@ -76,8 +76,12 @@ def export(
     )
     single = manifest.get("single_precision")
     if single:
-        worst = single["largest_difference_to_double"]
-        typer.echo(f"single precision differs from double by at most {worst:.3g} {single['unit']}".rstrip())
+        worst, unit = single["largest_difference_to_double"], single["unit"]
+        typer.echo(
+            f"single precision differs from double by at most {worst:.3g} {'' if unit == '1' else unit}".rstrip()
+        )
+    if "machine_left_out" in manifest:
+        typer.echo(f"the simulated machine is left out: {manifest['machine_left_out']}")
     typer.echo(f"next: leadscrew verify-export {out}")
 
 

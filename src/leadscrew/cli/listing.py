@@ -123,16 +123,28 @@ def _block(name: str, block: Block, as_json: bool) -> None:
         emit(
             {
                 "name": name, "kind": block.kind, "unit": block.unit, "signals": block.signals, "doc": block.doc,
-                "parameters": [s.as_dict() for s in sheet],
+                "drive": block.drive, "full_scale": block.full_scale, "sense": block.sense,
+                "bumpless": block.align is not None, "parameters": [s.as_dict() for s in sheet],
             }
         )  # fmt: skip
         return
     unit = f", in {block.unit}" if block.unit and block.unit != "1" else ""
     typer.echo(f"{name}: {block.kind}{unit}; takes {', '.join(block.signals) or 'nothing'}\n\n{plain(block.doc)}\n")
+    if block.drive:
+        typer.echo(f"{drive(block)}\n")
     if sheet:
         _settings(sheet, "parameter")
     else:
         typer.echo("It has no parameters.")
+
+
+def drive(block: Block) -> str:
+    """What a controller's output means at the machine, in one line."""
+    scale = f", full scale {block.full_scale:g} {block.unit if block.unit != '1' else ''}".rstrip()
+    way = "positive" if block.sense > 0 else "negative"
+    start = "aligned when it is enabled (bumpless)" if block.align is not None else "not bumpless"
+    full = scale if block.full_scale else ""
+    return f"drive: {block.drive}{full}; a positive output moves towards {way} feedback; {start}"
 
 
 def _study(study: Study, as_json: bool) -> None:

@@ -39,6 +39,8 @@ def checked_name(name: str) -> str:
         raise ValueRefused(f"name = {name!r}: allowed are letters, digits and underscores, a letter first")
     if not is_identifier(name):
         raise ValueRefused(f"name = {name!r} is a word of the C language or its library; {hint}")
+    if name.lower() == "check" or name.lower().startswith(("fmi2", "fmi3")):
+        raise ValueRefused(f"name = {name!r} is the name of another file of an export; {hint}")
     if len(name) > LONGEST_NAME:
         raise ValueRefused(
             f"name = {name!r} has {len(name)} characters; at most {LONGEST_NAME} are allowed: use --name"
@@ -57,8 +59,10 @@ def drive_of(block: Block, wanted: str | None) -> str:
     if wanted not in DRIVES:
         raise ValueRefused(f"drive = {wanted!r}: there are {', '.join(DRIVES)}")
     if block.drive and block.drive != wanted:
+        unit = f" {block.unit}" if block.unit not in ("", "1") else ""
+        scale = f" (full scale {block.full_scale:g}{unit})" if block.full_scale else ""
         raise ValueRefused(
-            f"drive = {wanted!r}: {block.name} commands {block.drive} (full scale {block.full_scale:g} {block.unit}); "
+            f"drive = {wanted!r}: {block.name} commands {block.drive}{scale}; "
             "choose a controller made for this drive, or put an amplifier's model between"
         )
     return wanted
@@ -113,8 +117,8 @@ def limits_of(core: Core, record: Record) -> Limits:
     """Limits for the machine: full scale, twice the record's following error, and its way against the output.
 
     The way against the output is what the machine layer counts: how far the feedback goes against an output that
-    should close the error, without slowing down. Allowed is twice what the record has, and a twentieth of its
-    following error more.
+    should close the error, without slowing down. Allowed is twice what the record has and a twentieth of its
+    following error more, and no less than a hundred of the feedback's smallest steps: noise is no fault.
     """
     at = {p.role: i for i, p in enumerate(core.inputs)}
     command, feedback = record.inputs[:, at["command"]], record.inputs[:, at["feedback"]]
@@ -132,7 +136,10 @@ def limits_of(core: Core, record: Record) -> Limits:
             worst = max(worst, way)
         last = move
     largest = float(np.max(np.abs(error), initial=0.0))
-    return Limits(core.full_scale, rounded_up(2.0 * largest), rounded_up(2.0 * worst + 0.05 * largest))
+    steps = np.abs(np.diff(feedback))
+    count = float(np.min(steps[steps > 0.0], initial=np.inf))
+    floor = 100.0 * count if np.isfinite(count) else 0.0
+    return Limits(core.full_scale, rounded_up(2.0 * largest), rounded_up(max(2.0 * worst + 0.05 * largest, floor)))
 
 
 def recorded(loop: Loop, source: Source, duration: float) -> Record:

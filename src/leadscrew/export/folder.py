@@ -17,7 +17,7 @@ from leadscrew.export.templates import render
 from leadscrew.export.verdict import DIFFERENT, GOLDEN, IDENTICAL, NOT_RUN, Verdict, golden_text, read_golden
 from leadscrew.kernel import compiler
 from leadscrew.kernel.c99.names import is_identifier
-from leadscrew.kernel.errors import DataError, EngineError, LeadscrewError, ValueRefused
+from leadscrew.kernel.errors import DataError, EngineError, LeadscrewError, SubsetError, ValueRefused
 from leadscrew.newfolder import appearing
 from leadscrew.report.strict import strict
 
@@ -32,6 +32,12 @@ TARGETS = {
 }
 """What a controller can be exported to."""
 
+LIMITS = {
+    "c99": ("max_output", "max_error", "max_wrong_way"),
+    "hal": ("maxoutput", "max-following-error", "max-wrong-way"),
+    "fmu": ("limits.max_output", "limits.max_error", "limits.max_wrong_way"),
+}
+"""What the limits of the machine layer are called there."""
 
 BSD = """\
 > Copyright (c) 2026, The Leadscrew authors
@@ -147,14 +153,18 @@ def contents(
         if loop is not None:
             from leadscrew.export import plant
 
-            found.update(plant.plant_files(loop, core))
-        about = hal.readme(core)
+            try:
+                found.update(plant.plant_files(loop, core))
+            except SubsetError as error:
+                loop, manifest["machine_left_out"] = None, str(error)
+        about = hal.readme(core, machine=loop is not None)
     else:
         found.update({**core.files, **c99.files(core)})
         about = c99.readme(core)
     found["README.md"] = render(
-        "readme.md.j2", core=core, manifest=manifest, target=TARGETS[target], about=about, licence=BSD
-    )
+        "readme.md.j2", core=core, manifest=manifest, target=TARGETS[target], about=about, licence=BSD,
+        limits=LIMITS[target.rstrip("23")],
+    )  # fmt: skip
     found["manifest.json"] = json.dumps(manifest, indent=1, allow_nan=False) + "\n"
     return found
 

@@ -60,8 +60,9 @@ def files(core: Core) -> dict[str, str]:
     """The component, its header, an example of use and a demonstration that runs without hardware.
 
     Raises:
-        ValueRefused: a name is too long for HAL.
+        ValueRefused: a name is too long for HAL, or that of a component of LinuxCNC.
     """
+    hal_names.new(core.name)
     view = _view(core)
     hal_names.fit(core.name, [p.hal for p in (*view["inputs"], *view["outputs"], *view["settings"])])
     hal_names.fit(core.name, hal_names.FIXED)
@@ -74,9 +75,9 @@ def files(core: Core) -> dict[str, str]:
     }
 
 
-def readme(core: Core) -> str:
-    """The LinuxCNC section of the README, as Markdown."""
-    return render("hal_readme.j2", **_view(core))
+def readme(core: Core, machine: bool = False) -> str:
+    """The LinuxCNC section of the README, as Markdown; ``machine`` if a simulated machine comes with it."""
+    return render("hal_readme.j2", **_view(core), machine=machine)
 
 
 def _view(core: Core) -> dict[str, Any]:

@@ -52,7 +52,11 @@ def pin(core: Core, signal: str, leaf: str, at: int) -> Pin:
 
 
 def plant_files(loop: Loop, core: Core) -> dict[str, str]:
-    """``NAME_plant.{h,c}``, the HAL component ``NAME_plant.comp``, and ``NAME_loop.hal``, which closes the loop."""
+    """``NAME_plant.{h,c}``, the HAL component ``NAME_plant.comp``, and ``NAME_loop.hal``, which closes the loop.
+
+    Raises:
+        ValueRefused: a name is too long for HAL.
+    """
     module = Module()
     plan = loop.program.plan
     held = Linker(plan, module).split()
@@ -67,6 +71,7 @@ def plant_files(loop: Loop, core: Core) -> dict[str, str]:
     vectors = {"P": plan.params.pack(params)[0], "A": plan.params.pack(params)[1],
                "S": plan.state.pack(state)[0], "B": plan.state.pack(state)[1]}  # fmt: skip
     pins = [pin(core, s, x.key, i) for i, (s, x) in enumerate(held) if s != "load"]
+    hal_names.fit(title, [*(p.hal for p in pins), "write.tmax-increased"])
     ours = {p.name: hal for side in (core.inputs, core.outputs)
             for p, hal in zip(side, hal_names.pins((q.name, q.role) for q in side), strict=True)}  # fmt: skip
     values = {

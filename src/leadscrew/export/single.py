@@ -14,11 +14,29 @@ import numpy as np
 from leadscrew.export.source import Source
 from leadscrew.kernel import bits
 from leadscrew.kernel.c99.types import DOUBLE
+from leadscrew.kernel.ieee import ieee_range
 from leadscrew.kernel.layout import is_branch
 from leadscrew.kernel.module import Module
 from leadscrew.kernel.trees import copied
 
 F = np.float32
+
+
+class _Whole:
+    """A constant array of whole numbers, which gives them as Python has them."""
+
+    def __init__(self, value: np.ndarray) -> None:
+        self.value, self.shape = value, value.shape
+
+    def __len__(self) -> int:
+        return len(self.value)
+
+    def __getitem__(self, at: Any) -> int:
+        return int(self.value[at])
+
+
+def _zeros(shape: Any) -> np.ndarray:
+    return np.zeros(shape, dtype=F)
 
 
 def _divide(a: Any, b: Any) -> Any:
@@ -66,6 +84,16 @@ class _Single(ast.NodeTransformer):
         self.generic_visit(node)
         return node
 
+    def visit_Compare(self, node: ast.Compare) -> ast.expr:
+        self.generic_visit(node)
+        return ast.Call(ast.Name("bool", ast.Load()), [node], [])
+
+    def visit_Call(self, node: ast.Call) -> ast.expr:
+        if ast.unparse(node.func) in ("np.zeros", "np.empty"):
+            return ast.Call(ast.Name("_zeros", ast.Load()), node.args, [])
+        self.generic_visit(node)
+        return node
+
     def visit_BinOp(self, node: ast.BinOp) -> ast.expr:
         self.generic_visit(node)
         name = _OPERATORS.get(type(node.op))
@@ -83,24 +111,28 @@ def _rounded(function: Any) -> Any:
 
 
 def as_single(value: Any) -> Any:
-    """A value with every float rounded to single precision, arrays included."""
+    """A value with every float rounded to single precision, and every number of an array."""
     if is_branch(value):
         return type(value)(*(as_single(v) for v in value))
-    if isinstance(value, np.ndarray):
-        return value.astype(F) if value.dtype.kind == "f" else value
-    return F(value) if isinstance(value, float | np.floating) else value
+    with np.errstate(over="ignore"):
+        if isinstance(value, np.ndarray):
+            return value.astype(F)
+        return F(value) if isinstance(value, float | np.floating) else value
 
 
 def namespace(module: Module, source: Source) -> dict[str, Any]:
     """The functions of a module in single precision."""
-    space: dict[str, Any] = {"np": np, "_f": F, "_divide": _divide, "_modulo": _modulo, "_floor_divide": _floor_divide}
+    space: dict[str, Any] = {
+        "np": np, "_f": F, "_zeros": _zeros, "_divide": _divide, "_modulo": _modulo, "_floor_divide": _floor_divide,
+        "range": ieee_range,
+    }  # fmt: skip
     doubles = module.namespace()
     space.update({name: getattr(bits, name) for name in bits.INTRINSICS})
     for item in module.ordered():
         if item.kind == "class":
             space[item.name] = item.value
         elif item.kind == "array":
-            space[item.name] = as_single(item.value)
+            space[item.name] = _Whole(item.value) if item.value.dtype.kind == "i" else as_single(item.value)
         elif source.unit.real_of(item) is DOUBLE:
             space[item.name] = _rounded(doubles[item.name])
         else:
@@ -115,8 +147,6 @@ def replay(source: Source, inputs: np.ndarray) -> np.ndarray:
     step = namespace(source.module, source)[source.step]
     block = source.block
     p, s = as_single(source.prepared), as_single(source.state)
-    if s is not None:
-        s = type(s)(*(v.copy() if isinstance(v, np.ndarray) else v for v in s))
     names = [a.key for a in source.inputs]
     out: list[list[float]] = []
     with np.errstate(all="ignore"):

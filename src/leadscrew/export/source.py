@@ -15,14 +15,17 @@ from leadscrew.kernel.c99.expressions import Expressions
 from leadscrew.kernel.c99.layout import wrapped
 from leadscrew.kernel.c99.names import safe, safe_field
 from leadscrew.kernel.c99.prelude import GUARD
-from leadscrew.kernel.c99.translation import Translation
+from leadscrew.kernel.c99.translation import EMPTY, Translation
 from leadscrew.kernel.c99.types import DOUBLE, FLOAT, INT, Number, Pair, Struct, Type, has_arrays
+from leadscrew.kernel.errors import BlockError, SubsetError
 from leadscrew.kernel.frame import as_floats
 from leadscrew.kernel.layout import Branch, Layout, Leaf, leaves
 from leadscrew.kernel.module import Module
 from leadscrew.kernel.trees import each
 
 INPUTS = ("command", "feedback")
+LOCALS = ("params", "state", "p", "s", "r", "value", "next", "output", "command_", "feedback_", "exported", "fresh")
+"""The names that the public functions use themselves."""
 
 
 @dataclass(frozen=True)
@@ -52,6 +55,8 @@ class Source:
         for value, arg in ((prepared, "p"), (state, "s")):
             if value is not None:
                 self.module.arguments[id(block.step), arg] = type(value)
+        if block.align is not None and prepared is not None:
+            self.module.arguments[id(block.align), block.align.__code__.co_varnames[0]] = type(prepared)
         self.step = self.module.callable(block.step)
         self.unit = Translation(self.module, self.real, prefix=f"{name}_")
         ends = ("params", "state", "defaults", "start", "align", "step", "machine", "period")
@@ -62,6 +67,23 @@ class Source:
         self.stored: dict[Type, str] = {}
         self.inputs = [a for s in INPUTS for a in self.arguments(s) if self.wanted(a)]
         self.outputs = [Argument(a.key, a.name) for a in self.arguments("output")]
+        self.unit.taken |= {*LOCALS, *self.names()}
+
+    def names(self) -> set[str]:
+        """The names of what ``NAME_step`` takes and gives.
+
+        Raises:
+            BlockError: two numbers would have one name.
+        """
+        found: dict[str, str] = {}
+        for a in (*self.inputs, *self.outputs):
+            if a.name in found:
+                raise BlockError(
+                    f"{self.block.name}: the signals {found[a.name]!r} and {a.key!r} would both be {a.name!r} in C; "
+                    "rename one of the fields"
+                )
+            found[a.name] = a.key
+        return set(found)
 
     # ---- signals
     def tree(self, signal: str) -> Leaf | Branch:
@@ -78,17 +100,19 @@ class Source:
         signal, *rest = argument.key.split(".")
         if not rest or rest == ["position"]:
             return True
-        node = self.module.items[self.step].node
-        read = {n.attr for n in each(node) if isinstance(n, ast.Attribute) and ast.unparse(n.value) == signal}
-        fields = sum(isinstance(n, ast.Attribute) and ast.unparse(n.value) == signal for n in each(node))
-        bare = sum(isinstance(n, ast.Name) and n.id == signal for n in each(node)) - fields
-        return rest[0] in read or bare > 0 or (self.block.align is not None and self.in_align(signal, rest[0]))
+        return any(self.reads(f, signal, rest[0]) for f in (self.block.step, self.block.align) if f is not None)
 
-    def in_align(self, signal: str, field: str) -> bool:
-        """Whether the controller's alignment reads a field of a signal."""
-        assert self.block.align is not None
-        node = self.module.items[self.module.callable(self.block.align)].node
-        return any(isinstance(n, ast.Attribute) and n.attr == field for n in each(node))
+    def reads(self, function: Callable[..., Any], signal: str, field: str) -> bool:
+        """Whether a function of the block reads a field of a signal, or hands the whole signal on."""
+        names = function.__code__.co_varnames[: function.__code__.co_argcount]
+        if signal not in names:
+            return False
+        node = self.module.items[self.module.callable(function)].node
+        assert isinstance(node, ast.FunctionDef)
+        mine = node.args.args[names.index(signal)].arg
+        read = [n.attr for n in each(node) if isinstance(n, ast.Attribute) and ast.unparse(n.value) == mine]
+        uses = sum(isinstance(n, ast.Name) and n.id == mine for n in each(node))
+        return field in read or uses > len(read)
 
     # ---- values in C
     def number(self, value: Any, kind: Number) -> str:
@@ -98,12 +122,16 @@ class Source:
     def initial(self, node: Leaf | Branch, value: Any, depth: int) -> str:
         """A value as the initialiser of its storage."""
         pad = "    " * depth
+        if isinstance(node, Branch) and not node.parts:
+            return "{0}"
         if isinstance(node, Branch):
             rows = [f"{pad}.{self.field(p)} = {self.initial(p, v, depth + 1)},"
                     for p, v in zip(node.parts, value, strict=True)]  # fmt: skip
             return "{\n" + "\n".join(rows) + f"\n{'    ' * (depth - 1)}}}"
         if node.kind != "array":
             return self.number(value, self.unit.number(node.kind))
+        if not node.size:
+            return "{0}"
         table = np.asarray(value, dtype=np.float64).reshape(node.shape[0], -1).tolist()
         rows = [", ".join(self.number(x, self.real) for x in row) for row in table]
         if len(node.shape) == 1:
@@ -120,8 +148,10 @@ class Source:
         """The declaration of a field that keeps its arrays in itself; nested types that need one go to ``types``."""
         name = self.field(node)
         if isinstance(node, Leaf):
+            if node.kind == "array" and not node.shape:
+                raise SubsetError(f"{self.block.name}: {node.key!r} is an array of no dimension; make it a float")
             if node.kind == "array":
-                return f"{self.real.c} {name}[{node.size}]"
+                return f"{self.real.c} {name}[{max(1, node.size)}]"
             return self.unit.declaration(self.unit.number(node.kind), name)
         kind = self.unit.type_of(node, const=True)
         if not has_arrays(kind):
@@ -151,6 +181,7 @@ class Source:
             note = ", ".join(x for x in (notes.get(key, ""), shape) if x)
             rows.append(f"    {self.storage(part, types)};{f' /* {note} */' if note else ''}")
         rows += [last] if last else []
+        rows = rows or [EMPTY]
         about = comments.block(comments.about(node.type))
         return f"{about}typedef struct {title} {{\n" + "\n".join(rows) + f"\n}} {title};\n"
 
@@ -164,7 +195,7 @@ class Source:
         """A view, field by field."""
         dot = "" if place.endswith("->") else "."
         rows = ((self.field(p), self.view(p, f"{place}{dot}{self.field(p)}", const)) for p in node.parts)
-        return f"{{{', '.join(f'.{name} = {text}' for name, text in rows)}}}"
+        return f"{{{', '.join(f'.{name} = {text}' for name, text in rows) or '0'}}}"
 
     def stores(self, node: Leaf | Branch, place: str, source: str) -> list[str]:
         """Writes of a step's next state into its storage; arrays were written where they lie."""
@@ -191,7 +222,7 @@ class Source:
         def value(node: Leaf | Branch) -> str:
             if isinstance(node, Leaf):
                 return given.get(f"{signal}.{node.key}", self.number(0.0, self.real))
-            return f"{{{', '.join(f'.{self.field(p)} = {value(p)}' for p in node.parts)}}}"
+            return f"{{{', '.join(f'.{self.field(p)} = {value(p)}' for p in node.parts) or '0'}}}"
 
         kind = self.unit.type_of(tree, const=True)
         return [f"const {self.unit.name_of(kind)} {signal}_ = {value(tree)};"]
@@ -203,7 +234,8 @@ class Source:
     def build(self, node: Leaf | Branch, signal: str, given: dict[str, Any], number: Callable[[float], Any]) -> Any:
         """A part of a signal's value."""
         if isinstance(node, Leaf):
-            return given.get(f"{signal}.{node.key}" if node.key else signal, number(0.0))
+            found = given.get(f"{signal}.{node.key}" if node.key else signal, number(0.0))
+            return {"int": int, "bool": bool}.get(node.kind, number)(found)
         return node.type(*(self.build(p, signal, given, number) for p in node.parts))
 
     @staticmethod
@@ -262,6 +294,7 @@ class Source:
                 kinds.append(self.real)
                 texts.append(s)
         made = self.unit.function(self.module.callable(function), kinds)
+        self.unit.roots.add(made.name)
         unused = [f"(void){a.name};" for a in self.inputs if a.key.split(".")[0] not in signals]
         return f"{made.name}({', '.join(texts)})", made.result, [*before, *unused]
 
@@ -269,7 +302,7 @@ class Source:
         """The statements of ``NAME_step``."""
         params, p_kind = self.own("params", self.prepared, True)
         state, s_kind = self.own("state", self.state, False)
-        lines, lead = self.views(params, p_kind, state, s_kind)
+        lines, lead = self.views(params, p_kind, state, s_kind, self.block.signals)
         call, kind, before = self.used(self.block.step, lead, self.block.signals)
         lines += before
         if state is not None:
@@ -288,7 +321,10 @@ class Source:
             return [*lines, f"return {out}{tail};"]
         return [*lines, *(f"*{o.name} = {out}{o.key.removeprefix('output')};" for o in self.outputs)]
 
-    def views(self, params: Branch | None, p_kind: Type | None, state: Branch | None, s_kind: Type | None):
+    def views(
+        self, params: Branch | None, p_kind: Type | None, state: Branch | None, s_kind: Type | None,
+        signals: tuple[str, ...],
+    ) -> tuple[list[str], list[tuple[str, Type]]]:  # fmt: skip
         """The locals ``p`` and ``s``, and the arguments that they make."""
         lines: list[str] = []
         lead: list[tuple[str, Type]] = []
@@ -296,7 +332,7 @@ class Source:
             if tree is not None and kind is not None:
                 lines.append(f"const {self.unit.name_of(kind)} {local} = {self.fields(tree, place, local == 'p')};")
                 lead.append((local, kind))
-        if params is None and not {"t", "dt"} & set(self.block.signals):
+        if not (params and params.parts) and not {"t", "dt"} & set(signals):
             lines.append("(void)params;")
         return lines, lead
 
@@ -307,8 +343,7 @@ class Source:
         state, _ = self.own("state", self.state, False)
         assert state is not None
         names = self.block.align.__code__.co_varnames[: self.block.align.__code__.co_argcount]
-        self.module.arguments[id(self.block.align), names[0]] = type(self.prepared)
-        lines, lead = self.views(params, p_kind, None, None)
+        lines, lead = self.views(params, p_kind, None, None, names)
         call, kind, before = self.used(self.block.align, lead, tuple(names[len(lead) :]))
         unused = [] if "output" in names else ["(void)output;"]
         lines += [*before, *unused, f"const {self.unit.name_of(kind)} next = {call};", ""]
@@ -356,7 +391,8 @@ class Source:
             f"{sign}\n{{\n" + "\n".join(y for x in indented(lines) for y in wrapped(f"    {x}")) + "\n}\n"
             for sign, (_, lines) in public.items()
         ]
-        code = [self.head, f'#include "{n}.h"\n', self.unit.includes("float.h"), GUARD, self.unit.text(), *bodies]
+        includes = self.unit.includes("float.h")
+        code = [self.head, f'#include "{n}.h"\n', includes, GUARD, self.unit.text(), *bodies]
         return {f"{n}.h": "\n".join(header), f"{n}.c": "\n".join(code)}
 
 

@@ -60,7 +60,7 @@ def _identity() -> str:
     here = Path(__file__).parent
     files = [f for name in SOURCES for f in (sorted((here / name).glob("*.py")) or [here / name])]
     code = b"".join(f.read_bytes() for f in files)
-    parts = (str(path), str(stat.st_size), str(stat.st_mtime_ns), platform.machine(), flags, " ".join(FLAGS), str(LEVELS))
+    parts = (str(path), str(stat.st_size), str(stat.st_mtime_ns), platform.machine(), flags, str(FLAGS), str(LEVELS))
     return hashlib.sha256("\n".join(parts).encode() + code).hexdigest()[:12]
 
 

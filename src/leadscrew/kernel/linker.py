@@ -299,10 +299,13 @@ class Linker(Places):
             self.module.entry(continuous.continuous, "single")
             return self.module
         self.module.entry(single.single, "single")
+        return self.module
+
+    def lanes(self) -> None:
+        """Adds the entries for batches."""
         for recording, title in ((False, "lanes"), (True, "lanes_recorded")):
             self.module.constants["RECORDING"] = recording
             self.module.entry(lanes.lanes, title)
-        return self.module
 
 
 __all__ = ["LANES", "LARGEST", "METHODS", "Linker", "Plan"]

@@ -165,6 +165,7 @@ class Module:
     def entry(self, driver: Any, name: str) -> str:
         """Adds a driver as an entry under a name, specialised by the constants that hold now."""
         self.names.pop(id(driver), None)
+        self._fuser = None
         worker = Normaliser(self, driver, trusted=True)
         name = self.fresh(name)
         self.items[name] = Item(name, ast.Pass(), "", "entry", driver, True)

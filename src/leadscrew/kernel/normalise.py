@@ -60,7 +60,7 @@ class Normaliser(Calls):
         if not self.trusted:
             definite.check(self.shared, self.locals, self.refuse)
         self.part_locals_from_globals()
-        return ast.fix_missing_locations(node)
+        return node
 
     @cached_property
     def kinds(self) -> Kinds:

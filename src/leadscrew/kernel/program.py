@@ -36,7 +36,10 @@ class Program:
 
     def __init__(self, plan: Plan, module: Module) -> None:
         self.plan = plan
-        self.module = Linker(plan, module).link()
+        self.linker = Linker(plan, module)
+        self.module = self.linker.link()
+        self.name = f"loop_{self.module.identity()}"
+        """The loop's name in the cache and in manifests: the hash of its module."""
         self._compiled: dict[tuple[str, str], Entry] = {}
 
     @cached_property
@@ -45,9 +48,14 @@ class Program:
         return self.module.text("single")
 
     @cached_property
-    def name(self) -> str:
-        """The loop's name in the cache and in manifests: the hash of its module."""
+    def batches(self) -> str:
+        """Adds the entries for batches to the module; gives its name with them."""
+        self.linker.lanes()
         return f"loop_{self.module.identity()}"
+
+    def title(self, name: str) -> str:
+        """What an entry is called in the cache; the entry is there afterwards."""
+        return f"{self.name if name == 'single' else self.batches}_{name}"
 
     @cached_property
     def _python(self) -> dict[str, Any]:
@@ -75,6 +83,7 @@ class Program:
         if engine in ("llvm", "c"):
             return self.native(name, engine)
         if engine == "numba":
+            self.title(name)
             return self._numba(name)
         if engine == "python":
             return self._overflow_as_ieee(self._python[name])
@@ -89,7 +98,7 @@ class Program:
             else:
                 from leadscrew.kernel.native import compiled
             ranks = RANKS["single" if name == "single" else "lanes"]
-            self._compiled[name, engine] = compiled(self.module, name, f"{self.name}_{name}", ranks)
+            self._compiled[name, engine] = compiled(self.module, name, self.title(name), ranks)
         return self._compiled[name, engine]
 
     @staticmethod

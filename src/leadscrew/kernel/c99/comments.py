@@ -19,8 +19,9 @@ from leadscrew.kernel.subset import is_named_tuple_type
 
 
 def clean(text: str) -> str:
-    """Text that can stand inside a C comment."""
-    return text.replace("*/", "* /").replace("/*", "/ *").replace("``", "")
+    """Text that can stand inside a C comment: nothing that ends it, joins its lines or turns the writing round."""
+    text = "".join(c if c.isprintable() else " " for c in text.replace("``", "")).replace("??/", "?? /")
+    return text.replace("*/", "* /").replace("/*", "/ *")
 
 
 def block(lines: list[str], place: str = "") -> str:

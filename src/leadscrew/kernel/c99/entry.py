@@ -29,6 +29,7 @@ def entry_function(unit: Translation, node: ast.FunctionDef, ranks: Ranks, title
     printer = Function(unit, node, arguments, DOUBLE, node.name, {})
     printer.infer()
     body = printer.body()
+    unit.roots |= printer.uses
     head = "\n".join(wrapped(f"{title}({', '.join(taken)})"))
     return f"{head}\n{{\n{body}\n}}\n"
 

@@ -4,17 +4,41 @@ from __future__ import annotations
 
 import ast
 import math
-from typing import TYPE_CHECKING, NamedTuple, NoReturn
+import operator
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any, NamedTuple, NoReturn
 
 import numpy as np
 
-from leadscrew.kernel.c99.types import BOOL, DOUBLE, FLOAT, INT, Array, Number, Pair, Struct, Type, joined, sizes_of
+from leadscrew.kernel.c99.types import (
+    BOOL,
+    DOUBLE,
+    FLOAT,
+    INT,
+    Array,
+    Number,
+    Pair,
+    Struct,
+    Type,
+    arrays_of,
+    as_local,
+    joined,
+    sizes_of,
+)
 from leadscrew.kernel.errors import SubsetError
 
 if TYPE_CHECKING:
     from leadscrew.kernel.c99.translation import Translation
 
 PRIMARY, UNARY, PRODUCT, SUM, RELATION, EQUALITY, BITS, AND, OR, CHOICE = 10, 9, 8, 7, 6, 5, 4, 3, 2, 1
+
+
+LITERALLY: dict[type, Any] = {
+    ast.Add: operator.add, ast.Sub: operator.sub, ast.Mult: operator.mul, ast.BitAnd: operator.and_,
+    ast.BitOr: operator.or_, ast.BitXor: operator.xor, ast.Lt: operator.lt, ast.LtE: operator.le, ast.Gt: operator.gt,
+    ast.GtE: operator.ge, ast.Eq: operator.eq, ast.NotEq: operator.ne,
+}  # fmt: skip
+"""What operators give of two literals."""
 
 
 class Value(NamedTuple):
@@ -24,10 +48,16 @@ class Value(NamedTuple):
     type: Type
     level: int = PRIMARY
     literal: float | int | None = None
+    narrow: bool = False
+    """Whether C computes this integer with fewer than 64 bits."""
 
 
 class Unknown(Exception):
     """The type of a local that is not known yet."""
+
+
+class WritesConstant(SubsetError):
+    """A write into an array that cannot be written, in a function of our own."""
 
 
 class Expressions:
@@ -39,15 +69,24 @@ class Expressions:
     types: dict[str, Type]
     names: dict[str, str]
     place: str
+    top: ast.expr | None = None
+    """The expression of which nobody wants the value."""
+    uses: set[str]
+    """The functions and tables of the file that are used."""
 
     def refuse(self, node: ast.AST, what: str) -> NoReturn:
         """Says what cannot be printed, and where it was written."""
-        line = getattr(node, "lineno", 0)
-        at = f"{self.place}:{line}" if line > 1 else self.place
-        raise SubsetError(f"{at}: in {self.node.name!r}: {what} cannot be translated to C: {ast.unparse(node)[:100]}")
+        file, _, first = self.place.rpartition(":")
+        at = f"{file}:{getattr(node, 'lineno', first)}: " if file else ""
+        text = " ".join(ast.unparse(node)[:100].split())
+        raise SubsetError(f"{at}in {self.node.name!r}: {what} cannot be translated to C: {text}")
 
     def hoisted(self, value: Value) -> Value:
         """A call's value; kept in a local where the order of effects matters."""
+        return value
+
+    def held(self, value: Value) -> Value:
+        """A value kept in a local."""
         return value
 
     # ---- printing
@@ -59,17 +98,34 @@ class Expressions:
     def number(self, value: float | int | bool, kind: Number) -> Value:
         """A literal."""
         if kind is BOOL:
+            self.unit.include("stdbool.h")
             return Value("true" if value else "false", BOOL, PRIMARY, int(value))
         if kind is INT:
-            text = str(int(value)) if abs(int(value)) < 2**31 else f"INT64_C({int(value)})"
-            return Value(text, INT, PRIMARY if value >= 0 else UNARY, int(value))
-        value = float(np.float32(value)) if kind is FLOAT else float(value)
+            return self.whole(int(value))
+        with np.errstate(over="ignore"):
+            value = float(np.float32(value)) if kind is FLOAT else float(value)
         if not math.isfinite(value):
             self.unit.include("math.h")
             sign = "-" if value < 0 else ""
             return Value(f"{sign}{'NAN' if math.isnan(value) else 'INFINITY'}", kind, UNARY if sign else PRIMARY)
         text = f"{np.float32(value)!s}f" if kind is FLOAT else repr(value)
         return Value(text, kind, PRIMARY if text[0] != "-" else UNARY, value)
+
+    @staticmethod
+    def whole(value: int) -> Value:
+        """An integer literal, of 64 bits at most."""
+        value = (value + 2**63) % 2**64 - 2**63
+        if value == -(2**63):
+            return Value("INT64_MIN", INT, PRIMARY, value)
+        narrow = abs(value) < 2**31
+        text = str(value) if narrow else f"INT64_C({value})"
+        return Value(text, INT, PRIMARY if value >= 0 else UNARY, value, narrow)
+
+    def wide(self, value: Value) -> Value:
+        """An integer with all its 64 bits, where C would compute with fewer."""
+        if value.type is not BOOL and not value.narrow:
+            return value
+        return Value(f"(int64_t){self.inside(value, UNARY)}", INT, UNARY, value.literal)
 
     def cast(self, value: Value, kind: Type) -> Value:
         """A number as another type, where C would not do it by itself; a literal is written anew."""
@@ -118,7 +174,11 @@ class Expressions:
             if node.id not in self.types:
                 raise Unknown
             return Value(self.names[node.id], self.types[node.id])
-        return self.unit.table(node.id)
+        found = self.unit.table(node.id)
+        if found is None:
+            self.refuse(node, f"the value {node.id!r}")
+        self.uses.add(found.text)
+        return found
 
     def on_attribute(self, node: ast.Attribute) -> Value:
         text = ast.unparse(node)
@@ -134,11 +194,10 @@ class Expressions:
     def on_subscript(self, node: ast.Subscript) -> Value:
         inner = node.value
         if isinstance(inner, ast.Attribute) and inner.attr == "shape":
-            array = self.value(inner.value)
-            at = self.value(node.slice).literal
-            if not isinstance(array.type, Array) or at is None:
+            shape, at = self.shape(inner.value), self.value(node.slice).literal
+            if at is None or not -len(shape) <= at < len(shape):
                 self.refuse(node, "this size")
-            size = array.type.shape[int(at)]
+            size = shape[int(at)]
             return self.number(size, INT) if isinstance(size, int) else Value(size, INT)
         array = self.value(inner)
         if not isinstance(array.type, Array):
@@ -149,20 +208,39 @@ class Expressions:
             low, high = (self.value(x).literal for x in (node.slice.lower, node.slice.upper))
             assert low is not None and high is not None
             text = base if low == 0 else f"{base} + {low}"
-            return Value(text, Array(array.type.element, (int(high - low),), array.type.const), SUM)
+            return Value(text, replace(array.type, shape=(int(high - low),)), SUM)
         indices = node.slice.elts if isinstance(node.slice, ast.Tuple) else [node.slice]
         shape = array.type.shape
-        offset = self.value(indices[0])
+        offset = self.index(node, indices[0], shape[0])
         for size, index in zip(shape[1:], indices[1:], strict=False):
             scaled = self.by(offset, size)
-            more = self.value(index)
+            more = self.index(node, index, size)
             offset = Value(f"{scaled.text} + {self.inside(more, PRODUCT)}", INT, SUM)
         rest = shape[len(indices) :]
         if rest:
             for size in rest:
                 offset = self.by(offset, size)
-            return Value(f"{base} + {offset.text}", Array(array.type.element, rest, array.type.const), SUM)
+            return Value(f"{base} + {offset.text}", replace(array.type, shape=rest), SUM)
         return self.hoisted(Value(f"{base}[{offset.text}]", array.type.element))
+
+    def shape(self, node: ast.expr) -> tuple[int | str, ...]:
+        """The sizes of an array."""
+        uses = set(self.uses)
+        array = self.value(node)
+        self.uses = uses
+        if not isinstance(array.type, Array):
+            self.refuse(node, "the size of what is not an array")
+        return array.type.shape
+
+    def index(self, node: ast.expr, index: ast.expr, size: int | str) -> Value:
+        """One index; a literal one below zero is counted from the end."""
+        found = self.value(index)
+        if found.literal is None or not isinstance(size, int):
+            return found
+        place = int(found.literal) + (size if found.literal < 0 else 0)
+        if not 0 <= place < size:
+            self.refuse(node, f"the index {found.literal} into an array of {size}")
+        return self.whole(place)
 
     def by(self, offset: Value, size: int | str) -> Value:
         """An offset times a size."""
@@ -179,11 +257,14 @@ class Expressions:
             self.refuse(node, "this operator")
         kind = value.type if value.type.rank >= INT.rank else INT
         if isinstance(node.op, ast.UAdd):
-            return value
+            return self.wide(value) if value.type is BOOL else value
         if isinstance(node.op, ast.USub) and value.literal is not None:
-            return self.number(-value.literal, kind) if value.literal else Value(f"-{value.text}", kind, UNARY)
+            signed_zero = value.literal == 0 and kind is not INT
+            return Value(f"-{value.text}", kind, UNARY) if signed_zero else self.number(-value.literal, kind)
+        if isinstance(node.op, ast.Invert) and value.literal is not None:
+            return self.whole(~int(value.literal))
         sign = "~" if isinstance(node.op, ast.Invert) else "-"
-        return Value(f"{sign}{self.inside(value, PRIMARY)}", kind, UNARY)
+        return Value(f"{sign}{self.inside(self.wide(value), PRIMARY)}", kind, UNARY)
 
     def on_boolop(self, node: ast.BoolOp) -> Value:
         sign, level = ("&&", AND) if isinstance(node.op, ast.And) else ("||", OR)
@@ -195,13 +276,30 @@ class Expressions:
         ends = [self.value(x) for x in (node.left, *node.comparators)]
         parts = []
         for i, op in enumerate(node.ops):
-            a, b, kind = self.met(ends[i], ends[i + 1])
-            if a.text == b.text and len(node.ops) == 1:
-                return self.with_itself(a, op, kind)
-            parts.append(f"{self.inside(a, SUM)} {signs[type(op)]} {self.inside(b, SUM)}")
-        order = isinstance(node.ops[0], ast.Lt | ast.LtE | ast.Gt | ast.GtE)
-        level = AND if len(parts) > 1 else RELATION if order else EQUALITY
-        return Value(" && ".join(parts), BOOL, level)
+            a, b, kind = self.met(*self.beside(ends[i], ends[i + 1]))
+            if a.text == b.text:
+                parts.append(self.with_itself(a, op, kind))
+                continue
+            if a.literal is not None and b.literal is not None:
+                parts.append(self.number(LITERALLY[type(op)](a.literal, b.literal), BOOL))
+                continue
+            level = RELATION if isinstance(op, ast.Lt | ast.LtE | ast.Gt | ast.GtE) else EQUALITY
+            texts = (f"({v.text})" if v.text[0] == "!" else self.inside(v, SUM) for v in (a, b))
+            parts.append(Value(f" {signs[type(op)]} ".join(texts), BOOL, level))
+        return parts[0] if len(parts) == 1 else Value(" && ".join(self.inside(x, EQUALITY) for x in parts), BOOL, AND)
+
+    def beside(self, a: Value, b: Value) -> tuple[Value, Value]:
+        """Two values that are compared; truth values as integers, unless neither is a literal."""
+        if a.type is BOOL and b.type is BOOL and a.literal is None and b.literal is None:
+            return a, b
+        return self.counted(a, b), self.counted(b, a)
+
+    def counted(self, value: Value, other: Value) -> Value:
+        """A truth value or masked integer as one of which C compilers do not know that it has few values."""
+        if value.literal is not None or not (value.type is BOOL or (value.level == BITS and other.literal is not None)):
+            return self.wide(value) if value.type is BOOL else value
+        self.unit.help("whole")
+        return Value(f"whole({value.text})", INT)
 
     def with_itself(self, value: Value, op: ast.cmpop, kind: Number) -> Value:
         """A number compared with itself: what Python code asks NaN by, and C compilers warn of."""
@@ -221,8 +319,10 @@ class Expressions:
             self.refuse(node, "a choice between values of two types")
         if isinstance(kind, Number) and kind is not BOOL:
             a, b, _ = self.met(a, b, kind)
+        elif not isinstance(kind, Number):
+            a, b = self.converted(a, kind), self.converted(b, kind)
         text = f"{self.inside(test, AND)} ? {self.inside(a, OR)} : {self.inside(b, CHOICE)}"
-        return Value(text, kind, CHOICE)
+        return Value(text, kind, CHOICE, narrow=all(v.narrow or v.type is BOOL for v in (a, b)))
 
     def on_binop(self, node: ast.BinOp) -> Value:
         left, right = self.value(node.left), self.value(node.right)
@@ -232,12 +332,19 @@ class Expressions:
         if op in (ast.BitAnd, ast.BitOr, ast.BitXor):
             kind = BOOL if left.type is BOOL and right.type is BOOL else INT
             sign = {ast.BitAnd: "&", ast.BitOr: "|", ast.BitXor: "^"}[op]
-            return Value(f"{self.inside(left, UNARY)} {sign} {self.inside(right, UNARY)}", kind, BITS)
+            if kind is INT and left.literal is not None and right.literal is not None:
+                return self.whole(LITERALLY[op](int(left.literal), int(right.literal)))
+            left, right = (Value(f"(int64_t){self.inside(v, UNARY)}", INT, UNARY) if v.type in (FLOAT, DOUBLE) else v
+                           for v in (left, right))  # fmt: skip
+            narrow = all(v.narrow or v.type is BOOL for v in (left, right))
+            return Value(f"{self.inside(left, UNARY)} {sign} {self.inside(right, UNARY)}", kind, BITS, narrow=narrow)
         if op is ast.LShift:
             self.unit.help("shift_left")
             return Value(f"shift_left({left.text}, {right.text})", INT)
         if op is ast.RShift:
-            return Value(f"{self.inside(left, UNARY)} >> {self.inside(right, UNARY)}", INT, BITS)
+            if left.literal is not None and right.literal is not None:
+                return self.whole(int(left.literal) >> int(right.literal))
+            return Value(f"{self.inside(self.wide(left), UNARY)} >> {self.inside(right, UNARY)}", INT, BITS)
         if op is ast.Div:
             a, b, kind = self.met(left, right, self.real)
             if a.type.rank < self.real.rank and b.type.rank < self.real.rank:  # type: ignore[union-attr]
@@ -245,8 +352,9 @@ class Expressions:
             return Value(f"{self.inside(a, PRODUCT)} / {self.inside(b, UNARY)}", kind, PRODUCT)
         a, b, kind = self.met(left, right)
         if kind is INT and a.literal is not None and b.literal is not None and op in (ast.Add, ast.Sub, ast.Mult):
-            folded = {ast.Add: int.__add__, ast.Sub: int.__sub__, ast.Mult: int.__mul__}[op]
-            return self.number(folded(int(a.literal), int(b.literal)), INT)
+            return self.whole(LITERALLY[op](int(a.literal), int(b.literal)))
+        if kind is INT and all(v.narrow or v.type is BOOL for v in (a, b)):
+            a = self.wide(a)
         if op in (ast.Mod, ast.FloorDiv):
             name = f"{'int' if kind is INT else 'float'}_{'mod' if op is ast.Mod else 'floordiv'}"
             self.unit.help(name)
@@ -261,10 +369,6 @@ class Expressions:
     def on_tuple(self, node: ast.Tuple) -> Value:
         parts = [self.value(e) for e in node.elts]
         kind = Pair(tuple(p.type for p in parts))
-        return self.packed(parts, kind)
-
-    def packed(self, parts: list[Value], kind: Pair) -> Value:
-        """A tuple of values."""
         return Value(f"({self.unit.name_of(kind)}){{{', '.join(p.text for p in parts)}}}", kind)
 
     def on_call(self, node: ast.Call) -> Value:
@@ -277,10 +381,11 @@ class Expressions:
             array = self.value(node.func.value)
             assert isinstance(array.type, Array)
             sizes = tuple(self.value(a).literal for a in node.args)
-            return array._replace(type=Array(array.type.element, sizes, array.type.const))  # type: ignore[arg-type]
+            return array._replace(type=replace(array.type, shape=sizes))  # type: ignore[arg-type]
         if self.unit.is_class(name):
             return self.built(name, [self.value(self.uncast(a)) for a in node.args])
-        return self.hoisted(self.called(node, name, [self.value(a) for a in node.args]))
+        found = self.called(node, name, [self.value(a) for a in node.args])
+        return found if node is self.top else self.hoisted(found)
 
     @staticmethod
     def uncast(node: ast.expr) -> ast.expr:
@@ -294,27 +399,41 @@ class Expressions:
         kind = self.unit.struct_of(name, [p.type for p in parts])
         pairs = zip(kind.fields, parts, strict=True)
         inits = [f".{self.unit.field(kind, f)} = {self.assigned(v, t)}" for (f, t), v in pairs]
-        return Value(f"({self.unit.name_of(kind)}){{{', '.join(inits)}}}", kind)
+        return Value(f"({self.unit.name_of(kind)}){{{', '.join(inits) or '0'}}}", kind)
 
     def assigned(self, value: Value, kind: Type) -> str:
         """The text of a value where a value of a type is wanted."""
         if isinstance(kind, Number) and value.literal is not None and value.type is not BOOL:
             return self.number(value.literal, kind).text if kind is not BOOL else self.truth(value).text
-        return self.truth(value).text if kind is BOOL else value.text
+        return self.truth(value).text if kind is BOOL else self.converted(value, kind).text
+
+    def converted(self, value: Value, kind: Type) -> Value:
+        """A tuple or NamedTuple as one of another type, item by item."""
+        if value.type == kind or not isinstance(kind, Pair | Struct):
+            return value
+        mine, wanted = self.unit.items(value.type), self.unit.items(kind)
+        base = self.held(value)
+        parts = [Value(f"{self.inside(base, PRIMARY)}.{field}", k) for field, k in mine]
+        texts = (f".{field} = {self.assigned(v, k)}" for v, (field, k) in zip(parts, wanted, strict=True))
+        return Value(f"({self.unit.name_of(kind)}){{{', '.join(texts) or '0'}}}", kind)
 
     def called(self, node: ast.Call, name: str, args: list[Value]) -> Value:
         """A call of another function of the module."""
-        made = self.unit.function(name, [a.type for a in args], self, node)
+        try:
+            made = self.unit.function(name, [a.type for a in args], self, node)
+        except WritesConstant:
+            if not self.place:
+                raise
+            self.refuse(node, "a write into parameters or a constant array")
+        self.uses.add(made.name)
         pairs = zip(args, made.arguments, strict=True)
         given = [[self.assigned(a, t), *sizes_of(a.type)] for a, t in pairs]
-        found = Value(f"{made.name}({', '.join(x for group in given for x in group)})", made.result)
+        result = as_local(made.result) if any(x.local for a in args for x in arrays_of(a.type)) else made.result
+        found = Value(f"{made.name}({', '.join(x for group in given for x in group)})", result)
         return self.cast(found, self.real) if made.result is DOUBLE else found
 
     def call_len(self, node: ast.Call) -> Value:
-        array = self.value(node.args[0])
-        if not isinstance(array.type, Array):
-            self.refuse(node, "the length of what is not an array")
-        size = array.type.shape[0]
+        size = self.shape(node.args[0])[0]
         return self.number(size, INT) if isinstance(size, int) else Value(size, INT)
 
     def call_ieee_select(self, node: ast.Call) -> Value:
@@ -335,11 +454,12 @@ class Expressions:
 
     def call_bits_to_float(self, node: ast.Call) -> Value:
         self.unit.help("bits_to_float")
-        return Value(f"bits_to_float({self.value(node.args[0]).text})", DOUBLE)
+        return self.cast(Value(f"bits_to_float({self.value(node.args[0]).text})", DOUBLE), self.real)
 
     def call_int(self, node: ast.Call) -> Value:
         value = self.value(node.args[0])
-        return value if value.type is INT else Value(f"(int64_t){self.inside(value, UNARY)}", INT, UNARY)
+        whole = value.type in (INT, BOOL)
+        return self.wide(value) if whole else Value(f"(int64_t){self.inside(value, UNARY)}", INT, UNARY)
 
     def call_bool(self, node: ast.Call) -> Value:
         return self.truth(self.value(node.args[0]))
@@ -349,4 +469,4 @@ class Expressions:
 
     def call_math_sqrt(self, node: ast.Call) -> Value:
         self.unit.include("math.h")
-        return Value(f"sqrt({self.value(node.args[0]).text})", DOUBLE)
+        return self.cast(Value(f"sqrt({self.value(node.args[0]).text})", DOUBLE), self.real)

@@ -8,11 +8,11 @@ import re
 from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
-from leadscrew.kernel.c99.expressions import Expressions, Unknown, Value
+from leadscrew.kernel.c99.expressions import UNARY, Expressions, Unknown, Value, WritesConstant
 from leadscrew.kernel.c99.layout import wrapped
 from leadscrew.kernel.c99.names import safe
 from leadscrew.kernel.c99.places import Places
-from leadscrew.kernel.c99.types import INT, Array, Number, Pair, Type, joined, sizes_of
+from leadscrew.kernel.c99.types import BOOL, INT, Array, Number, Pair, Type, arrays_of, joined, sizes_of
 from leadscrew.kernel.trees import each
 
 if TYPE_CHECKING:
@@ -38,14 +38,18 @@ class Function(Expressions):
         self.linear = False
         self.loops: list[tuple[str, ast.expr]] = []
         self.printing = False
+        self.uses: set[str] = set()
         found = list(dict.fromkeys([*arguments, *(n.id for n in each(node) if isinstance(n, ast.Name)
                                                   and isinstance(n.ctx, ast.Store))]))  # fmt: skip
-        taken: set[str] = set(unit.reserved)
-        self.names = {}
-        for name in found:
-            self.names[name] = safe(name, taken)
-            taken.add(self.names[name])
-        self.taken = taken
+        self.names = dict.fromkeys(found, "")
+        self.name_locals()
+
+    def name_locals(self) -> None:
+        """Gives every local a name that nothing of the file has."""
+        self.taken: set[str] = set(self.unit.reserved)
+        for name in self.names:
+            self.names[name] = safe(name, self.taken)
+            self.taken.add(self.names[name])
 
     # ---- types
     def infer(self) -> None:
@@ -65,6 +69,8 @@ class Function(Expressions):
             self.refuse(self.unknown, "a value whose type cannot be told")
         if self.result is None:
             self.refuse(self.node, "a function that returns nothing")
+        self.arguments = {a: self.types[a] for a in self.arguments}
+        self.name_locals()
 
     def pass_over(self, body: list[ast.stmt]) -> None:
         """Takes note of statements in the order in which they run."""
@@ -85,11 +91,13 @@ class Function(Expressions):
             if isinstance(target, ast.Name) and self.room(n.value) is not None:
                 shape = self.room(n.value)
                 assert shape is not None
-                self.widen(target.id, Array(self.real, shape), n)
+                self.widen(target.id, Array(self.real, shape, local=True), n)
             elif not isinstance(target, ast.Subscript):
                 self.spread(target, self.value(n.value).type, n)
         elif isinstance(n, ast.Return) and n.value is not None:
             kind = self.value(n.value).type
+            if any(array.local for array in arrays_of(kind)):
+                self.refuse(n, "a function that returns an array of its own")
             both = kind if self.result is None else joined(self.result, kind)
             if both is None:
                 self.refuse(n, "a function that returns values of two types")
@@ -134,6 +142,7 @@ class Function(Expressions):
     def body(self) -> str:
         """The statements, between the braces."""
         self.printing = True
+        self.uses = set()
         self.places = Places(self.node, set(self.arguments))
         self.buffers()
         used = [n for n in each(self.node) if isinstance(n, ast.Name)]
@@ -184,10 +193,14 @@ class Function(Expressions):
         return any(isinstance(n.func, ast.Name) and self.unit.has_effects(n.func.id) for n in calls)
 
     def hoisted(self, value: Value) -> Value:
-        if not (self.linear and self.printing):
+        return self.held(value) if self.linear else value
+
+    def held(self, value: Value) -> Value:
+        if not self.printing:
             return value
         name = self.local("t")
-        self.put(f"const {self.unit.declaration(value.type, name)} = {value.text};")
+        const = "" if isinstance(value.type, Array) else "const "
+        self.put(f"{const}{self.unit.declaration(value.type, name)} = {value.text};")
         return Value(name, value.type)
 
     def do_pass(self, node: ast.stmt) -> None:
@@ -196,7 +209,10 @@ class Function(Expressions):
     def do_expr(self, node: ast.Expr) -> None:
         if isinstance(node.value, ast.Constant | ast.Name):
             return
-        self.put(f"{self.value(node.value).text};")
+        self.top = node.value
+        value = self.value(node.value)
+        called = isinstance(node.value, ast.Call) and value.text.split("(")[0] in self.uses
+        self.put(f"{value.text};" if called else f"(void){self.inside(value, UNARY)};")
 
     def do_break(self, node: ast.stmt) -> None:
         self.put("break;")
@@ -219,6 +235,9 @@ class Function(Expressions):
             value = self.value(node.value)
             place = self.place_of(target)
             assert isinstance(place.type, Number)
+            array = self.value(target.value).type
+            if isinstance(array, Array) and array.const:
+                raise WritesConstant(f"in {self.node.name!r}: a write into a constant array: {ast.unparse(node)[:100]}")
             self.put(f"{place.text} = {self.assigned(value, place.type)};")
         elif isinstance(target, ast.Name):
             room = self.room_of.get(id(node))
@@ -257,20 +276,14 @@ class Function(Expressions):
             read = {n.id for _, v in flat for n in each(v) if isinstance(n, ast.Name)}
             held = [(t, self.value(v)) for t, v in flat]
             if {t.id for t, _ in flat} & read and len(flat) > 1:
-                kept = []
-                for t, v in held:
-                    name = self.local("t")
-                    self.put(f"const {self.unit.declaration(v.type, name)} = {v.text};")
-                    kept.append((t, Value(name, v.type)))
+                kept = [(t, self.held(v)) for t, v in held]
                 held = kept
             for t, v in held:
                 self.store(t, self.assigned(v, self.types[t.id]), node)
             return
         value = self.value(node.value)
         assert isinstance(value.type, Pair)
-        name = self.local("r")
-        self.put(f"const {self.unit.declaration(value.type, name)} = {value.text};")
-        self.taken_apart(target, name, value.type, node)
+        self.taken_apart(target, self.held(value).text, value.type, node)
 
     def matched(self, target: ast.Tuple, value: ast.Tuple) -> list[tuple[ast.Name, ast.expr]]:
         """Names and values of a tuple assignment, tuples within tuples taken apart."""
@@ -341,7 +354,7 @@ class Function(Expressions):
             move = f"{counter} += {step}"
         else:
             sign = "<" if by.literal > 0 else ">"
-            test = f"{counter} {sign} {high.text}" if by.literal else "false"
+            test = f"{counter} {sign} {high.text}" if by.literal else self.number(False, BOOL).text
             move = {1: f"{counter}++", -1: f"{counter}--"}.get(int(by.literal), f"{counter} += {by.text}")
         self.put(f"for (int64_t {counter} = {low.text}; {test}; {move}) {{")
         if not plain:

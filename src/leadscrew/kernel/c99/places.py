@@ -71,8 +71,8 @@ class Places:
         here = min((p for p in paths if p[depth][0] == block), key=lambda p: p[depth][1])
         node = self.statements[here[: depth + 1]]
         exact = [p for p in paths if p == here[: depth + 1]]
-        read_too = any(n.id == name and isinstance(n.ctx, ast.Load) for n in self.own(node))
-        if exact and isinstance(node, ast.Assign) and not read_too:
+        named = [n for n in self.own(node) if n.id == name]
+        if exact and isinstance(node, ast.Assign) and len(named) == 1:
             self.first[name] = id(node)
         elif not self.is_counter(name):
             self.starts.setdefault(block, []).append(name)

@@ -48,6 +48,15 @@ static inline int64_t shift_left(int64_t x, int64_t by)
 }
 """,
     ),
+    "whole": (
+        (),
+        """\
+static inline int64_t whole(int64_t x)
+{
+    return x;
+}
+""",
+    ),
     "int_abs": (
         (),
         """\

@@ -23,6 +23,7 @@ from leadscrew.kernel.c99.types import (
     Pair,
     Struct,
     Type,
+    as_local,
     has_arrays,
     sized,
     sizes_of,
@@ -32,6 +33,8 @@ from leadscrew.kernel.module import Item, Module
 
 PORTABLE, GENERIC = "leadscrew.kernel.portable", ("maximum", "minimum")
 NOISE = "leadscrew.kernel.noise"
+EMPTY = "    char nothing;"
+"""The field of a struct that has none: C wants one."""
 
 
 @dataclass(frozen=True)
@@ -51,8 +54,10 @@ class Translation:
         self.types: dict[Type, tuple[str, str]] = {}
         self.outside: set[Type] = set()
         """Types that are defined in the header."""
-        self.tables: dict[str, str] = {}
-        self.functions: dict[tuple[str, tuple[Type, ...]], tuple[Made, str]] = {}
+        self.tables: dict[str, tuple[str, str]] = {}
+        self.functions: dict[tuple[str, tuple[Type, ...]], tuple[Made, str, set[str]]] = {}
+        self.roots: set[str] = set()
+        """The functions and tables that what stands outside uses."""
         self.headers: set[str] = set()
         self.helpers: dict[str, str] = {}
         self.reserved: set[str] = {*prelude.HELPERS, *module.items}
@@ -87,9 +92,7 @@ class Translation:
         """The type of a value with a layout."""
         if isinstance(node, Leaf):
             return Array(self.real, node.shape, const) if node.kind == "array" else self.number(node.kind)
-        name = self.module.named_tuple(node.type)
-        fields = ((p.key.rsplit(".", 1)[-1], self.type_of(p, const)) for p in node.parts)
-        return Struct(name, tuple(fields))
+        return self.struct_of(self.module.named_tuple(node.type), [self.type_of(p, const) for p in node.parts])
 
     def struct_of(self, name: str, given: list[Type]) -> Struct:
         """The type of a NamedTuple that is built from values of these types."""
@@ -107,8 +110,11 @@ class Translation:
         """The C name of a field."""
         return safe_field(name)
 
-    def items(self, kind: Pair) -> list[tuple[str, Type]]:
-        """The fields of a returned tuple: ``next`` and ``value`` where a step returns its state and a signal."""
+    def items(self, kind: Type) -> list[tuple[str, Type]]:
+        """The fields of a NamedTuple or a returned tuple: ``next`` and ``value`` where that is a state and a signal."""
+        if isinstance(kind, Struct):
+            return [(self.field(kind, f), t) for f, t in kind.fields]
+        assert isinstance(kind, Pair)
         if len(kind.items) == 2 and isinstance(kind.items[0], Struct):
             return list(zip(("next", "value"), kind.items, strict=True))
         return [(f"v{i}", k) for i, k in enumerate(kind.items)]
@@ -136,7 +142,7 @@ class Translation:
             first = kind.items[0]
             stem = self.name_of(first) if isinstance(first, Struct) else f"{self.prefix}tuple{len(kind.items)}"
             name = self.fresh(f"{stem}_and_value" if isinstance(first, Struct) and len(pairs) == 2 else stem)
-        lines = []
+        lines = [] if pairs else [EMPTY]
         for (field, t), key in zip(pairs, keys, strict=True):
             note = f" /* {notes[key]} */" if notes.get(key) else ""
             lines.append(f"    {self.declaration(t, field)};{note}")
@@ -168,26 +174,27 @@ class Translation:
             self.include("stddef.h")
             return "NULL"
         parts = [k for _, k in kind.fields] if isinstance(kind, Struct) else kind.items
-        return f"{{{', '.join(self.zero(k) for k in parts)}}}"
+        return f"{{{', '.join(self.zero(k) for k in parts) or '0'}}}"
 
     # ---- tables
-    def table(self, name: str) -> Value:
-        """A constant array of the module."""
+    def table(self, name: str) -> Value | None:
+        """A constant array of the module, where it has one of that name."""
         item = self.module.items.get(name)
         if item is None or item.kind != "array":
-            raise KeyError(name)
+            return None
         value: np.ndarray = item.value
         whole = value.dtype.kind == "i"
         element = INT if whole else self.real
         kind = Array(element, value.shape, const=True)
-        c_name = f"{name}_table"
         if name not in self.tables:
+            c_name = self.fresh(f"{name}_table")
             printer = Expressions()
             printer.unit = self
-            rows = value.reshape(value.shape[0], -1).tolist()
+            rows = value.reshape(value.shape[0], -1).tolist() if value.size else [[0]]
             lines = ",\n".join("    " + ", ".join(printer.number(x, element).text for x in row) for row in rows)
-            self.tables[name] = f"static const {element.c} {c_name}[{value.size}] = {{\n{lines}\n}};\n"
-        return Value(c_name, kind)
+            text = f"static const {element.c} {c_name}[{max(1, value.size)}] = {{\n{lines}\n}};\n"
+            self.tables[name] = (c_name, text)
+        return Value(self.tables[name][0], kind)
 
     # ---- functions
     def real_of(self, item: Item) -> Number:
@@ -212,13 +219,13 @@ class Translation:
         if any(isinstance(k, Array) and not k.const for k in kinds) and self.only_reads(name, printer):
             kinds = [Array(k.element, k.shape, const=True) if isinstance(k, Array) else k for k in kinds]
             if (name, tuple(kinds)) in self.functions:
-                self.functions[name, wanted] = (self.functions[name, tuple(kinds)][0], "")
+                self.functions[name, wanted] = (self.functions[name, tuple(kinds)][0], "", set())
                 return self.functions[name, wanted][0]
             printer = self.printer(item, kinds, real)
         assert printer.result is not None
         arguments = printer.arguments
         title = self.fresh(self.title(item, kinds))
-        made = Made(title, kinds, printer.result)
+        made = Made(title, [printer.types[a] for a in arguments], printer.result)
         body = printer.body()
         taken = [[self.declaration(k, printer.names[a]), *(f"int64_t {n}" for n in sizes_of(k))]
                  for a, k in arguments.items()]  # fmt: skip
@@ -227,9 +234,9 @@ class Translation:
         gap = "" if result.endswith("*") else " "
         head = comments.block(comments.about(item.value), comments.place(item))
         text = f"{head}static {result}{gap}{title}({args or 'void'})\n{{\n{body}\n}}\n"
-        self.functions[name, tuple(kinds)] = (made, text)
+        self.functions[name, tuple(kinds)] = (made, text, printer.uses)
         if tuple(kinds) != wanted:
-            self.functions[name, wanted] = (made, "")
+            self.functions[name, wanted] = (made, "", set())
         return made
 
     def printer(self, item: Item, kinds: list[Type], real: Number) -> Function:
@@ -256,7 +263,7 @@ class Translation:
             return Array(kind.element, shape, kind.const)
         if kind is BOOL and item.trusted:
             return INT
-        return kind
+        return as_local(kind, local=False)
 
     @staticmethod
     def title(item: Item, kinds: list[Type]) -> str:
@@ -272,10 +279,16 @@ class Translation:
 
     # ---- the file
     def text(self) -> str:
-        """All that was printed: types, helpers, tables, functions."""
+        """What was printed and is used from ``roots``: types, helpers, tables, functions."""
+        wanted = set(self.roots)
+        functions: list[str] = []
+        for made, text, inside in reversed(self.functions.values()):
+            if text and made.name in wanted:
+                wanted |= inside
+                functions.insert(0, text)
         parts = [text for kind, (_, text) in self.types.items() if kind not in self.outside]
-        parts += [*self.helpers.values(), *self.tables.values(), *(text for _, text in self.functions.values() if text)]
-        return "\n".join(parts)
+        tables = [text for name, text in self.tables.values() if name in wanted]
+        return "\n".join([*parts, *self.helpers.values(), *tables, *functions])
 
     def includes(self, *more: str) -> str:
         """The standard headers."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 
 
 @dataclass(frozen=True)
@@ -26,6 +26,8 @@ class Array:
     element: Number
     shape: tuple[int | str, ...]
     const: bool = False
+    local: bool = field(default=False, compare=False)
+    """Whether it lies in the function that is printed, and must not leave it."""
 
 
 @dataclass(frozen=True)
@@ -58,7 +60,10 @@ def joined(a: Type, b: Type) -> Type | None:
         items = [joined(x, y) for x, y in zip(a.items, b.items, strict=True)]
         return None if None in items else Pair(tuple(i for i in items if i is not None))
     if isinstance(a, Array) and isinstance(b, Array) and (a.element, a.shape) == (b.element, b.shape):
-        return Array(a.element, a.shape, a.const or b.const)
+        return Array(a.element, a.shape, a.const or b.const, a.local or b.local)
+    if isinstance(a, Struct) and isinstance(b, Struct) and (a.name, len(a.fields)) == (b.name, len(b.fields)):
+        kinds = [(f, joined(x, y)) for (f, x), (_, y) in zip(a.fields, b.fields, strict=True)]
+        return Struct(a.name, tuple((f, k) for f, k in kinds if k is not None)) if all(k for _, k in kinds) else None
     return a if a == b else None
 
 
@@ -70,6 +75,23 @@ def sized(kind: Type, name: str) -> Type:
     return Array(kind.element, shape, kind.const)
 
 
+def arrays_of(kind: Type) -> list[Array]:
+    """The arrays that a value of a type holds."""
+    if isinstance(kind, Array):
+        return [kind]
+    parts = [k for _, k in kind.fields] if isinstance(kind, Struct) else kind.items if isinstance(kind, Pair) else ()
+    return [array for part in parts for array in arrays_of(part)]
+
+
+def as_local(kind: Type, local: bool = True) -> Type:
+    """A type with all its arrays marked as lying in the function that is printed, or not."""
+    if isinstance(kind, Struct):
+        return Struct(kind.name, tuple((f, as_local(k, local)) for f, k in kind.fields))
+    if isinstance(kind, Pair):
+        return Pair(tuple(as_local(k, local) for k in kind.items))
+    return replace(kind, local=local) if isinstance(kind, Array) else kind
+
+
 def sizes_of(kind: Type) -> list[str]:
     """The sizes of an array that are known only at run time; they follow it as arguments."""
     return [n for n in kind.shape if isinstance(n, str)] if isinstance(kind, Array) else []
@@ -77,8 +99,4 @@ def sizes_of(kind: Type) -> list[str]:
 
 def has_arrays(kind: Type) -> bool:
     """Whether a value of a type holds an array somewhere."""
-    if isinstance(kind, Struct):
-        return any(has_arrays(k) for _, k in kind.fields)
-    if isinstance(kind, Pair):
-        return any(has_arrays(k) for k in kind.items)
-    return isinstance(kind, Array)
+    return bool(arrays_of(kind))

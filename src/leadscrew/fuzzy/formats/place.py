@@ -1,0 +1,86 @@
+"""What all readers and writers of files share: places in a text, numbers, a file that appears only when complete."""
+
+from __future__ import annotations
+
+import os
+import re
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import NoReturn
+
+from leadscrew.kernel.errors import DataError, NameUnknown, ValueRefused
+
+LARGEST = 32 * 1024 * 1024
+"""Longer texts are refused: no fuzzy system is that long."""
+
+
+class Source:
+    """A text and the name under which errors speak of it."""
+
+    def __init__(self, text: str, name: str) -> None:
+        if len(text) > LARGEST:
+            raise DataError(f"{name}: {len(text)} characters; allowed are {LARGEST}")
+        self.text = text
+        self.name = name
+        self.lines = re.split(r"\r\n|\r|\n", text)
+
+    def fail(self, line: int, column: int, sentence: str) -> NoReturn:
+        """Raises DataError: file, line, column and a sentence."""
+        raise DataError(f"{self.name}:{line}:{column}: {sentence}")
+
+    @contextmanager
+    def at(self, line: int, column: int) -> Iterator[None]:
+        """What the data model refuses in here becomes a DataError with this place."""
+        try:
+            yield
+        except (ValueRefused, NameUnknown) as error:
+            self.fail(line, column, str(error))
+
+
+def plain(number: float) -> str:
+    """A number in the fewest digits that give it back; infinity as ``inf``, which all programs read."""
+    return repr(float(number))
+
+
+def load(path: str | Path) -> tuple[str, str]:
+    """The text of a file, and a sentence where it is not UTF-8.
+
+    Raises:
+        DataError: it cannot be read, or holds binary data.
+    """
+    try:
+        size = Path(path).stat().st_size
+        if size > LARGEST:
+            raise DataError(f"{path}: {size} bytes; allowed are {LARGEST}")
+        data = Path(path).read_bytes()
+    except OSError as error:
+        raise DataError(f"{path} cannot be read: {error.strerror or error}") from None
+    if b"\0" in data:
+        raise DataError(f"{path}:1:1: expected text, found binary data")
+    try:
+        return data.decode("utf-8-sig"), ""
+    except UnicodeDecodeError:
+        return data.decode("latin-1"), "the file is not UTF-8: read as Latin-1"
+
+
+def save(text: str, path: str | Path) -> None:
+    """Writes a file beside and renames it, so that it is never there in part.
+
+    Raises:
+        DataError: it cannot be written.
+    """
+    target = Path(path)
+    beside = ""
+    try:
+        target.parent.mkdir(parents=True, exist_ok=True)
+        handle, beside = tempfile.mkstemp(prefix=f".{target.name}-", suffix=".tmp", dir=target.parent)
+        with os.fdopen(handle, "w", encoding="utf-8", newline="\n") as out:
+            out.write(text)
+        Path(beside).chmod(0o644)
+        Path(beside).replace(target)
+    except OSError as error:
+        if beside:
+            Path(beside).unlink(missing_ok=True)
+        raise DataError(f"{target} cannot be written: {error.strerror or error}") from None

@@ -1,0 +1,115 @@
+"""The console sessions of a page: what is typed, what is shown to come out, and whether it does."""
+
+from __future__ import annotations
+
+import re
+import shlex
+import sys
+from pathlib import Path
+from typing import NamedTuple
+
+from tests.docs.snippets import blocks
+
+MARK = "@@@ session step"
+SAVED = re.compile(r"[Ss]ave as `([^`]+)`:$")
+PROMPT = "halcmd: "
+VARIES = (
+    (r"^Note: Using POSIX non-realtime$", ""),
+    (r"LinuxCNC 2\.9\S*?(?=:|$)", "LinuxCNC 2.9"),
+    (r"\b(gcc|clang|fmpy|ecospy) \d[\d.]*", r"\1 N"),
+    (r"─+", "─"),
+    (r"\s+", " "),
+)
+"""What differs from one machine to the next and says nothing about the page."""
+
+
+class Step(NamedTuple):
+    """One command, the lines given to its prompt, and the lines that are shown to come out."""
+
+    command: str
+    given: list[str]
+    shown: list[str]
+
+
+def steps_of(page: Path) -> list[Step]:
+    """The commands of the ``console`` blocks of a page, in order."""
+    found: list[Step] = []
+    for _, lines in blocks(page, ("console",)):
+        for line in lines:
+            if line.startswith("$ "):
+                found.append(Step(line.removeprefix("$ "), [], []))
+            elif line.startswith(PROMPT):
+                found[-1].given.append(line.removeprefix(PROMPT))
+            else:
+                found[-1].shown.append(line)
+    return found
+
+
+def files_of(page: Path) -> dict[str, str]:
+    """The files that a page tells its reader to save, by name."""
+    text = page.read_text(encoding="utf-8").splitlines()
+    found = {}
+    for first, lines in blocks(page, ("text", "py", "c", "hal")):
+        before = next((x for x in reversed(text[: first - 1]) if x.strip()), "")
+        saved = SAVED.search(before)
+        if saved:
+            found[saved[1]] = "\n".join(lines) + "\n"
+    return found
+
+
+def prepare(page: Path, folder: Path, tools: dict[str, str]) -> Path:
+    """Writes the files of a page and its commands as a script; ``tools`` come before the machine's programs."""
+    programs = folder / "programs"
+    programs.mkdir()
+    ours = f'exec {shlex.quote(sys.executable)} -c "from leadscrew.cli import main; main()" "$@"'
+    for name, text in {"leadscrew": ours, **tools}.items():
+        (programs / name).write_text(f"#!/bin/sh\n{text}\n", encoding="utf-8")
+        (programs / name).chmod(0o755)
+    for name, text in files_of(page).items():
+        (folder / name).write_text(text, encoding="utf-8")
+    lines = [f"export PATH={shlex.quote(str(programs))}:$PATH"]
+    for step in steps_of(page):
+        given = "".join(f"{x}\n" for x in step.given)
+        lines += [f"printf '\\n{MARK}\\n'", f"{step.command} <<'END'\n{given}END", f"printf '\\n{MARK} %s\\n' $?"]
+    script = folder / "session.sh"
+    script.write_text("\n".join(lines) + "\n", encoding="utf-8")
+    return script
+
+
+def compare(page: Path, printed: str) -> None:
+    """Asserts that what is shown came out, ``...`` being any lines; only what shows a refusal may fail, and must."""
+    said = re.findall(rf"{MARK}\n(.*?)\n{MARK} (\d+)$", printed, re.DOTALL | re.MULTILINE)
+    steps = steps_of(page)
+    assert len(said) == len(steps), printed
+    for step, (text, code) in zip(steps, said, strict=True):
+        refused = any(x.startswith("leadscrew: ") for x in step.shown)
+        assert (code != "0") == refused, f"{step.command} ended with {code}:\n{text}"
+        assert_shown(step, text)
+
+
+def assert_shown(step: Step, text: str) -> None:
+    """Asserts that what a page shows of a command is what it printed, if the page shows anything."""
+    if not any(x.strip() for x in step.shown):
+        return
+    said = text.splitlines()
+    absent = tuple(name_of(x) for x in (*step.shown, *said) if "  not run  " in x)
+    shown, real = (plain([x for x in lines if not (absent and x.startswith(absent))]) for lines in (step.shown, said))
+    pattern = "".join(r"(?:.*\n)*?" if x == "..." else re.escape(f"{x}\n") for x in shown)
+    told = f"{step.command} shows\n" + "\n".join(shown) + "\nbut printed\n" + "\n".join(real)
+    assert re.fullmatch(pattern, "".join(f"{x}\n" for x in real)), told
+
+
+def name_of(line: str) -> str:
+    """The first cell of a row of a table."""
+    return re.split(r"\s\s+", line)[0]
+
+
+def plain(lines: list[str]) -> list[str]:
+    """Lines without what differs between machines, and without empty ones."""
+    found = []
+    for line in lines:
+        for pattern, instead in VARIES:
+            line = re.sub(pattern, instead, line)
+        if line.strip():
+            found.append(line.strip())
+    return found

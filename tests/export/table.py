@@ -1,0 +1,75 @@
+"""The table of exports: every controller, and the loop that is recorded. A new controller joins by a row."""
+
+from functools import lru_cache
+from typing import NamedTuple
+
+from leadscrew.experiment import Experiment
+from leadscrew.export.controller import export_controller
+from leadscrew.export.folder import TARGETS, compiler_path, write
+from leadscrew.export.verdict import NOT_RUN
+from tests.tools import missing
+
+LOOPS, EXAMPLES = "tests/export/loops.py:", "examples/"
+
+
+class Row(NamedTuple):
+    """What to export, and how long its loop is recorded; ``quick`` says to which targets `make test` does it."""
+
+    subject: str
+    controller: str | None
+    seconds: float
+    quick: tuple[str, ...] = ("c99", "hal")
+    real: str = "double"
+
+
+ROWS = {
+    "vud_beta_e": Row("vud_lathe", "corrected.vud_beta_e", 1.0, tuple(TARGETS)),
+    "vud": Row("vud_lathe", "paper.vud", 1.0),
+    "duty_pd": Row("vud_lathe", "ours.pd", 1.0),
+    "power_law": Row("vud_lathe", "ours.original_fit", 1.0),
+    "npid": Row(f"{EXAMPLES}xy_table_npid.py:loop", None, 0.5, tuple(TARGETS)),
+    "pid": Row(f"{LOOPS}pid", None, 0.5),
+    "smc": Row(f"{EXAMPLES}ballscrew_smc.py:loop", None, 0.3),
+    "csmc": Row(f"{EXAMPLES}ballscrew_smc.py:complementary", None, 0.3),
+    "smc_integral": Row(f"{LOOPS}sliding_with_integral", None, 0.3),
+    "single precision": Row("vud_lathe", "corrected.vud_beta_e", 1.0, ("c99", "hal"), "float"),
+    "60 s, step": Row("vud_lathe", "corrected.vud_beta_e", 60.0, ()),
+    "60 s, to and fro": Row(f"{LOOPS}lathe_to_and_fro", None, 60.0, ()),
+}
+
+TOOLS = {"c99 gcc": "gcc", "hal": "linuxcnc", "fmu2 FMPy": "fmpy", "fmu3 FMPy": "fmpy", "ecos": "ecospy"}
+"""What LEADSCREW_REQUIRE calls the tools behind a verdict; clang is never required."""
+
+
+@lru_cache
+def loop_of(row):
+    """The loop of a row."""
+    subject, controller, _, _, _ = ROWS[row]
+    return Experiment(subject, controller).with_first_scenario().loop()
+
+
+@lru_cache
+def exported(row):
+    """What the exporter makes of a row, whatever the target."""
+    return export_controller(loop_of(row), ROWS[row].seconds, name="ours", title=row, real=ROWS[row].real)
+
+
+def folder_of(row, target, tmp_path):
+    """The row as an exported folder."""
+    if compiler_path() is None:
+        missing("gcc", "there is no C compiler on this machine")
+    core, record = exported(row)
+    write(core, record, target, tmp_path / "out", loop=loop_of(row))
+    return tmp_path / "out"
+
+
+def needs_no_tool(verdict):
+    """Whether a verdict may be missing on a machine that has everything."""
+    return "clang" in verdict.target or "single precision" in verdict.note
+
+
+def complete(found):
+    """Skips, or fails where it is required, if a tool was missing for one of the verdicts."""
+    for verdict in found:
+        if verdict.verdict == NOT_RUN and not needs_no_tool(verdict):
+            missing(next(tool for what, tool in TOOLS.items() if what in verdict.target), verdict.note)
