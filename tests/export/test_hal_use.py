@@ -98,8 +98,10 @@ def test_the_demonstration_runs_and_follows_its_command(bench):
     text = shown(hal_run.run(bench.place, script, speed=50))
     pins = {name: float(value) for value, name in re.findall(r"float (?:OUT|IN) (\S+) demo-down\.0\.(\S+)", text)}
     assert "bit OUT FALSE demo-down.0.fault " in text
-    assert abs(pins["command"]) > 1.0
-    assert abs(pins["error"]) < 0.3
+    # Where in the sine the reading falls is chance, and its pins are not read in one instant.
+    amplitude = float(re.search(r"siggen.0.amplitude (\S+)", script)[1])
+    assert abs(pins["error"]) < 0.1 * amplitude
+    assert pins["feedback"] != 0
     assert pins["output"] != 0
 
 

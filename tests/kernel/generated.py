@@ -125,7 +125,7 @@ class Step:
             if r.random() < 0.4:
                 n = r.choice(INTS)
                 return str(n), n
-            return self.pick(*self.ints.items(), ("COUNTS[1]", 1), ("len(TABLE)", 4), ("s.a.shape[0]", 3))
+            return self.pick(*self.ints.items(), ("int(COUNTS[1])", 1), ("len(TABLE)", 4), ("s.a.shape[0]", 3))
         a, big = self.whole(depth - 1)
         b, other = self.whole(depth - 1)
         kind = r.randrange(11)
@@ -153,7 +153,7 @@ class Step:
         """A truth value."""
         r = self.random
         if depth <= 0:
-            return self.pick(*self.bools, "x > y", "k == 2", "True", "m < k")
+            return self.pick(*self.bools, "(x > y)", "(k == 2)", "True", "(m < k)")
         sign = self.pick("<", "<=", ">", ">=", "==", "!=")
         kind = r.randrange(7)
         if kind == 0:
@@ -252,8 +252,10 @@ class Step:
         for _ in range(self.random.randrange(4, 9)):
             self.statement(1, 0)
         top = ["x = command", "y = s.x", "z = feedback", "k = s.k", "m = p.many", "b = s.on", "c = command > 0.0",
-               "v = s.v", "w = np.zeros(3)", "i = 0", "j = 1", "n = 2"]  # fmt: skip
-        end = "return S(x - y, (k + i + m) % 1000, b, v, s.a), z + (1 if c else 0) + v.x + s.a[1] + w[0] + j + n"
+               "v = s.v", "w = np.zeros(3)", "i = 0", "j = 1", "n = 2",
+               "for i in range(3):", "    if not abs(s.a[i]) < 1e300:", "        s.a[i] = 0.5 * i"]  # fmt: skip
+        state = "S(x - y if abs(x - y) < 1e300 else 0.75, (k + i + m) % 1000, b, v, s.a)"
+        end = f"return {state}, z + (1 if c else 0) + v.x + s.a[1] + w[0] + j + n"
         return f"def {name}(p, s, command, feedback):\n" + "\n".join(f"    {x}" for x in top) + "\n" + "\n".join(
             [*self.lines, f"    {end}"]
         )  # fmt: skip

@@ -1,10 +1,10 @@
-"""Steps as printed C, run over rows of inputs: ``NAME.c`` as exported, compiled at a level, beside what Python gives."""
+"""Steps as exported C, compiled and run over rows of inputs; and what plain Python gives for the same rows."""
 
 import ast
 import ctypes
 import subprocess
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -112,19 +112,20 @@ def runner(source: Source) -> str:
 def written(sources: list[Source], folder: Path) -> list[Path]:
     """The files of sources and what plays them; returns the C files."""
     folder.mkdir(parents=True, exist_ok=True)
-    made = []
+    made = [folder / "run.c"]
     for source in sources:
-        for name, text in {**source.files(), f"{source.name}_run.c": runner(source)}.items():
+        for name, text in source.files().items():
             (folder / name).write_text(text, encoding="utf-8")
             if name.endswith(".c"):
                 made.append(folder / name)
+    made[0].write_text("".join(runner(source) for source in sources), encoding="utf-8")
     return made
 
 
-def library(files: list[Path], *flags: str, compiler: tuple[str, ...] = ("gcc",)) -> ctypes.CDLL:
+def library(files: list[Path], *flags: str) -> ctypes.CDLL:
     """The files as one shared library; any warning fails."""
-    made = files[0].parent / f"all{''.join(flags)}{Path(compiler[0]).name}.so"
-    command = [*compiler, *STRICT, *flags, "-fPIC", "-shared", "-o", str(made), *map(str, files), "-lm"]
+    made = files[0].parent / f"all{''.join(flags)}.so"
+    command = ["gcc", *STRICT, *flags, "-fPIC", "-shared", "-o", str(made), *map(str, files), "-lm"]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     assert not done.returncode, done.stderr[:3000]
     return ctypes.CDLL(str(made))
@@ -144,3 +145,25 @@ def same(a: np.ndarray, b: np.ndarray) -> bool:
     """Equal to the last bit, signs of zero included; any NaN is as good as another."""
     nan = np.isnan(a) & np.isnan(b)
     return a.shape == b.shape and bool(np.all(nan | (a.view(np.int64) == b.view(np.int64))))
+
+
+SPECIAL = (0.0, -0.0, 1.0, -1.0, 0.3, 0.6, 0.26, -0.7, 2.5, 3.0, -7.5, 5e-324, -1e-310, 1e16, 1e308, -1e308, np.inf,
+           -np.inf, np.nan, 0.1)  # fmt: skip
+
+
+def rows(columns: int) -> np.ndarray:
+    """Rows of inputs: every pair of special numbers, in an order that mixes them."""
+    pairs = np.array([[a, b] for a in SPECIAL for b in reversed(SPECIAL)])
+    np.random.default_rng(0).shuffle(pairs)
+    return np.ascontiguousarray(np.hstack([pairs] + [np.full((len(pairs), 1), 0.5)] * 8)[:, :columns])
+
+
+def c_number(x: float) -> str:
+    """A double as C source."""
+    return repr(x) if np.isfinite(x) else "NAN" if np.isnan(x) else "INFINITY" if x > 0 else "-INFINITY"
+
+
+class Weights(NamedTuple):
+    """Parameters with an array."""
+
+    weights: np.ndarray = np.array([1.0, 2.0])

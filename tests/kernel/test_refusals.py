@@ -9,7 +9,7 @@ import pytest
 
 from leadscrew.kernel import bits, sheet
 from leadscrew.kernel.block import make
-from leadscrew.kernel.errors import NameUnknown, SubsetError, ValueRefused
+from leadscrew.kernel.errors import BlockError, NameUnknown, SubsetError, ValueRefused
 from leadscrew.kernel.loop import DivergenceWarning, Loop
 from leadscrew.kernel.sheet import Doc, Ge, Gt, Le, Lt, Unit
 from tests.kernel import zoo
@@ -326,3 +326,18 @@ def test_an_oscillator_turns_as_the_cosine_does():
     )  # fmt: skip
     run = loop.run(0.2)
     np.testing.assert_allclose(run["actual"], np.cos(50.0 * run.time), atol=1e-5)
+
+
+class Two(NamedTuple):
+    a: np.ndarray = np.zeros(2)
+    b: np.ndarray = np.ones(2)
+
+
+def swaps(s, command, feedback):
+    return Two(s.b, s.a), s.a[0]
+
+
+def test_a_state_that_comes_back_with_other_arrays_is_refused():
+    loop = Loop(reference=zoo.sine, controller=make("controller", swaps, None, Two()), plant=zoo.mass, metrics={})
+    with pytest.raises(BlockError, match="another array as 'a'"):
+        loop.run(0.1)

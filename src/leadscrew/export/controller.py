@@ -13,6 +13,7 @@ from leadscrew.export.knobs import knobs_of
 from leadscrew.export.machine import LICENCE, machine_files
 from leadscrew.export.source import Source
 from leadscrew.kernel.block import DRIVES, Block
+from leadscrew.kernel.c99.comments import clean
 from leadscrew.kernel.c99.names import is_identifier
 from leadscrew.kernel.errors import BlockError, ValueRefused
 from leadscrew.kernel.frame import pairs
@@ -99,7 +100,8 @@ def ports(loop: Loop, block: Block, source: Source) -> tuple[tuple[Port, ...], t
     }
 
     def port(argument: Any, role: str) -> Port:
-        return Port(argument.key, argument.name, role, _unit(loop, block, role), DOCS.get(role, argument.key))
+        unit = clean(_unit(loop, block, role))
+        return Port(argument.key, argument.name, role, unit, DOCS.get(role, argument.key))
 
     inputs = tuple(port(a, _role(a.key, first)) for a in source.inputs)
     return inputs, tuple(port(o, "output") for o in source.outputs)
@@ -195,7 +197,8 @@ def export_controller(
     drive = drive_of(block, drive)
     prepared = None if block.params is None else loop.prepared(block, "controller")
     state = None if block.state is None else loop.start_state(block)
-    head = f"/* {title}, exported by Leadscrew from {block.name}.\n{LICENCE} */\n"
+    title = clean(title)
+    head = f"/* {title}, exported by Leadscrew from {clean(block.name)}.\n{LICENCE} */\n"
     source = Source(block, prepared, state, loop.signals, name=name, period=loop.period, real=real, head=head)
     files = source.files()
     inputs, outputs = ports(loop, block, source)

@@ -7,7 +7,6 @@ A table of two inputs is read by :func:`table`.
 
 from __future__ import annotations
 
-import math
 import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
@@ -161,7 +160,7 @@ def parse(
     """A rule from its text; ``names`` (or a system) checks that what it names exists.
 
     Raises:
-        DataError: it is no rule, or names what does not exist; says where (``where:line:column``) and what was expected.
+        DataError: it is no rule, or names what does not exist; says ``where:line:column`` and what was expected.
     """
     cursor = Cursor(tokens(text, where, line, column), where)
     if isinstance(names, System):
@@ -334,9 +333,8 @@ def table(
     for line in body:
         if len(line) != len(head) + 1:
             at = line[-1]
-            raise DataError(
-                f"{where}:{at.line}:{at.column}: expected {len(head)} cells after {line[0].text!r}, found {len(line) - 1}"
-            )
+            wanted = f"expected {len(head)} cells after {line[0].text!r}, found {len(line) - 1}"
+            raise DataError(f"{where}:{at.line}:{at.column}: {wanted}")
         for column, cell in zip(head, line[1:], strict=True):
             if cell.text == "-" and not cell.quoted:
                 continue
@@ -359,8 +357,3 @@ def _no_twice(row: list[Token], where: str) -> None:
         if token.text in seen:
             raise DataError(f"{where}:{token.line}:{token.column}: {token.text!r} stands twice")
         seen.add(token.text)
-
-
-def is_finite(number: float | None) -> bool:
-    """It is a number, and not infinite."""
-    return number is not None and math.isfinite(number)

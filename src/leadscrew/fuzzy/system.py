@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 
 from leadscrew.kernel.errors import NameUnknown, ValueRefused
 from leadscrew.kernel.sheet import nearest
@@ -163,6 +163,15 @@ class Output(Variable):
         _one_of(f"{where}: integration", self.integration, RULES_OF_SUM)
         if not 1 <= self.resolution <= 100_000:
             raise ValueRefused(f"{where}: resolution = {self.resolution}: allowed are 1 to 100000")
+        if math.isnan(self.default):
+            object.__setattr__(self, "default", math.nan)
+
+    def __eq__(self, other: object) -> bool:
+        """Equal in every field; a default that is not a number equals another one."""
+        if not isinstance(other, Output):
+            return NotImplemented
+        names = [f.name for f in fields(self)]
+        return [getattr(self, name) for name in names] == [getattr(other, name) for name in names]
 
 
 @dataclass(frozen=True)

@@ -47,9 +47,24 @@ class _Probe:
         if block is None:
             return None
         lead = [self.loop.prepared(block, slot)] if block.params is not None else []
-        if block.state is not None:
-            lead.append(_copied(self.loop.start_state(block)))
-        return self._signal(block, slot, self._tried(block.name, slot, *lead, *(signals[n] for n in block.signals)))
+        state = None if block.state is None else _copied(self.loop.start_state(block))
+        if state is not None:
+            lead.append(state)
+        result = self._tried(block.name, slot, *lead, *(signals[n] for n in block.signals))
+        if state is not None and slot != "plant" and isinstance(result, tuple) and len(result) == 2:
+            self._arrays_stay(block.name, state, result[0], "")
+        return self._signal(block, slot, result)
+
+    def _arrays_stay(self, name: str, old: Any, new: Any, key: str) -> None:
+        """Refuses a next state with other arrays than the state had: compiled loops write arrays where they lie."""
+        if isinstance(old, np.ndarray) and new is not old:
+            raise BlockError(
+                f"{name}: the next state has another array as {key!r}; write into the array of the state, element by "
+                "element, and return that one"
+            )
+        if is_branch(old) and type(new) is type(old):
+            for field, a, b in zip(old._fields, old, new, strict=True):
+                self._arrays_stay(name, a, b, f"{key}.{field}" if key else field)
 
     def _tried(self, name: str, step: str, *args: Any) -> Any:
         """Calls a step; what it raises becomes one sentence with file and line."""

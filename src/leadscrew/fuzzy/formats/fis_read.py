@@ -30,7 +30,7 @@ from .place import Source
 from .said import integrated
 from .vocabulary import FIS_DEFUZZIFIERS, FIS_S_NORMS, FIS_SHAPES, FIS_T_NORMS
 
-_FUNCTION = re.compile(r"'(.*)'\s*:\s*'([^':,]*)'?\s*,\s*\[([^\]]*)\]")
+_FUNCTION = re.compile(r"'(.*)'\s*:\s*'([^':,\s]*)'?\s*,\s*\[([^\]]*)\]")
 _RULE = re.compile(r"([^,]*),([^()]*)\(([^()]*)\)\s*:\s*(\S+)")
 _INTEGER = re.compile(r"[0-9]{1,9}")
 _NUMBER = re.compile(r"[+-]?(?:(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?|[iI][nN][fF])")
@@ -60,6 +60,7 @@ class _Reading:
     sections: dict[str, _Section] = field(default_factory=dict)
     rules: list[_Entry] = field(default_factory=list)
     notes: list[str] = field(default_factory=list)
+    names: list[str] = field(default_factory=list)
 
     def numbers(self, text: str, line: int, column: int) -> list[float]:
         found = []
@@ -98,7 +99,7 @@ class _Reading:
         return known[name]
 
 
-def loads(text: str, name: str = "text.fis") -> System:
+def loads(text: str, name: str = "text.fis", leave_out_unknown: bool = False) -> System:
     """The system of a ``.fis`` text; errors speak of it as ``name``.
 
     Raises:
@@ -143,7 +144,7 @@ def _lines(source: Source) -> Iterator[tuple[int, int, str]]:
     for number, line in enumerate(source.lines, start=1):
         body = line.lstrip()
         column = len(line) - len(body) + 1
-        kept = max(body.rfind("'"), body.rfind("]")) + 1
+        kept = 0 if body[:1] in ("%", "#") else max(body.rfind("'"), body.rfind("]")) + 1
         comment = re.search(r"[%#]", body[kept:])
         if comment:
             body = body[: kept + comment.start()]
@@ -196,6 +197,9 @@ def _variable(reading: _Reading, section: _Section) -> tuple[str, float, float, 
     name, entry = reading.text(section, "Name")
     if not name:
         source.fail(entry.line, entry.column, f"expected a name of [{section.title}]")
+    if name in reading.names:
+        source.fail(entry.line, entry.column, f"a second variable {name!r}")
+    reading.names.append(name)
     limits = reading.value(section, "Range")
     ends = reading.numbers(limits.value.strip("[]"), limits.line, limits.column + 1)
     if len(ends) != 2 or not limits.value.startswith("[") or not limits.value.endswith("]"):
@@ -216,7 +220,7 @@ def _term(reading: _Reading, function: _Entry, variable: str, taken: list[str]) 
     match = _FUNCTION.fullmatch(function.value)
     if match is None:
         source.fail(line, column, f"expected 'NAME':'KIND',[NUMBERS], found {function.value!r}")
-    name, kind = match[1], match[2].strip()
+    name, kind = match[1], match[2]
     if kind not in FIS_SHAPES:
         source.fail(line, column + match.start(2), f"expected a membership function{nearest(kind, list(FIS_SHAPES))}, "
                     f"found {kind!r}")  # fmt: skip

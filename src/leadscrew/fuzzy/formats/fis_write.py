@@ -183,6 +183,6 @@ def _index(saying: Saying, there: Is, variable: Variable) -> str:
     hedges = there.hedges[sign:]
     hundredths = next((number for number, known in HEDGES.items() if known == hedges), None)
     if hundredths is None or not there.term or hundredths == 99:
-        saying.refuse(f"'{there.variable} is {' '.join((*there.hedges, there.term))}'")
+        saying.refuse(f"'{' '.join((there.variable, 'is', *there.hedges, there.term)).rstrip()}'")
     index = 1 + [term.name for term in variable.terms].index(there.term)
     return f"{'-' if sign else ''}{index}{f'.{hundredths:02d}' if hundredths else ''}"

@@ -73,7 +73,8 @@ def write(system: System, path: str | Path, evaluate: Evaluate, values: int = 10
 
 
 def _root(values: int, inputs: int) -> int:
-    count = 1
-    while inputs and (count + 1) ** inputs <= values:
-        count += 1
-    return count
+    """The largest whole number whose power ``inputs`` is no more than ``values``."""
+    if inputs < 1 or values < 1:
+        return 0
+    count = round(min(values, MOST_LINES + 1) ** (1.0 / inputs))
+    return count if count**inputs <= values else count - 1

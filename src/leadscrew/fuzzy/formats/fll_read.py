@@ -11,7 +11,7 @@ from leadscrew.fuzzy.system import INTEGRAL, T_NORMS, Input, Output, Rule, RuleB
 from leadscrew.kernel.errors import DataError
 from leadscrew.kernel.sheet import nearest
 
-from .place import Source
+from .place import Source, plain
 from .said import integrated
 from .vocabulary import (
     FLL_ACTIVATIONS,
@@ -31,6 +31,8 @@ _KEYS = {
 }  # fmt: skip
 _WEIGHTED_KINDS = ("Automatic", "TakagiSugeno", "Tsukamoto")
 _MONOTONE = ("ramp", "sigmoid", "s_shape", "z_shape", "concave")
+_COMPARISON, _COUNT = "<=?|>=?|==|!=", "[0-9]{1,9}"
+_VALUE = r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?"
 _ACTIVATION_PARAMETERS = {
     "first": ("1", "0.0"),
     "last": ("1", "0.0"),
@@ -63,6 +65,7 @@ class _Reading:
         self.source = source
         self.leave_out = leave_out
         self.inputs = 0
+        self.names: list[str] = []
         self.notes: list[str] = []
 
     def fail(self, item: _Item, expected: str) -> Any:
@@ -176,8 +179,12 @@ def _common(reading: _Reading, block: _Block) -> dict[str, Any]:
             reading.fail(limits, "range: LOW HIGH")
         low, high = ends
     about = block.last("description")
-    common = {
-        "name": reading.name(block.head, block.head.value),
+    name = reading.name(block.head, block.head.value)
+    if name in reading.names:
+        reading.source.fail(block.head.line, block.head.column, f"a second variable {name!r}")
+    reading.names.append(name)
+    common: dict[str, Any] = {
+        "name": name,
         "low": low,
         "high": high,
         "terms": tuple(_term(reading, item) for item in block.items if item.key == "term"),
@@ -218,9 +225,10 @@ def _output(reading: _Reading, block: _Block) -> Output:
             f"output {common['name']}: no resolution: 100 as in fuzzylite 6 (pyfuzzylite 8 takes 1000)"
         )
     default = block.last("default")
-    value = read_number(default.value) if default else float("nan")
-    if value is None:
-        reading.fail(default or item, "default: NUMBER")
+    value = float("nan")
+    if default:
+        found = read_number(default.value)
+        value = reading.fail(default, "default: NUMBER") if found is None else found
     with reading.source.at(item.line, item.column):
         return Output(
             **common,
@@ -250,7 +258,8 @@ def _term(reading: _Reading, item: _Item) -> Term:
 
 
 def _rule_block(reading: _Reading, block: _Block, names: Names) -> RuleBlock:
-    activation, parameters = "general", ()
+    activation = "general"
+    parameters: tuple[str, ...] = ()
     implication = None
     item = block.last("activation")
     if item and item.value in FLL_NORMS:
@@ -278,12 +287,10 @@ def _activation_parameters(reading: _Reading, item: _Item, activation: str, give
     usual = _ACTIVATION_PARAMETERS.get(activation, ())
     if not given:
         return usual
-    comparison = activation == "threshold"
-    numbers = given[1:] if comparison else given
-    fits = len(given) == len(usual) and all(read_number(x) is not None for x in numbers)
-    if not fits or (comparison and given[0] not in ("<", "<=", "==", "!=", ">=", ">")):
+    wanted = [_COMPARISON if x == ">=" else _COUNT if x == "1" else _VALUE for x in usual]
+    if len(given) != len(usual) or not all(re.fullmatch(p, x) for p, x in zip(wanted, given, strict=True)):
         reading.fail(item, f"{item.value.split()[0]} {' '.join(usual)}".strip() + " (or other numbers)")
-    return given
+    return tuple(plain(float(x)) if p == _VALUE else x for p, x in zip(wanted, given, strict=True))
 
 
 def _rule(reading: _Reading, item: _Item, names: Names) -> Rule | None:

@@ -85,9 +85,9 @@ class Saying:
                 there, variable=names[there.variable], term=terms.get((there.variable, there.term), there.term)
             )
 
-        def variable(v: V) -> V:
-            renamed = tuple(replace(t, name=terms[v.name, t.name]) for t in v.terms)
-            return replace(v, name=names[v.name], terms=renamed)
+        def renamed(v: V) -> V:
+            known = tuple(replace(t, name=terms[v.name, t.name]) for t in v.terms)
+            return replace(v, name=names[v.name], terms=known)
 
         def rule(r: Rule) -> Rule:
             then = tuple(proposition(c) for c in r.consequents)
@@ -95,8 +95,8 @@ class Saying:
 
         return replace(
             system,
-            inputs=tuple(variable(v) for v in system.inputs),
-            outputs=tuple(variable(v) for v in system.outputs),
+            inputs=tuple(renamed(v) for v in system.inputs),
+            outputs=tuple(renamed(v) for v in system.outputs),
             blocks=tuple(replace(b, rules=tuple(rule(r) for r in b.rules)) for b in system.blocks),
         )
 

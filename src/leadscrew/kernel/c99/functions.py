@@ -8,18 +8,19 @@ import re
 from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
-from leadscrew.kernel.c99.expressions import UNARY, Expressions, Unknown, Value, WritesConstant
+from leadscrew.kernel.c99.calls import Calls
+from leadscrew.kernel.c99.expressions import UNARY, Unknown, Value, WritesConstant
 from leadscrew.kernel.c99.layout import wrapped
 from leadscrew.kernel.c99.names import safe
 from leadscrew.kernel.c99.places import Places
-from leadscrew.kernel.c99.types import BOOL, INT, Array, Number, Pair, Type, arrays_of, joined, sizes_of
+from leadscrew.kernel.c99.types import INT, Array, Number, Pair, Type, arrays_of, joined, sizes_of
 from leadscrew.kernel.trees import each
 
 if TYPE_CHECKING:
     from leadscrew.kernel.c99.translation import Translation
 
 
-class Function(Expressions):
+class Function(Calls):
     """Types and prints one function; call :meth:`infer`, then :meth:`body`."""
 
     def __init__(
@@ -147,13 +148,27 @@ class Function(Expressions):
         self.buffers()
         used = [n for n in each(self.node) if isinstance(n, ast.Name)]
         self.read = {n.id for n in used if isinstance(n.ctx, ast.Load)}
-        for name in self.arguments:
-            if name not in self.read:
-                self.put(f"(void){self.names[name]};")
         self.block(self.node.body)
+        self.note_unread()
         text = "\n".join(self.out)
-        sizes = [n for kind in self.arguments.values() for n in sizes_of(kind) if not re.search(rf"\\b{n}\\b", text)]
+        words = {w for line in self.out if line.lstrip()[:2] != "/*" for w in re.findall(r"\w+", line)}
+        self.uses &= words
+        sizes = [n for kind in self.arguments.values() for n in sizes_of(kind) if n not in words]
         return "\n".join([*(f"    (void){n};" for n in sizes), text])
+
+    def note_unread(self) -> None:
+        """Says so of locals that are read in Python but not in C, where a size or a comparison is known."""
+        text = "\n".join(line for line in self.out if line.lstrip()[:2] != "/*")
+        read = set(re.findall(r"(?<![.\w>])[A-Za-z]\w*\b(?! = )", text))
+        for name in (n for n in self.names.values() if n not in read):
+            at = next((i for i, line in enumerate(self.out) if re.match(rf"[\w ]+[ *]{name} = ", line)), None)
+            if at is not None:
+                end = next(i for i in range(at, len(self.out)) if self.out[i].endswith(";"))
+                indent = re.match(" *", self.out[at])
+                assert indent is not None
+                self.out.insert(end + 1, f"{indent.group()}(void){name};")
+            elif name in (self.names[a] for a in self.arguments):
+                self.out.insert(0, f"    (void){name};")
 
     def buffers(self) -> None:
         """Room for local arrays, one for each place that makes one."""
@@ -353,8 +368,10 @@ class Function(Expressions):
             test = f"{step} > 0 ? {counter} < {high.text} : {step} < 0 && {counter} > {high.text}"
             move = f"{counter} += {step}"
         else:
-            sign = "<" if by.literal > 0 else ">"
-            test = f"{counter} {sign} {high.text}" if by.literal else self.number(False, BOOL).text
+            if by.literal == 0:
+                low = high = self.number(0, INT)
+            sign = "<" if by.literal >= 0 else ">"
+            test = f"{counter} {sign} {high.text}"
             move = {1: f"{counter}++", -1: f"{counter}--"}.get(int(by.literal), f"{counter} += {by.text}")
         self.put(f"for (int64_t {counter} = {low.text}; {test}; {move}) {{")
         if not plain:

@@ -39,7 +39,10 @@ LIBRARY = frozenset({*_LIBRARY.split(), *_INTEGERS, *(f + end for f in _FLOATING
 """Functions and types of the library, and the functions that compilers know without being told."""
 
 _MACROS = """NULL NAN INFINITY EOF linux unix i386 near far I complex imaginary errno assert offsetof signbit
-    isgreater HUGE MAXFLOAT DECIMAL_DIG DOMAIN SING OVERFLOW UNDERFLOW PLOSS TLOSS X_TLOSS SNAN SNANF SNANL"""
+    isgreater HUGE MAXFLOAT DECIMAL_DIG DOMAIN SING OVERFLOW UNDERFLOW PLOSS TLOSS X_TLOSS SNAN SNANF SNANL
+    SNANF32 SNANF32X SNANF64 SNANF64X SNANF128 math_errhandling BIG_ENDIAN LITTLE_ENDIAN PDP_ENDIAN BYTE_ORDER
+    EXIT_FAILURE EXIT_SUCCESS RAND_MAX MB_CUR_MAX FD_SETSIZE NFDBITS WCONTINUED WEXITED WNOHANG WNOWAIT WSTOPPED
+    WUNTRACED"""
 MACROS = frozenset(_MACROS.split())
 """What a field of a struct may not be called either."""
 _MACRO = re.compile(
