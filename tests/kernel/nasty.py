@@ -261,7 +261,7 @@ def typed(command, feedback):
     c, d = two(feedback)
     command + 1.0
     f_int(3)
-    e, e = a, b
+    e = b
     g, h, i = a, c, d
     command = f_int(5) + f_int(command)
     return a + 10 * b + 100 * c + 1000 * d + command + grows(a, 2) + e + g + h + i

@@ -158,6 +158,11 @@ def uses_two_targets(command):
     return a + b
 
 
+def uses_a_name_twice(command):
+    a, a = command, 2.0
+    return a
+
+
 def uses_method(command):
     return command.hex()
 
@@ -188,7 +193,7 @@ def helper_two(x, y):
         (uses_round_digits, r"round\(\) with 2"),
         (uses_missing_field, "field 'b' is missing"), (uses_replace_blind, "is not plain"), (uses_slice, "slices"),
         (uses_three_dimensions, "one or two dimensions"), (uses_walrus, "'namedexpr'"),
-        (uses_two_targets, "one target"),
+        (uses_two_targets, "one target"), (uses_a_name_twice, "a name twice"),
         (uses_method, "not a function that can be compiled"),
     ],
 )  # fmt: skip

@@ -142,6 +142,8 @@ class Normaliser(Calls):
             self.refuse(node, "a field cannot be assigned; state is immutable, return a new one")
         if isinstance(target, ast.Tuple) and not all(isinstance(e, ast.Name) for e in target.elts):
             self.refuse(node, "only names on the left of a tuple assignment")
+        if isinstance(target, ast.Tuple) and len({e.id for e in target.elts}) < len(target.elts):  # type: ignore[attr-defined]
+            self.refuse(node, "a name twice on the left of an assignment; Python 3.11 itself has two opinions of it")
         if isinstance(target, ast.Name):
             made = self.class_of(node.value)
             if made is not None:

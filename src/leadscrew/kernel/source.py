@@ -25,15 +25,21 @@ def _functions(filename: str, text: str) -> dict[tuple[int, str], ast.FunctionDe
     return found
 
 
-def _end(code: Any) -> int:
-    """The last line that a function's instructions come from."""
-    return max((end for _, end, _, _ in code.co_positions() if end is not None), default=code.co_firstlineno)
+def _end(lines: list[str], first: int) -> int:
+    """The line before the next statement of the module's level; too early only inside brackets or a string."""
+    begun = False
+    for i in range(first - 1, len(lines)):
+        if begun and lines[i][:1] not in ("", " ", "\t", "#", ")", "]", "}"):
+            return i
+        begun = begun or lines[i].startswith("def ")
+    return len(lines)
 
 
 @lru_cache(maxsize=1024)
-def _alone(filename: str, first: int, name: str, last: int, text: str) -> ast.FunctionDef | None:
+def _alone(filename: str, first: int, name: str, text: str) -> ast.FunctionDef | None:
     """A function of the module's level parsed by itself, which is quicker than its whole file; else ``None``."""
-    lines = text.split("\n")[first - 1 : last]
+    every = text.split("\n")
+    lines = every[first - 1 : _end(every, first)]
     if not lines or lines[0][:1].isspace():
         return None
     try:
@@ -67,7 +73,7 @@ def tree_of(function: Callable[..., Any]) -> tuple[ast.FunctionDef, str]:
     if name == "<lambda>":
         raise SubsetError(f"{filename}:{line}: a lambda cannot be compiled; write a def")
     try:
-        node = _alone(filename, line, name, _end(code), text) or _functions(filename, text).get((line, name))
+        node = _alone(filename, line, name, text) or _functions(filename, text).get((line, name))
     except SyntaxError as error:
         raise SubsetError(f"{filename}: the file does not parse any more ({error})") from None
     if node is None:
