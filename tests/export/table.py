@@ -18,7 +18,7 @@ class Row(NamedTuple):
     subject: str
     controller: str | None
     seconds: float
-    quick: tuple[str, ...] = ("c99", "hal")
+    quick: tuple[str, ...] = ("c99",)
     real: str = "double"
 
 
@@ -27,12 +27,12 @@ ROWS = {
     "vud": Row("vud_lathe", "paper.vud", 1.0),
     "duty_pd": Row("vud_lathe", "ours.pd", 1.0),
     "power_law": Row("vud_lathe", "ours.original_fit", 1.0),
-    "npid": Row(f"{EXAMPLES}xy_table_npid.py:loop", None, 0.5, tuple(TARGETS)),
+    "npid": Row(f"{EXAMPLES}xy_table_npid.py:loop", None, 0.5, ("c99", "hal", "fmu3")),
     "pid": Row(f"{LOOPS}pid", None, 0.5),
-    "smc": Row(f"{EXAMPLES}ballscrew_smc.py:loop", None, 0.3),
+    "smc": Row(f"{EXAMPLES}ballscrew_smc.py:loop", None, 0.3, ("c99", "hal", "fmu2")),
     "csmc": Row(f"{EXAMPLES}ballscrew_smc.py:complementary", None, 0.3),
     "smc_integral": Row(f"{LOOPS}sliding_with_integral", None, 0.3),
-    "single precision": Row("vud_lathe", "corrected.vud_beta_e", 1.0, ("c99", "hal"), "float"),
+    "single precision": Row("vud_lathe", "corrected.vud_beta_e", 1.0, ("c99",), "float"),
     "60 s, step": Row("vud_lathe", "corrected.vud_beta_e", 60.0, ()),
     "60 s, to and fro": Row(f"{LOOPS}lathe_to_and_fro", None, 60.0, ()),
 }
