@@ -33,18 +33,11 @@ if TYPE_CHECKING:
     from leadscrew.kernel.module import Module
 
 
-UNGUARDED = tuple(
-    f"leadscrew.fuzzy.{name}" for name in ("generated", "activations", "defuzzifiers", "exact_centroid", "shapes")
-)
-"""Modules of ours whose steps read and write arrays inside their shapes by construction."""
-
-
 class Normaliser(Calls):
     """Rewrites one function; its callees are added to ``module`` on the way."""
 
     def __init__(self, module: Module, function: Callable[..., Any], trusted: bool = False) -> None:
         self.module, self.function, self.trusted = module, function, trusted
-        self.unguarded = trusted or function.__module__ in UNGUARDED
         self.shared, self.filename = tree_of(function)
         self.node = copied(self.shared)
         self.locals = local_names(self.node)
@@ -130,7 +123,7 @@ class Normaliser(Calls):
             self.refuse(node, "one target in an assignment")
         target = node.targets[0]
         value = self.visit(node.value)
-        if isinstance(target, ast.Subscript) and not self.unguarded:
+        if isinstance(target, ast.Subscript) and not self.trusted:
             indices = target.slice.elts if isinstance(target.slice, ast.Tuple) else [target.slice]
             if len(indices) > 2:
                 self.refuse(node, "arrays of one or two dimensions")
@@ -258,7 +251,7 @@ class Normaliser(Calls):
     def visit_Subscript(self, node: ast.Subscript) -> ast.expr:  # noqa: N802
         indices = node.slice.elts if isinstance(node.slice, ast.Tuple) else [node.slice]
         of_shape = isinstance(node.value, ast.Attribute) and node.value.attr == "shape" and len(indices) == 1
-        if self.unguarded or of_shape:
+        if self.trusted or of_shape:
             return self.generic_visit(node)  # type: ignore[return-value]
         if any(isinstance(i, ast.Slice) for i in indices):
             self.refuse(node, "slices; index the elements")
