@@ -4,7 +4,8 @@ What changes: ``math.*`` and NumPy scalar functions become the portable ones; co
 ``min``, ``max``, ``int`` and ``round`` become functions with one meaning for NaN and infinity; a NamedTuple is built
 with all its fields, in order, each cast to its annotated type; array reads and writes are guarded (a read
 outside gives NaN, a write outside poisons the array with NaN: the loop then reports divergence in the same
-period on every engine); free names become frozen constants or functions of the generated module.
+period on every engine), but not in steps marked :func:`leadscrew.kernel.guards.unguarded`; free names become
+frozen constants or functions of the generated module.
 """
 
 from __future__ import annotations
@@ -38,6 +39,7 @@ class Normaliser(Calls):
 
     def __init__(self, module: Module, function: Callable[..., Any], trusted: bool = False) -> None:
         self.module, self.function, self.trusted = module, function, trusted
+        self.unguarded = trusted or hasattr(function, "unguarded")
         self.shared, self.filename = tree_of(function)
         self.node = copied(self.shared)
         self.locals = local_names(self.node)
@@ -123,7 +125,7 @@ class Normaliser(Calls):
             self.refuse(node, "one target in an assignment")
         target = node.targets[0]
         value = self.visit(node.value)
-        if isinstance(target, ast.Subscript) and not self.trusted:
+        if isinstance(target, ast.Subscript) and not self.unguarded:
             indices = target.slice.elts if isinstance(target.slice, ast.Tuple) else [target.slice]
             if len(indices) > 2:
                 self.refuse(node, "arrays of one or two dimensions")
@@ -251,7 +253,7 @@ class Normaliser(Calls):
     def visit_Subscript(self, node: ast.Subscript) -> ast.expr:  # noqa: N802
         indices = node.slice.elts if isinstance(node.slice, ast.Tuple) else [node.slice]
         of_shape = isinstance(node.value, ast.Attribute) and node.value.attr == "shape" and len(indices) == 1
-        if self.trusted or of_shape:
+        if self.unguarded or of_shape:
             return self.generic_visit(node)  # type: ignore[return-value]
         if any(isinstance(i, ast.Slice) for i in indices):
             self.refuse(node, "slices; index the elements")
