@@ -1,0 +1,74 @@
+"""Fuzzy systems: built or read from files, compiled to machine code, explained, used in loops.
+
+    from leadscrew import fuzzy
+
+    system = fuzzy.read("tipper.fis")
+    system(service=3.0, food=8.0)               # {"tip": 15.3...}
+    print(system.explain(service=3.0, food=8.0))
+    block = fuzzy.controller(system, {"service": "error", "food": ("change", 20.0)})
+
+Names load what they need when they are first used.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from leadscrew.fuzzy.block import controller, function
+    from leadscrew.fuzzy.build import constants, larsen, linear, mamdani, takagi_sugeno, triangles, tsukamoto
+    from leadscrew.fuzzy.evaluate import Compiled, compiled
+    from leadscrew.fuzzy.formats import read, write
+    from leadscrew.fuzzy.rules_text import parse
+    from leadscrew.fuzzy.system import And, Input, Is, Or, Output, Rule, RuleBlock, System, Term
+
+__all__ = [
+    "And",
+    "Compiled",
+    "Input",
+    "Is",
+    "Or",
+    "Output",
+    "Rule",
+    "RuleBlock",
+    "System",
+    "Term",
+    "compiled",
+    "constants",
+    "controller",
+    "function",
+    "larsen",
+    "linear",
+    "mamdani",
+    "parse",
+    "read",
+    "takagi_sugeno",
+    "triangles",
+    "tsukamoto",
+    "write",
+]
+
+_HOMES = {
+    "block": "controller function",
+    "build": "constants larsen linear mamdani takagi_sugeno triangles tsukamoto",
+    "evaluate": "Compiled compiled",
+    "formats": "read write",
+    "rules_text": "parse",
+    "system": "And Input Is Or Output Rule RuleBlock System Term",
+}
+"""The module of each public name."""
+
+
+def __getattr__(name: str) -> Any:
+    for home, names in _HOMES.items():
+        if name in names.split():
+            from importlib import import_module
+
+            found = getattr(import_module(f"{__name__}.{home}"), name)
+            globals()[name] = found
+            return found
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *__all__})

@@ -1,4 +1,5 @@
-"""A fuzzy system as plain data: variables with their terms, rule blocks, rules; nothing is computed here.
+"""A fuzzy system as plain data: variables with their terms, rule blocks, rules. What computes with it stands
+elsewhere and is only called from here (``system(...)``, ``system.many(...)``, ``system.explain(...)``).
 
 The vocabulary is that of the field and of the files that are read and written (MATLAB ``.fis``, fuzzylite ``.fll``,
 IEC 61131-7 ``.fcl``, IEEE 1855). What each name means as a formula stands where it is computed:
@@ -9,11 +10,19 @@ IEC 61131-7 ``.fcl``, IEEE 1855). What each name means as a formula stands where
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, fields
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
 
 from leadscrew.kernel.errors import NameUnknown, ValueRefused
 from leadscrew.kernel.sheet import nearest
+
+if TYPE_CHECKING:
+    import numpy as np
+
+    from leadscrew.fuzzy.evaluate import Compiled
+    from leadscrew.fuzzy.explain import Explanation
 
 SHAPES: dict[str, tuple[str, ...]] = {
     "bell": ("center", "width", "slope"),
@@ -312,3 +321,37 @@ class System:
     def rules(self) -> tuple[Rule, ...]:
         """All rules of all blocks, in order."""
         return tuple(rule for block in self.blocks for rule in block.rules)
+
+    # ---- doors to what computes with it
+    def __getstate__(self) -> dict[str, Any]:
+        return {f.name: getattr(self, f.name) for f in fields(self)}
+
+    @cached_property
+    def _compiled(self) -> Compiled:
+        from leadscrew.fuzzy.evaluate import compiled
+
+        return compiled(self)
+
+    def __call__(self, **inputs: float) -> dict[str, float]:
+        """All outputs by name at one point, inputs by name; see :mod:`leadscrew.fuzzy.evaluate`.
+
+        Raises:
+            ValueRefused: no value for an input, or a system that cannot be evaluated.
+            NameUnknown: there is no such input.
+        """
+        return self._compiled(**inputs)
+
+    def many(self, points: Any = None, *, threads: int = 1, **inputs: Any) -> np.ndarray:
+        """Outputs at many points; see :meth:`leadscrew.fuzzy.evaluate.Compiled.many`."""
+        return self._compiled.many(points, threads=threads, **inputs)
+
+    def explain(self, inputs: Mapping[str, float] | None = None, **named: float) -> Explanation:
+        """Which rules fire at a point, how strongly, and their share of each output; prints as words.
+
+        Raises:
+            ValueRefused: no value for an input.
+            NameUnknown: there is no such input.
+        """
+        from leadscrew.fuzzy.explain import explain
+
+        return explain(self, {**(inputs or {}), **named})
