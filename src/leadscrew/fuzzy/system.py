@@ -172,8 +172,16 @@ class Output(Variable):
         _one_of(f"{where}: integration", self.integration, RULES_OF_SUM)
         if not 1 <= self.resolution <= 100_000:
             raise ValueRefused(f"{where}: resolution = {self.resolution}: allowed are 1 to 100000")
+        self._one_nan()
+
+    def _one_nan(self) -> None:
+        # There is one object that is not a number, so that equal outputs have equal hashes.
         if math.isnan(self.default):
             object.__setattr__(self, "default", math.nan)
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        self.__dict__.update(state)
+        self._one_nan()
 
     def __eq__(self, other: object) -> bool:
         """Equal in every field; a default that is not a number equals another one."""
