@@ -1,7 +1,7 @@
 # Each target makes .venv where there is none and installs what it needs, once. Nothing needs root.
 SHELL := /bin/sh
 .DEFAULT_GOAL := help
-.PHONY: help demo test bench lint docs clean
+.PHONY: help demo test bench peers lint docs clean
 
 BIN := .venv/bin
 INSTALL = $(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt
@@ -12,6 +12,7 @@ help:
 	@echo "make demo    the lathe servo under three controllers, beside the paper's numbers"
 	@echo "make test    the tests, without the slow sweeps"
 	@echo "make bench   speed, beside C, plain Python and other libraries"
+	@echo "make peers   other fuzzy toolboxes to be measured against, in an environment of their own, .peers"
 	@echo "make lint    ruff and mypy"
 	@echo "make docs    the HTML documentation, in docs/_build/html"
 	@echo "make clean   removes what the other targets made, .venv included"
@@ -25,6 +26,8 @@ test: .venv/.dev
 bench: .venv/.bench
 	$(BIN)/leadscrew bench
 
+peers: .peers/.made
+
 lint: .venv/.dev
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
@@ -35,7 +38,7 @@ docs: .venv/.docs
 	@echo "open docs/_build/html/index.html"
 
 clean:
-	rm -rf .venv build dist docs/_build docs/studies/generated docs/reference/generated report .coverage .coverage.* \
+	rm -rf .venv .peers build dist docs/_build docs/studies/generated docs/reference/generated report .coverage .coverage.* \
 	  .pytest_cache .ruff_cache .mypy_cache .hypothesis
 	find src tests docs -name __pycache__ -type d -prune -exec rm -rf {} +
 
@@ -73,3 +76,10 @@ clean:
 	done; \
 	echo "Leadscrew needs Python 3.11 or newer with its venv module, and none was found; name one: make PYTHON=/path/to/python3" >&2; \
 	exit 1
+
+# Not in .venv: they are of other licences, and need an older NumPy.
+.peers/.made: peers/requirements.txt | .venv/bin/pip
+	@echo "Installing other fuzzy toolboxes into .peers (once) ..."
+	@$(BIN)/python -m venv .peers
+	@.peers/bin/python -m pip install --quiet --disable-pip-version-check -r peers/requirements.txt
+	@touch $@

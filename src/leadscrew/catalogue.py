@@ -1,7 +1,8 @@
 """Every block and study by name: plain tables, and the look-up that also takes plug-ins and a user's own file.
 
 Adding a block is one file and one row here. An installed package joins through the entry points ``leadscrew.blocks``
-and ``leadscrew.studies``; a file of one's own is named ``path/file.py:name`` wherever a name is asked for.
+and ``leadscrew.studies``; a file of one's own is named ``path/file.py:name`` wherever a name is asked for, and a fuzzy
+system's file (``.fis``, ``.fll``, ``.fcl``, ``.xml``) wherever a controller is.
 """
 
 from __future__ import annotations
@@ -111,7 +112,7 @@ def _from_plug_in(point: EntryPoint) -> Any:
 
 
 def _find(name: str, table: dict[str, str], group: str, what: str) -> Any:
-    if ".py" in name:
+    if "." in name:
         from leadscrew import userfile
 
         if userfile.is_reference(name):
@@ -125,7 +126,7 @@ def _find(name: str, table: dict[str, str], group: str, what: str) -> Any:
 
 
 def block(name: str, kind: str | None = None) -> Block:
-    """The block of a name: from the table, an installed plug-in, or ``path/file.py:name``.
+    """The block of a name: from the table, an installed plug-in, ``path/file.py:name``, or a fuzzy system's file.
 
     Raises:
         NameUnknown: no such block; names the nearest.

@@ -39,7 +39,7 @@ class Experiment:
     study: str
     """A study's name, or ``path/file.py:name`` of a study, a loop, or a function that returns a loop."""
     controller: str | None = None
-    """A controller of the study, a block of the catalogue, or ``path/file.py:name``."""
+    """A controller of the study, a block of the catalogue, ``path/file.py:name``, or a fuzzy system's file."""
     scenario: str | None = None
     changes: Mapping[str, Any] = field(default_factory=dict)
     duration_s: float | None = None
@@ -83,6 +83,8 @@ class Experiment:
             controller, scenario = self._parts(found)
             loop = found.loop(controller, scenario, self.changes)
             loop = loop.using(name=f"{found.name} {self.controller} {scenario}")
+            if self.controller is not None and userfile.is_data(self.controller):
+                _fits(found, self.controller, scenario, loop)
         if self.seed is not None:
             loop = loop.using(seed=self.seed)
         loop.origin = self.origin
@@ -91,11 +93,13 @@ class Experiment:
     @property
     def origin(self) -> dict[str, Any]:
         """How to build the loop again; part of a run's manifest."""
+        files = userfile.digests(self.controller)
         return {
             "study": userfile.absolute(self.study),
             "controller": None if self.controller is None else userfile.absolute(self.controller),
             "scenario": self.scenario,
             "changes": {k: v.tolist() if hasattr(v, "tolist") else v for k, v in self.changes.items()},
+            **({"files": files} if files else {}),
         }
 
     def seconds(self) -> float:
@@ -145,15 +149,47 @@ class Experiment:
 def controller(study: Study, name: str) -> Block:
     """A controller of the study by its name there, a controller of the catalogue, or ``path/file.py:name``.
 
+    The file of a fuzzy system makes a controller for the study's machine: what its output commands, and in which unit,
+    stands in no such file, so it is what the study's own controllers agree on.
+
     Raises:
         NameUnknown: none of these.
     """
     if name in study.controllers:
         return study.controllers[name]
+    if userfile.is_data(name):
+        return replace(catalogue.block(name, "controller"), **_machine(study))
     if userfile.is_reference(name) or name in catalogue.block_names():
         return catalogue.block(name, "controller")
     known = [*study.controllers, *catalogue.block_names()]
     raise NameUnknown(f"{study.name} has no controller {name!r}{nearest(name, known)}")
+
+
+def _machine(study: Study) -> dict[str, Any]:
+    """What all controllers of a study say of the machine."""
+    said = [(b.unit, b.drive, b.full_scale, b.sense) for b in study.controllers.values()]
+    if len(set(said)) != 1:
+        return {}
+    return dict(zip(("unit", "drive", "full_scale", "sense"), said[0], strict=True))
+
+
+def _fits(study: Study, name: str, scenario: str, loop: Loop) -> None:
+    """Refuses a fuzzy system's file where the study's own controllers take or give several numbers."""
+    try:
+        _ = loop.signals
+    except BlockError:
+        own = study.loop(next(iter(study.controllers)), scenario).signals
+        several = [
+            f"{what} is {', '.join(own[what]._fields)}"
+            for what in ("command", "feedback", "output")
+            if hasattr(own[what], "_fields")
+        ]
+        if not several:
+            raise
+        raise BlockError(
+            f"{name} does not fit {study.name}: a fuzzy system's file takes one command and one reading and gives one "
+            f"output; here the {' and the '.join(several)}"
+        ) from None
 
 
 def _Loop() -> type[Loop]:  # noqa: N802

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from leadscrew import userfile
 from leadscrew.experiment import Experiment
 from leadscrew.kernel.errors import DataError, LeadscrewError
 from leadscrew.kernel.run import load
@@ -51,13 +53,13 @@ def replay(folder: str | Path) -> Replay:
         raise _malformed(str(path), error) from None
     if start != 0.0:
         raise DataError(f"{path} is a part of a live loop, from t = {start:g} s on; only runs from 0 can be replayed")
-    with warnings.catch_warnings():
+    with warnings.catch_warnings(), _of(str(path), manifest["origin"]):
         warnings.simplefilter("ignore")
         run = loop.run(duration, record=record, every=every if saved else 0, engine=engine, run=number)
     difference = first_difference(saved, run.signals) or _other_end(manifest, run)
     return Replay(
-        path, not difference, difference, _causes(manifest, loop.manifest(engine)), len(saved.get("time", ())),
-        tuple(saved), run.wall_s,
+        path, not difference, difference, (*_causes(manifest, loop.manifest(engine)), *_files(manifest["origin"])),
+        len(saved.get("time", ())), tuple(saved), run.wall_s,
     )  # fmt: skip
 
 
@@ -76,15 +78,22 @@ def rebuilt(manifest: Mapping[str, Any], where: str) -> Loop:
         saved, seed, bound = dict(manifest["parameters"]), manifest["seed"], manifest["bound"]
     except (KeyError, TypeError, ValueError) as error:
         raise _malformed(where, error) from None
-    try:
+    with _of(where, origin):
         loop = experiment.loop()
         now = loop.parameters
         changed = {k: v for k, v in saved.items() if k not in now or not np.array_equal(now[k], v)}
         loop = loop.using(changed, seed=seed, **({} if bound is None else {"bound": bound}))
-    except LeadscrewError as error:
-        raise type(error)(f"{where}/run.json: {error}") from error
     loop.origin = origin
     return loop
+
+
+@contextmanager
+def _of(where: str, origin: Mapping[str, Any]) -> Iterator[None]:
+    """Errors say whose loop cannot be built, and which of its files have changed."""
+    try:
+        yield
+    except LeadscrewError as error:
+        raise type(error)("; ".join([f"{where}/run.json: {error}", *_files(origin)])) from error
 
 
 def _malformed(where: str, error: Exception) -> DataError:
@@ -127,3 +136,11 @@ def _causes(saved: Mapping[str, Any], now: Mapping[str, Any]) -> tuple[str, ...]
     names = ("leadscrew", "module", "period_s", "sample_s", "substeps", "method", "computation_delay_s",
              "transport_delay_s", "blocks", "platform", "versions")  # fmt: skip
     return tuple(f"{n}: saved {saved.get(n)}, now {now[n]}" for n in names if saved.get(n) != now[n])
+
+
+def _files(origin: Mapping[str, Any]) -> tuple[str, ...]:
+    """The files of fuzzy systems that are others than when the run was saved."""
+    files = origin.get("files")
+    if not isinstance(files, dict):
+        return ()
+    return tuple(f"{p} is not the file that it was" for p, was in files.items() if userfile.digest(Path(p)) != was)

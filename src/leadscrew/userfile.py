@@ -1,4 +1,4 @@
-"""Objects from a user's own file, named ``path/file.py:name``."""
+"""Objects from a user's own file, named ``path/file.py:name``; or a fuzzy system's file, which is a controller."""
 
 from __future__ import annotations
 
@@ -14,8 +14,9 @@ from typing import Any
 from leadscrew.kernel.errors import DataError, NameUnknown
 from leadscrew.kernel.sheet import nearest
 
-_REFERENCE = re.compile(r"(?P<path>.*\.py)(?::(?P<name>[^:/\\]*))?", re.DOTALL)
+_REFERENCE = re.compile(r"(?P<path>.*\.(?:py|(?i:fis|fll|fcl|fml|xml)))(?::(?P<name>[^:/\\]*))?", re.DOTALL)
 _loaded: dict[Path, tuple[int, ModuleType]] = {}
+_controllers: dict[tuple[Path, str, str | None], Any] = {}
 
 
 def is_reference(text: str) -> bool:
@@ -33,15 +34,18 @@ def absolute(reference: str, folder: Path | None = None) -> str:
 
 
 def load(reference: str) -> Any:
-    """The object that ``path/file.py:name`` names.
+    """The object that ``path/file.py:name`` names; of a fuzzy system's file the controller, ``name`` its output.
 
     Raises:
         DataError: no such file, or it does not load; names the line.
+        ValueRefused: a fuzzy system that cannot be a controller; says why.
         NameUnknown: no such name in it; names the nearest.
     """
     found = _REFERENCE.fullmatch(reference)
     if found is None:
         raise DataError(f"{reference!r}: expected path/file.py:name")
+    if is_data(reference):
+        return _fuzzy_controller(Path(found["path"]), found["name"])
     module = module_of(Path(found["path"]))
     public = {k: v for k, v in vars(module).items() if not k.startswith("_")}
     if not found["name"]:
@@ -49,6 +53,51 @@ def load(reference: str) -> Any:
     if found["name"] not in public:
         raise NameUnknown(f"{found['path']} has no {found['name']!r}{nearest(found['name'], _ours(public))}")
     return public[found["name"]]
+
+
+def is_data(reference: str) -> bool:
+    """Whether a name means a file that is not Python: a fuzzy system."""
+    found = _REFERENCE.fullmatch(reference)
+    return found is not None and not found["path"].endswith(".py")
+
+
+def stem(reference: str) -> str:
+    """What is made of a controller of this name is called: as the object is, or as the file of a fuzzy system."""
+    if is_data(reference):
+        found = _REFERENCE.fullmatch(reference)
+        assert found is not None
+        return re.sub(r"\W", "_", Path(found["path"]).stem)
+    return reference.rsplit(":", 1)[-1].rsplit(".", 1)[-1]
+
+
+def digests(*references: str | None) -> dict[str, str]:
+    """SHA-256 of the files that are not Python, by path: of these no source stands in a manifest."""
+    found = {}
+    for reference in references:
+        if reference is not None and is_data(reference):
+            match = _REFERENCE.fullmatch(absolute(reference))
+            assert match is not None
+            found[match["path"]] = digest(Path(match["path"]))
+    return found
+
+
+def digest(path: Path) -> str:
+    """SHA-256 of a file; empty where there is none."""
+    try:
+        return hashlib.sha256(path.read_bytes()).hexdigest()
+    except OSError:
+        return ""
+
+
+def _fuzzy_controller(path: Path, output: str | None) -> Any:
+    """The controller of a fuzzy system's file, made once as long as the file stays as it is."""
+    from leadscrew.fuzzy.block import from_file
+
+    whole = path.expanduser()
+    key = (whole.resolve(), digest(whole), output)
+    if key not in _controllers:
+        _controllers[key] = from_file(whole, output)
+    return _controllers[key]
 
 
 def _ours(public: dict[str, Any]) -> list[str]:

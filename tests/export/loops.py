@@ -1,14 +1,18 @@
 """Loops around controllers that no study has yet, for the table of exports."""
 
+from dataclasses import replace
+
 from leadscrew.controllers.pid import TUNINGS
 from leadscrew.controllers.sliding import smc_integral
 from leadscrew.controllers.vud import vud_beta_e
+from leadscrew.fuzzy.block import controller
 from leadscrew.kernel.loop import Loop
 from leadscrew.plants.lathe_servo import lathe_servo
 from leadscrew.references.sine import sine
 from leadscrew.sensors.grating_count import grating_count
 from tests.controllers.stage_loop import stage_loop
 from tests.controllers.xy_loop import xy_loop
+from tests.fuzzy.systems import mamdani, sugeno
 
 
 def pid():
@@ -29,3 +33,33 @@ def lathe_to_and_fro():
         period=1e-3,
         metrics={},
     )
+
+
+def fuzzy(system):
+    """The lathe axis under a fuzzy controller of the error and its rate, to and fro."""
+    inside = replace(system, inputs=tuple(replace(v, lock_range=True) for v in system.inputs))
+    block = controller(inside, {"e": ("error", 0.05), "de": ("rate", 0.002)}, output_scale=-3.0, unit="1",
+                       drive="duty", full_scale=1.0, sense=-1)  # fmt: skip
+    return Loop(
+        reference=sine(amplitude=60.0, frequency=0.37),
+        controller=block,
+        plant=lathe_servo,
+        sensor=grating_count,
+        period=1e-3,
+        metrics={},
+    )
+
+
+def fuzzy_exact():
+    """49 rules, the centroid in closed form."""
+    return fuzzy(mamdani(integration="exact"))
+
+
+def fuzzy_sampled():
+    """49 rules, the centroid as a sum over 100 cells."""
+    return fuzzy(mamdani())
+
+
+def fuzzy_table():
+    """49 rules of Takagi and Sugeno, of which only the active ones are computed: a table."""
+    return fuzzy(sugeno())

@@ -19,13 +19,13 @@ def cells(learned):
 
 
 def test_one_sample_gives_the_papers_first_rule_and_strength():
-    learned = learn_rules([(-0.932, 0.497, 1.0)], SETS, SETS, SETS)
+    learned = learn_rules([(-0.932, 0.497, 1.0)], (SETS, SETS), SETS)
     assert cells(learned) == {("NB", "PS"): "PB"}
     assert learned.cells[0, 3].winner.strength == pytest.approx(0.40398, abs=1e-5)
 
 
 def test_the_stronger_of_two_conflicting_rules_wins_and_the_loser_is_reported():
-    learned = learn_rules([(-0.801, 0.965, 0.921), (-0.670, 0.956, 0.735)], SETS, SETS, SETS)
+    learned = learn_rules([(-0.801, 0.965, 0.921), (-0.670, 0.956, 0.735)], (SETS, SETS), SETS)
     (cell,) = learned.conflicts.values()
     assert cells(learned) == {("NM", "PB"): "PM"}
     assert learned.say(cell.winner) == "NM, PB -> PM (0.696)"
@@ -35,10 +35,10 @@ def test_the_stronger_of_two_conflicting_rules_wins_and_the_loser_is_reported():
 
 def test_samples_between_two_sets_are_left_out_unless_asked_for():
     data = [(0.0, 0.5, 0.9), (-0.9, 0.9, 0.9)]
-    assert learn_rules(data, SETS, SETS, SETS).dropped == (0,)
-    assert learn_rules(data, SETS, SETS, SETS, ties="keep").covered == 2
+    assert learn_rules(data, (SETS, SETS), SETS).dropped == (0,)
+    assert learn_rules(data, (SETS, SETS), SETS, ties="keep").covered == 2
     with pytest.raises(ValueRefused, match="ties"):
-        learn_rules(data, SETS, SETS, SETS, ties="guess")
+        learn_rules(data, (SETS, SETS), SETS, ties="guess")
 
 
 def test_table_1_covers_eight_cells_of_which_six_agree_with_table_2():
@@ -76,6 +76,6 @@ def test_completion_says_which_rules_it_kept_and_which_it_dropped():
 def test_completion_refuses_partitions_without_two_equal_halves():
     three = Partition((-1.0, 0.0, 1.0), ("N", "Z", "P"))
     with pytest.raises(ValueRefused, match="even"):
-        complete_rules(learn_rules([(0.9, 0.9, 0.9)], three, three, three))
+        complete_rules(learn_rules([(0.9, 0.9, 0.9)], (three, three), three))
     with pytest.raises(ValueRefused, match="at least one"):
-        complete_rules(learn_rules([], SETS, SETS, SETS))
+        complete_rules(learn_rules([], (SETS, SETS), SETS))

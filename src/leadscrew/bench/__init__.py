@@ -8,8 +8,8 @@ from typing import Any
 from leadscrew.bench.row import FIELDS
 
 PARTS = (
-    "threads", "single runs", "batches", "settled loops", "other tools", "inference", "portable functions",
-    "compilation", "fresh processes",
+    "threads", "single runs", "batches", "settled loops", "other tools", "inference", "fuzzy systems",
+    "portable functions", "compilation", "fresh processes",
 )  # fmt: skip
 """In this order: threads come first, before the bench itself puts load on the machine."""
 
@@ -21,7 +21,7 @@ def run(
 
     Targets are reported, not asserted: ``passed`` is True, False, or None where nothing is judged.
     """
-    from leadscrew.bench import functions, machine, others, servo, start, threads
+    from leadscrew.bench import functions, fuzzy, machine, others, servo, start, threads
 
     rounds = 3 if quick else 9
     rows = [machine.row_of_load("before")]
@@ -33,6 +33,7 @@ def run(
         "settled loops": lambda: servo.settled_rows(rounds, errors),
         "other tools": lambda: others.rows(reference, errors, min(rounds, 5)),
         "inference": lambda: functions.inference_rows(rounds),
+        "fuzzy systems": lambda: fuzzy.rows(rounds, quick),
         "portable functions": lambda: functions.function_rows(rounds),
         "compilation": lambda: start.compile_rows(1 if quick else 3),
         "fresh processes": lambda: start.rows(min(rounds, 5)),

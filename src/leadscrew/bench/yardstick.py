@@ -63,8 +63,8 @@ def compiler() -> str:
     return found
 
 
-def build() -> ctypes.CDLL:
-    """The compiled yardstick, from the cache where its sources, flags and compiler are the same.
+def build(source: str = "lathe.c") -> ctypes.CDLL:
+    """A compiled yardstick, from the cache where its sources, flags and compiler are the same.
 
     Raises:
         NoCompilerError: no gcc, or it fails.
@@ -73,12 +73,12 @@ def build() -> ctypes.CDLL:
     version = subprocess.run([gcc, "-dumpfullversion"], capture_output=True, text=True, check=False).stdout
     sources = (path for path in sorted(SOURCES.iterdir()) if path.suffix in (".c", ".h"))
     text = "".join(path.read_text(encoding="utf-8") for path in sources)
-    name = hashlib.sha256(f"{version} {FLAGS} {text}".encode()).hexdigest()[:20]
+    name = hashlib.sha256(f"{version} {FLAGS} {source} {text}".encode()).hexdigest()[:20]
     library = cache.directory() / f"yardstick_{name}.so"
     if not library.exists():
         with tempfile.TemporaryDirectory(dir=library.parent) as folder:
             made = Path(folder) / library.name
-            command = [gcc, *FLAGS, str(SOURCES / "lathe.c"), "-o", str(made), "-lm"]
+            command = [gcc, *FLAGS, str(SOURCES / source), "-o", str(made), "-lm"]
             done = subprocess.run(command, capture_output=True, text=True, check=False)
             if done.returncode:
                 raise NoCompilerError(f"gcc failed: {done.stderr.strip()[:200]}")

@@ -27,7 +27,10 @@ def export(
     target: Annotated[str, typer.Option("--target", "-t", help="c99, hal, fmu2 or fmu3.")],
     out: Annotated[Path, typer.Option(help="Folder to write; it must not exist yet.")],
     controller: Annotated[
-        str | None, typer.Option("--controller", "-c", help="Of the study, of the catalogue, or path/file.py:NAME.")
+        str | None,
+        typer.Option(
+            "--controller", "-c", help="Of the study, of the catalogue, path/file.py:NAME, or a fuzzy system's file."
+        ),
     ] = None,
     scenario: Annotated[
         str | None, typer.Option("--scenario", "-s", help="Whose run gives the golden vectors; the study's first.")
@@ -48,6 +51,7 @@ def export(
     as_json: Json = False,
 ) -> None:
     """Export a controller to C99, LinuxCNC or an FMU, with golden vectors that prove it is the same."""
+    from leadscrew import userfile
     from leadscrew.export.controller import export_controller
     from leadscrew.export.folder import write
 
@@ -61,7 +65,7 @@ def export(
     block = loop.blocks["controller"]
     assert block is not None
     title = experiment.controller or block.name
-    stem = title.rsplit(":", 1)[-1].rsplit(".", 1)[-1] if name is None else name
+    stem = userfile.stem(title) if name is None else name
     with busy(f"{title} to {target}"):
         core, record = export_controller(loop, experiment.seconds(), name=stem, title=title, real=real, drive=drive)
         manifest = write(core, record, target, out, loop=loop, binary=not sources_only)

@@ -22,7 +22,10 @@ WIDE = 150
 def list_(
     name: Annotated[
         str | None,
-        typer.Argument(metavar="[NAME]", help="A block, a study, path/file.py:NAME, or an experiment file (.toml)."),
+        typer.Argument(
+            metavar="[NAME]",
+            help="A block, a study, path/file.py:NAME, a fuzzy system's file, or an experiment file (.toml).",
+        ),
     ] = None,
     as_json: Json = False,
 ) -> None:

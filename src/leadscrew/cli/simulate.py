@@ -31,7 +31,10 @@ def simulate(
         ),
     ],
     controller: Annotated[
-        str | None, typer.Option("--controller", "-c", help="Of the study, of the catalogue, or path/file.py:NAME.")
+        str | None,
+        typer.Option(
+            "--controller", "-c", help="Of the study, of the catalogue, path/file.py:NAME, or a fuzzy system's file."
+        ),
     ] = None,
     scenario: Annotated[str | None, typer.Option("--scenario", "-s", help="What is asked of the machine.")] = None,
     changes: Annotated[

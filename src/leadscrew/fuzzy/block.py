@@ -12,6 +12,7 @@ The usual controller takes the error and its change, scaled into the universes, 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from pathlib import Path
 from typing import Annotated, Any, NamedTuple
 
 import numpy as np
@@ -154,6 +155,40 @@ def controller(
     more.setdefault("name", step.__name__)
     more.setdefault("doc", system.doc or f"The fuzzy system {system.name}.")
     return make("controller", step, params(**values, tables=made.numbers), Memory(), prepare=prepare, **more)
+
+
+def from_file(path: str | Path, output: str | None = None) -> Block:
+    """The system in a file as a controller: its first input is the error, its second the error's change in a period.
+
+    ``output`` is the output that drives; it may be left out where there is one. What the reader of the file has to say
+    stands in the block's description.
+
+    Raises:
+        DataError: it cannot be read, or is broken; says where.
+        NameUnknown: there is no such output.
+        ValueRefused: more inputs than two, several outputs and none named, something that cannot be evaluated.
+    """
+    from leadscrew.fuzzy import formats
+
+    system = formats.read(path)
+    inputs, outputs = [v.name for v in system.inputs], [o.name for o in system.outputs]
+    if not 1 <= len(inputs) <= 2:
+        raise ValueRefused(
+            f"{path} has {len(inputs)} inputs ({', '.join(inputs)}); a controller from a file takes the error and its "
+            "change: for anything else make the block in Python, with leadscrew.fuzzy.block.controller"
+        )
+    if not outputs or (output is None and len(outputs) > 1):
+        raise ValueRefused(f"{path}: say which output drives, as {path}:NAME; it has {', '.join(outputs) or 'none'}")
+    told = " ".join(f"{_sentence(note)}." for note in system.notes)
+    doc = "\n\n".join(part for part in (system.doc or f"The fuzzy system {system.name}.", told) if part)
+    try:
+        return controller(system, output=output or None, doc=doc)
+    except (NameUnknown, ValueRefused) as error:
+        raise type(error)(f"{path}: {error}") from error
+
+
+def _sentence(note: str) -> str:
+    return note[:1].upper() + note[1:].rstrip(".")
 
 
 def _types(made: Engine, sources: Mapping[str, Scaled]) -> tuple[Any, Any]:

@@ -11,6 +11,8 @@ the two inputs and on the output:
    rate, and at least the smallest positive one;
 4. (prior knowledge, not data) where the error is negative and still growing, one level more, up to the largest;
 5. mirror to the half with positive error.
+
+General steps, for any number of inputs, stand in :mod:`leadscrew.fuzzy.fill`; this one is ``servo`` there.
 """
 
 from __future__ import annotations
@@ -62,10 +64,10 @@ def complete_rules(learned: LearnedRules, add_growth_level: bool = True) -> Comp
         ValueRefused: the inputs and the output do not have the same, even number of sets, or no rule was learned.
     """
     n = len(learned.output)
-    if n % 2 or len(learned.first) != n or len(learned.second) != n:
+    if n % 2 or learned.shape != (n, n):
         raise ValueRefused(
-            f"completion needs the same even number of sets everywhere, not {len(learned.first)}, "
-            f"{len(learned.second)} and {n}"
+            "completion of a servo axis needs two inputs, and the same even number of sets everywhere, not "
+            f"{', '.join(map(str, learned.shape))} and {n}"
         )
     if not learned.cells:
         raise ValueRefused("completion needs at least one learned rule")

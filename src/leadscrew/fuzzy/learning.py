@@ -1,35 +1,50 @@
-"""Fuzzy rules from data by a look-up table (Wang and Mendel), conflicts settled by the larger strength.
+"""Fuzzy rules from data by a look-up table (Wang and Mendel 1992), conflicts settled by the larger strength.
 
-Every sample ``(x, y; z)`` gives one rule: the sets to which ``x``, ``y`` and ``z`` belong most. Its strength is
+Every sample ``(x_1, ..., x_n; z)`` gives one rule: the sets to which the ``x_i`` and ``z`` belong most. Its strength is
 
-    D = mu(x) mu(y) mu(z)
+    D = mu(x_1) ... mu(x_n) mu(z) m
 
-Of rules with the same antecedents the strongest is kept. Nothing is guessed where there is no data: the result says
+with ``m = 1``, or the weight of the sample in ``(0, 1]`` ("the degree assigned by the expert"). Of rules with the same
+antecedents the strongest is kept, of equal ones the earlier. Nothing is guessed where there is no data: the result says
 which cells of the table are covered, by how many samples, and which rules lost to which.
+
+Samples outside a universe count as its end; how many there are, and how far out, is in the result. Values are in the
+units of the partitions. The rules become a system by :func:`leadscrew.fuzzy.learned_system.to_system`; cells that no
+sample covers are filled only by a step of :mod:`leadscrew.fuzzy.fill` that is asked for by name.
+
+Source: L.-X. Wang, J. M. Mendel, Generating fuzzy rules by learning from examples, IEEE Trans. SMC 22 (1992)
+1414-1427.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+import itertools
+import math
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 
 from leadscrew.fuzzy.partition import Partition
+from leadscrew.fuzzy.samples import names_of, rows_of, weights_of
 from leadscrew.kernel.errors import ValueRefused
+
+Ties = Literal["drop", "keep"]
 
 
 @dataclass(frozen=True)
 class Rule:
-    """The rule of one sample: indices of its sets and its strength."""
+    """The strongest rule that says the same: indices of its sets and its strength."""
 
-    first: int
-    second: int
+    sets: tuple[int, ...]
+    """One index an input."""
     output: int
     strength: float
     sample: int
     """Number of the sample in the data, from 0."""
+    count: int = 1
+    """How many samples say the same."""
 
 
 @dataclass(frozen=True)
@@ -42,76 +57,155 @@ class Cell:
     count: int
     """How many samples fell into the cell."""
 
+    @property
+    def drawn(self) -> bool:
+        """The strongest loser is as strong as the winner, which only came earlier."""
+        return bool(self.losers) and self.losers[0].strength == self.winner.strength
+
+
+@dataclass(frozen=True)
+class Outside:
+    """Samples outside the universe of a variable."""
+
+    count: int
+    farthest: float
+    """The value that lies farthest out."""
+
 
 @dataclass(frozen=True)
 class LearnedRules:
     """What data says about a rule table, and where it says nothing."""
 
-    first: Partition
-    second: Partition
+    inputs: tuple[Partition, ...]
     output: Partition
-    cells: dict[tuple[int, int], Cell]
+    cells: dict[tuple[int, ...], Cell]
+    """By the indices of the inputs' sets, in order."""
     samples: int
     dropped: tuple[int, ...]
     """Samples left out because a value lies exactly between two sets."""
+    names: tuple[str, ...]
+    """Of the inputs, and of the output last."""
+    outside: dict[str, Outside]
+    """By name, for variables that have any."""
+    weighted: bool = False
+    """Samples had weights."""
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Sets of each input."""
+        return tuple(len(p) for p in self.inputs)
+
+    @property
+    def total(self) -> int:
+        """Number of cells of the table."""
+        return math.prod(self.shape)
 
     @property
     def covered(self) -> int:
         """Number of cells that at least one sample covers."""
         return len(self.cells)
 
+    def uncovered(self) -> Iterator[tuple[int, ...]]:
+        """The cells that no sample covers, in order."""
+        return (at for at in itertools.product(*map(range, self.shape)) if at not in self.cells)
+
     @property
-    def conflicts(self) -> dict[tuple[int, int], Cell]:
+    def conflicts(self) -> dict[tuple[int, ...], Cell]:
         """The cells in which samples disagree about the output."""
         return {at: cell for at, cell in self.cells.items() if cell.losers}
 
-    def agreement(self, table: np.ndarray) -> tuple[int, list[tuple[int, int]]]:
-        """How many covered cells have the set that ``table`` has there, and the cells that have another."""
-        other = [
-            (i, j) for (i, j), cell in self.cells.items() if cell.winner.output != self.output.winner(table[i, j]).index
-        ]
+    def agreement(self, table: np.ndarray) -> tuple[int, list[tuple[int, ...]]]:
+        """How many covered cells have the set that ``table`` has there, and the cells that have another.
+
+        ``table`` holds values of the output, one axis an input.
+        """
+        other = [at for at, cell in self.cells.items() if cell.winner.output != self.output.winner(table[at]).index]
         return self.covered - len(other), other
+
+    def labels(self, at: tuple[int, ...]) -> list[str]:
+        """Labels of the sets of a cell."""
+        return [p.labels[i] for p, i in zip(self.inputs, at, strict=True)]
 
     def say(self, rule: Rule) -> str:
         """A rule in labels and strength: ``NB, PS -> PB (0.404)``."""
-        return (
-            f"{self.first.labels[rule.first]}, {self.second.labels[rule.second]} -> "
-            f"{self.output.labels[rule.output]} ({rule.strength:.3f})"
-        )
+        return f"{', '.join(self.labels(rule.sets))} -> {self.output.labels[rule.output]} ({rule.strength:.3f})"
+
+    def report(self, most: int = 30) -> str:
+        """Coverage, rules and conflicts as text for a reader; lists are cut after ``most`` lines, and say so."""
+        from leadscrew.fuzzy.learning_report import report
+
+        return report(self, most)
+
+    def as_dict(self) -> dict[str, Any]:
+        """The same as plain data, for JSON."""
+        from leadscrew.fuzzy.learning_report import as_dict
+
+        return as_dict(self)
 
 
 def learn_rules(
-    samples: Iterable[tuple[float, float, float]],
-    first: Partition,
-    second: Partition,
+    samples: Any,
+    inputs: Sequence[Partition],
     output: Partition,
-    ties: Literal["drop", "keep"] = "drop",
+    ties: Ties = "drop",
+    *,
+    weights: Any = None,
+    names: Sequence[str] | None = None,
+    numbers: Sequence[int] | np.ndarray | None = None,
 ) -> LearnedRules:
-    """Rules from samples ``(x, y, z)``.
+    """Rules from samples ``(x_1, ..., x_n, z)``: an array with one row a sample, or any iterable of such rows.
 
     A value exactly between two sets says nothing about which of them to write down: ``ties="drop"`` leaves such a
-    sample out, ``"keep"`` takes the lower set.
+    sample out, ``"keep"`` takes the lower set. ``weights`` holds one number in (0, 1] a sample; ``names`` those of the
+    inputs and, last, of the output (``x1``, ``x2``, ..., ``y`` unless given); ``numbers`` what the samples are called
+    in the result and in errors (0, 1, ... unless given).
+
+    Raises:
+        ValueRefused: a row of another length, a value that is not finite (with its row, from 0), a weight out of
+            range, an unknown ``ties``, or names that do not fit.
     """
     if ties not in ("drop", "keep"):
         raise ValueRefused(f"ties = {ties!r}: allowed are 'drop' and 'keep'")
-    by_cell: dict[tuple[int, int], list[Rule]] = {}
-    dropped: list[int] = []
-    number = 0
-    for number, (x, y, z) in enumerate(samples, start=1):
-        a, b, c = first.winner(x), second.winner(y), output.winner(z)
-        if ties == "drop" and (a.tied or b.tied or c.tied):
-            dropped.append(number - 1)
-            continue
-        strength = a.membership * b.membership * c.membership
-        by_cell.setdefault((a.index, b.index), []).append(Rule(a.index, b.index, c.index, strength, number - 1))
-    cells = {at: _cell(rules) for at, rules in sorted(by_cell.items())}
-    return LearnedRules(first, second, output, cells, number, tuple(dropped))
+    called = names_of(names, len(inputs))
+    partitions = (*inputs, output)
+    rows, number = rows_of(samples, called, numbers)
+    weight = weights_of(weights, number)
+    found = [p.winners(rows[:, k]) for k, p in enumerate(partitions)]
+    strengths = np.ones(len(rows)) if weight is None else weight
+    for one in found:
+        # In this order, from the left: 1 times mu is mu, so without weights it is the plain product.
+        strengths = strengths * one.membership
+    tied = np.any([one.tied for one in found], axis=0) if ties == "drop" else np.zeros(len(rows), dtype=bool)
+    indices = np.array([one.index for one in found]).T
+    by_cell: dict[tuple[int, ...], dict[int, Rule]] = {}
+    for row in np.flatnonzero(~tied).tolist():
+        *at, z = indices[row].tolist()
+        rule = Rule(tuple(at), z, float(strengths[row]), int(number[row]))
+        _enter(by_cell.setdefault(rule.sets, {}), rule)
+    return LearnedRules(
+        tuple(inputs), output, {at: _cell(rules) for at, rules in sorted(by_cell.items())}, len(rows),
+        tuple(number[tied].tolist()), called, _outside(rows, partitions, called), weight is not None,
+    )  # fmt: skip
 
 
-def _cell(rules: list[Rule]) -> Cell:
-    strongest: dict[int, Rule] = {}
-    for rule in rules:
-        if rule.output not in strongest or rule.strength > strongest[rule.output].strength:
-            strongest[rule.output] = rule
-    winner, *losers = sorted(strongest.values(), key=lambda rule: -rule.strength)
-    return Cell(winner, tuple(losers), len(rules))
+def _enter(strongest: dict[int, Rule], rule: Rule) -> None:
+    before = strongest.get(rule.output)
+    if before is None:
+        strongest[rule.output] = rule
+    else:
+        best = rule if rule.strength > before.strength else before
+        strongest[rule.output] = Rule(best.sets, best.output, best.strength, best.sample, before.count + 1)
+
+
+def _cell(strongest: dict[int, Rule]) -> Cell:
+    winner, *losers = sorted(strongest.values(), key=lambda rule: (-rule.strength, rule.sample))
+    return Cell(winner, tuple(losers), sum(rule.count for rule in strongest.values()))
+
+
+def _outside(rows: np.ndarray, partitions: Sequence[Partition], names: tuple[str, ...]) -> dict[str, Outside]:
+    out: dict[str, Outside] = {}
+    for column, partition, name in zip(rows.T, partitions, names, strict=True):
+        beyond = np.maximum(partition.centres[0] - column, column - partition.centres[-1])
+        if (beyond > 0.0).any():
+            out[name] = Outside(int((beyond > 0.0).sum()), float(column[int(np.argmax(beyond))]))
+    return out

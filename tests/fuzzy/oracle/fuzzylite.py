@@ -1,28 +1,22 @@
 """fuzzylite 6 as a second opinion: a program of our own that uses it, built once a session, run as its own process."""
 
-import shutil
 import subprocess
-import tempfile
-from functools import lru_cache
-from pathlib import Path
 
 import numpy as np
 
+from leadscrew.bench import fuzzy_peers
 from tests.tools import missing
 
-SOURCE = Path(__file__).parent / "driver.cpp"
+LETTERS = {"fll": "S", "fis": "I", "fcl": "C"}
+"""What the driver calls the formats."""
 
 
-@lru_cache(maxsize=1)
 def program() -> str:
     """The driver, compiled; skips where fuzzylite or a compiler is missing."""
-    if shutil.which("g++") is None or not Path("/usr/include/fl/Headers.h").exists():
-        missing("fuzzylite", "libfuzzylite-dev or g++ is not installed")
-    folder = tempfile.mkdtemp(prefix="leadscrew-oracle-")
-    made = str(Path(folder) / "driver")
-    command = ["g++", "-std=c++11", "-O2", "-Wno-deprecated-declarations", str(SOURCE), "-o", made, "-lfuzzylite"]
-    subprocess.run(command, check=True, capture_output=True)
-    return made
+    try:
+        return fuzzy_peers.fuzzylite_program()
+    except fuzzy_peers.Missing as why:
+        missing("fuzzylite", str(why))
 
 
 class Refused(Exception):
@@ -51,9 +45,9 @@ class Fuzzylite:
             raise Refused(line)
         return line
 
-    def load(self, fll: str) -> None:
-        """Takes a system as ``.fll`` text (ASCII)."""
-        self._say(f"S {len(fll)}\n{fll}")
+    def load(self, text: str, format: str = "fll") -> None:
+        """Takes a system as text (ASCII) in one of fuzzylite's formats: fll, fis, fcl."""
+        self._say(f"{LETTERS[format]} {len(text)}\n{text}")
         self._line()
 
     def restart(self) -> None:

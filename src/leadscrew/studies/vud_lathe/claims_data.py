@@ -58,9 +58,7 @@ def _rules(found: Mapping[str, Move]) -> list[Claim]:
     full = rules.rebuild(learned)
     beaten = learned.cells[1, 5]
     missing = TABLE_2.size - learned.covered
-    names = ", ".join(
-        f"({learned.first.labels[i]}, {learned.second.labels[j]})" for i, j in learned.agreement(TABLE_2)[1]
-    )
+    names = ", ".join(f"({', '.join(learned.labels(cell))})" for cell in learned.agreement(TABLE_2)[1])
     return [
         _claim("sample_count", "after (16)", "rules before conflicts are settled", 80, learned.samples, 80, 0,
                "reproduced", "k = 1 ... 20 of four moves", "rules"),

@@ -36,7 +36,7 @@ def samples(found: Mapping[str, Move], rate: Rate = "signed") -> list[tuple[floa
 
 def learn(found: Mapping[str, Move], ties: Literal["drop", "keep"] = "drop", rate: Rate = "signed") -> LearnedRules:
     """The rules of Table 1 by (12) to (16) and the choice of the strongest."""
-    return learn_rules(samples(found, rate), SETS, SETS, SETS, ties)
+    return learn_rules(samples(found, rate), (SETS, SETS), SETS, ties, names=("e", "ec", "rho"))
 
 
 def rebuild(learned: LearnedRules, add_growth_level: bool = True) -> Completion:

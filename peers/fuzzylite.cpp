@@ -1,6 +1,8 @@
 // Evaluates fuzzy systems with fuzzylite 6, in a process of its own: systems and points come over stdin.
 //
 //   S BYTES\n followed by a system as .fll text   -> "ok" or "error TEXT"
+//   I BYTES\n the same, as .fis text
+//   C BYTES\n the same, as .fcl text
 //   P N\n followed by N lines of input values      -> N lines of outputs, all digits
 //   R\n                                            -> forgets the last outputs ("ok")
 //   T N\n followed by N lines of input values      -> nanoseconds of processor time for each evaluation
@@ -38,6 +40,12 @@ static std::string one_line(std::string text) {
     return text;
 }
 
+static std::unique_ptr<fl::Importer> importer(const std::string& word) {
+    if (word == "I") return std::unique_ptr<fl::Importer>(new fl::FisImporter);
+    if (word == "C") return std::unique_ptr<fl::Importer>(new fl::FclImporter);
+    return std::unique_ptr<fl::Importer>(new fl::FllImporter);
+}
+
 static void evaluate(fl::Engine& engine, const std::vector<double>& row) {
     for (size_t i = 0; i < row.size(); ++i) engine.getInputVariable(i)->setValue(row[i]);
     engine.process();
@@ -51,11 +59,11 @@ int main() {
         size_t count = 0;
         if (word != "R") std::cin >> count;
         try {
-            if (word == "S") {
+            if (word == "S" || word == "I" || word == "C") {
                 std::cin.ignore();
                 std::string text(count, ' ');
                 std::cin.read(&text[0], static_cast<std::streamsize>(count));
-                engine.reset(fl::FllImporter().fromString(text));
+                engine.reset(importer(word)->fromString(text));
                 std::string status;
                 if (!engine->isReady(&status)) {
                     std::printf("error %s\n", one_line(status).c_str());

@@ -1,0 +1,227 @@
+"""From logged data to a fuzzy system in one call: universes, partitions, rules, completion, system, scores.
+
+1. some samples are held out, by a seed; all that follows sees only the others. Neighbours in a log are alike, so this
+   flatters: score a move of its own with :func:`leadscrew.fuzzy.score.score` where there is one;
+2. universes: the range of each variable, between two percentiles;
+3. partitions (:mod:`leadscrew.fuzzy.grids`): even, by quantiles, or by curvature and accuracy;
+4. rules (:mod:`leadscrew.fuzzy.learning`); 5. completion by the named steps (:mod:`leadscrew.fuzzy.fill`), none unless
+   asked for; 6. the system (:mod:`leadscrew.fuzzy.learned_system`);
+7. scores: root mean square and largest error on the samples learned from and on those held out.
+
+Every choice, given or by default, is in :attr:`Learned.choices`.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass, fields
+from typing import Any, Literal
+
+import numpy as np
+
+from leadscrew.fuzzy.curvature import Method
+from leadscrew.fuzzy.fill import Completed, complete
+from leadscrew.fuzzy.grids import Grid, even, grid_from_curvature, quantile, universe
+from leadscrew.fuzzy.learned_system import Conclude, Weights, to_system
+from leadscrew.fuzzy.learning import LearnedRules, Ties, learn_rules
+from leadscrew.fuzzy.learning_report import finite
+from leadscrew.fuzzy.partition import Partition
+from leadscrew.fuzzy.partition_count import Reading
+from leadscrew.fuzzy.score import Score, score
+from leadscrew.fuzzy.system import System
+from leadscrew.kernel.errors import NameUnknown, ValueRefused
+from leadscrew.kernel.sheet import nearest
+
+
+@dataclass(frozen=True)
+class Choices:
+    """What can be chosen in :func:`learn`; the fields' defaults are those of the function."""
+
+    sets: int | Mapping[str, int] = 7
+    """Of every variable, or by name (7 where one is not named). A rule concludes a centre of the output: with few sets
+    there it is off by up to half their distance, however many sets the inputs have."""
+    grid: Literal["even", "quantile", "curvature"] = "even"
+    """Of the inputs; the output is always even. ``curvature`` takes their number of sets from equation (10)."""
+    accuracy: float | None = None
+    reading: Reading | None = None
+    """Needed for ``curvature``: in units of the output, and how to read the equation."""
+    curvature: Method = "local"
+    percentiles: tuple[float, float] = (0.0, 100.0)
+    """Of the data, where universes begin and end."""
+    symmetric: bool | None = None
+    """Universes about zero; None: where completion has a step that needs it (antisymmetric, servo, servo_growth)."""
+    ties: Ties = "drop"
+    complete: tuple[str, ...] = ()
+    directions: Mapping[str, int] | None = None
+    weights: str | None = None
+    """Name of the data's column with the samples' weights in (0, 1]."""
+    rule_weights: Weights = "none"
+    conclude: Conclude = "centres"
+    hold_out: float = 0.0
+    """Part of the samples that is held out, 0 to 0.9."""
+    seed: int = 0
+    name: str = "learned"
+    units: Mapping[str, str] | None = None
+    default: float = math.nan
+    """The output where no rule fires."""
+
+
+@dataclass(frozen=True)
+class Learned:
+    """A system from data, and everything that led to it."""
+
+    system: System
+    rules: LearnedRules
+    completed: Completed
+    grid: Grid | None
+    """Where the partitions came from curvature."""
+    training: Score
+    held_out: Score | None
+    choices: Choices
+
+    def report(self, most: int = 30) -> str:
+        """The chain as text; lists are cut after ``most`` lines, and say so."""
+        parts = [_universes(self.rules), *([self.grid.report()] if self.grid else []), "", self.rules.report(most), ""]
+        parts += [self.completed.report(most), f"system {self.system.name}: {self.system.doc}", ""]
+        parts.append(self.training.sentence("learned from"))
+        if self.held_out:
+            parts.append(self.held_out.sentence("held out"))
+        return "\n".join(parts)
+
+    def as_dict(self) -> dict[str, Any]:
+        """The same as plain data, for JSON."""
+        given = {
+            "choices": {f.name: _mapped(getattr(self.choices, f.name)) for f in fields(self.choices)},
+            "grid": self.grid.as_dict() if self.grid else None,
+            "learning": self.rules.as_dict(),
+            "completion": self.completed.as_dict(),
+            "system": {"name": self.system.name, "rules": len(self.system.rules), "doc": self.system.doc},
+            "training": asdict(self.training),
+            "held_out": asdict(self.held_out) if self.held_out else None,
+        }
+        plain: dict[str, Any] = finite(given)
+        return plain
+
+
+def learn(data: Mapping[str, Any], inputs: Sequence[str], output: str, **choices: Any) -> Learned:
+    """A system that gives ``output`` from ``inputs``, from columns of data by name; ``choices``: :class:`Choices`.
+
+    Raises:
+        NameUnknown: no such column, choice, step or input.
+        ValueRefused: columns of different lengths or with values that are not finite (row from 0), a choice out of
+            range, or data that a step cannot work with; says why.
+    """
+    chosen = _choices(choices)
+    names = (*inputs, output)
+    rows, weights = _columns(data, names, chosen.weights)
+    train, held = _split(len(rows), chosen.hold_out, chosen.seed)
+    partitions, grid = _partitions(rows[train], names, chosen)
+    rules = learn_rules(
+        rows[train], partitions[:-1], partitions[-1], chosen.ties, names=names, numbers=train,
+        weights=None if weights is None else weights[train],
+    )  # fmt: skip
+    completed = complete(rules, chosen.complete, chosen.directions)
+    system = to_system(
+        completed, chosen.name, units=chosen.units, weights=chosen.rule_weights, conclude=chosen.conclude,
+        default=chosen.default,
+    )  # fmt: skip
+    scores = [score(system, rows[part], part) for part in (train, held) if len(part)]
+    return Learned(system, rules, completed, grid, scores[0], scores[1] if len(held) else None, chosen)
+
+
+# ---- steps
+def _choices(given: Mapping[str, Any]) -> Choices:
+    known = [f.name for f in fields(Choices)]
+    for name in given:
+        if name not in known:
+            raise NameUnknown(f"learn has no choice {name!r}{nearest(name, known)}")
+    chosen = Choices(**given)
+    if not 0.0 <= chosen.hold_out <= 0.9:
+        raise ValueRefused(f"hold_out = {chosen.hold_out!r}: allowed is 0 to 0.9")
+    if chosen.grid not in ("even", "quantile", "curvature"):
+        raise ValueRefused(f"grid = {chosen.grid!r}: allowed are even, quantile, curvature")
+    if chosen.grid == "curvature" and (chosen.accuracy is None or chosen.reading is None):
+        raise ValueRefused(
+            "grid = 'curvature' needs an accuracy and a reading of equation (10): half, full or intervals"
+        )
+    if chosen.grid != "curvature" and (chosen.accuracy is not None or chosen.reading is not None):
+        raise ValueRefused(f"accuracy and reading are for grid = 'curvature', not {chosen.grid!r}")
+    steps = tuple(chosen.complete)
+    about_zero = bool({"antisymmetric", "servo", "servo_growth"} & set(steps))
+    symmetric = about_zero if chosen.symmetric is None else chosen.symmetric
+    return Choices(**{**{n: getattr(chosen, n) for n in known}, "complete": steps, "symmetric": symmetric})
+
+
+def _columns(
+    data: Mapping[str, Any], names: tuple[str, ...], weights: str | None
+) -> tuple[np.ndarray, np.ndarray | None]:
+    if len(names) < 2 or len(set(names)) < len(names):
+        raise ValueRefused(f"inputs and output {', '.join(names)}: expected one input at least, and different names")
+    wanted = names if weights is None else (*names, weights)
+    for name in wanted:
+        if name not in data:
+            raise NameUnknown(f"the data has no column {name!r}{nearest(name, list(data))}")
+    columns = [np.asarray(data[name], dtype=float) for name in wanted]
+    if any(c.ndim != 1 or len(c) != len(columns[0]) for c in columns) or not len(columns[0]):
+        raise ValueRefused(f"columns {', '.join(wanted)}: expected rows of equal, positive length")
+    rows = np.stack(columns, axis=1)
+    bad = np.argwhere(~np.isfinite(rows))
+    if len(bad):
+        row, column = bad[0].tolist()
+        raise ValueRefused(f"row {row} (from 0): {wanted[column]} = {rows[row, column]}: must be finite")
+    return rows[:, : len(names)], None if weights is None else rows[:, -1]
+
+
+def _split(samples: int, hold_out: float, seed: int) -> tuple[np.ndarray, np.ndarray]:
+    order = np.random.default_rng(seed).permutation(samples)
+    held = round(hold_out * samples)
+    if held >= samples:
+        raise ValueRefused(f"hold_out = {hold_out:g} of {samples} samples leaves none to learn from")
+    return np.sort(order[held:]), np.sort(order[:held])
+
+
+def _partitions(rows: np.ndarray, names: tuple[str, ...], chosen: Choices) -> tuple[list[Partition], Grid | None]:
+    ranges = [
+        universe(column, chosen.percentiles, bool(chosen.symmetric), name)
+        for column, name in zip(rows.T, names, strict=True)
+    ]
+    sets = _sets(chosen.sets, names)
+    output = even(*ranges[-1], sets[names[-1]])
+    if chosen.grid == "curvature":
+        assert chosen.accuracy is not None and chosen.reading is not None
+        grid = grid_from_curvature(
+            rows[:, :-1], rows[:, -1], ranges[:-1], chosen.accuracy, chosen.reading, method=chosen.curvature
+        )
+        return [*grid.partitions, output], grid
+    made = [
+        even(*ends, sets[name]) if chosen.grid == "even" else quantile(column, sets[name], *ends)
+        for column, name, ends in zip(rows.T, names[:-1], ranges, strict=False)
+    ]
+    return [*made, output], None
+
+
+def _sets(sets: int | Mapping[str, int], names: tuple[str, ...]) -> dict[str, int]:
+    if not isinstance(sets, Mapping):
+        return dict.fromkeys(names, sets)
+    for name in sets:
+        if name not in names:
+            raise NameUnknown(f"sets: there is no variable {name!r}{nearest(name, list(names))}")
+    return {**dict.fromkeys(names, 7), **sets}
+
+
+def _mapped(value: Any) -> Any:
+    return dict(value) if isinstance(value, Mapping) else value
+
+
+# ---- text
+def _universes(rules: LearnedRules) -> str:
+    lines = []
+    for name, p in zip(rules.names, (*rules.inputs, rules.output), strict=True):
+        sets = ", ".join(f"{label} {c:.6g}" for label, c in zip(p.labels, p.centres, strict=True))
+        lines.append(f"{name}: {len(p)} sets on [{p.centres[0]:.6g}, {p.centres[-1]:.6g}]: {sets}")
+    gap, output = max(rules.output.widths), rules.names[-1]
+    lines.append(
+        f"rules conclude centres of {output}, up to {gap:.4g} apart: off by up to {0.5 * gap:.4g} by that alone"
+    )
+    return "\n".join(lines)

@@ -1,0 +1,91 @@
+"""The fuzzy rows of the bench compare like with like: C by hand and the peers give our outputs."""
+
+import numpy as np
+import pytest
+
+from leadscrew.bench import entries, fuzzy, fuzzy_file, fuzzy_peers, fuzzy_systems, probes
+from leadscrew.bench.yardstick import NoCompilerError
+from leadscrew.fuzzy.evaluate import compiled
+from tests.fuzzy.systems import mamdani, sugeno
+from tests.tools import missing
+
+POINTS = 500
+
+
+def visited(count):
+    """The points of the loop."""
+    at, seen = np.zeros(2), []
+    for _ in range(count):
+        at = at + np.array([probes.STRIDE_X, probes.STRIDE_Y])
+        at = np.where(at > 1.0, at - 2.0, at)
+        seen.append(at)
+    return np.array(seen)
+
+
+@pytest.mark.parametrize(("form", "by_hand"), [(k, n) for k, names in fuzzy.BY_HAND.items() for n in names])
+def test_c_by_hand_does_what_our_loop_does(form, by_hand):
+    try:
+        library, numbers = fuzzy.by_hand()
+    except NoCompilerError as why:
+        missing("gcc", str(why))
+    system = fuzzy.systems()[form]
+    theirs = getattr(library, f"fuzzy_{by_hand}")(numbers, POINTS)
+    assert theirs == pytest.approx(compiled(system).many(visited(POINTS)).sum(), rel=1e-12)
+
+
+@pytest.mark.parametrize("form", ["sugeno", "exact"])
+def test_the_loop_asks_the_system_at_every_point(form):
+    system = fuzzy.systems()[form]
+    live = entries.single(fuzzy.in_a_loop(system), POINTS)()
+    assert live.values()["plant.sum"] == pytest.approx(compiled(system).many(visited(POINTS)).sum(), rel=1e-12)
+
+
+def test_the_systems_are_those_of_the_tests():
+    at = np.random.default_rng(0).uniform(-1.0, 1.0, (50, 2))
+    for ours, other in ((fuzzy_systems.mamdani("midpoint"), mamdani()), (fuzzy_systems.sugeno(), sugeno())):
+        np.testing.assert_allclose(compiled(ours).many(at), compiled(other).many(at), atol=1e-13)
+    assert len(fuzzy_systems.large().rules) == 540
+
+
+@pytest.mark.parametrize("peer", ["pyfuzzylite", "simpful", "skfuzzy"])
+@pytest.mark.parametrize("form", ["sugeno", "sampled"])
+def test_peers_evaluate_the_same_system(peer, form):
+    if (peer, form) == ("skfuzzy", "sugeno"):
+        pytest.skip("scikit-fuzzy has no Takagi-Sugeno systems")
+    at = np.random.default_rng(0).uniform(-0.95, 0.95, (6, 2))
+    try:
+        found = fuzzy_peers.ask(peer, fuzzy.systems()[form], at.tolist(), 6)
+    except fuzzy_peers.Missing as why:
+        missing("peers", str(why))
+    loose = 2e-3 if form == "sampled" and peer != "pyfuzzylite" else 1e-12
+    np.testing.assert_allclose(found.outputs[:, 0], compiled(fuzzy.systems()[form]).many(at), atol=loose)
+    assert found.ns > 0.0 and (found.many_ns is None) == (peer != "pyfuzzylite")
+
+
+def test_fuzzylite_evaluates_the_same_system():
+    at = np.random.default_rng(0).uniform(-1.0, 1.0, (20, 2))
+    try:
+        found = fuzzy_peers.fuzzylite(fuzzy.systems()["sampled"], at.tolist())
+    except fuzzy_peers.Missing as why:
+        missing("fuzzylite", str(why))
+    np.testing.assert_allclose(found.outputs[:, 0], compiled(fuzzy.systems()["sampled"]).many(at), atol=1e-12)
+
+
+def test_a_system_that_a_peer_cannot_take_is_said():
+    with pytest.raises(fuzzy_peers.Missing, match="only triangles or constants"):
+        fuzzy_peers.describe(fuzzy_systems.large())
+
+
+def test_rows_of_a_file_name_what_they_measure(monkeypatch):
+    def nowhere(*_):
+        raise fuzzy_peers.Missing("not installed: make peers")
+
+    monkeypatch.setattr(fuzzy_peers, "ask", nowhere)
+    monkeypatch.setattr(fuzzy_peers, "fuzzylite", nowhere)
+    rows = fuzzy_file.bench_file(mamdani(), points=2000, rounds=1)
+    assert [r["what"] for r in rows[1:3]] == [
+        "49 rules, one evaluation from Python",
+        "49 rules, a point of 2,000 in arrays, one thread",
+    ]
+    assert all(r["value"] > 0.0 for r in rows[1:3])
+    assert {r["remark"] for r in rows[3:]} == {"not installed: make peers"}
