@@ -19,16 +19,16 @@ def entries(made: Engine) -> tuple[str, dict[str, Any]]:
     ins, outs = len(w.inputs), len(outputs)
     lasts = {o.name: f"V[{ins + k}]" for k, o in enumerate(system.outputs)}
     given = ", ".join(["p", *(f"V[{i}]" for i in range(ins)), *(lasts[n] for n in made.locked)])
-    lines = ["def one(V):", _plan("V", ins + outs, made), f"    {', '.join(outputs)} = infer({given})"]
+    lines = ["def one(V):", plan_views("V", ins + outs, made), f"    {', '.join(outputs)} = infer({given})"]
     lines += [f"    V[{ins + k}] = {name}" for k, name in enumerate(outputs)]
-    lines += ["    return 0", "", "", "def many(A, X, Y, span):", _plan("A", 0, made)]
+    lines += ["    return 0", "", "", "def many(A, X, Y, span):", plan_views("A", 0, made)]
     lines += [f"    {w.last(o)} = NAN" for o in w.live if o.lock_previous]
     lanes = any(is_integral(o) or is_exact(o) for o in w.live)
     lines += _lanes(made) if lanes else _line(made)
     return "\n".join([*lines, "    return 0"]) + "\n", {"stack_array2": stack_array2}
 
 
-def _plan(vector: str, at: int, made: Engine) -> str:
+def plan_views(vector: str, at: int, made: Engine) -> str:
     """The plan as views of one vector."""
     views = []
     for array in made.plan:

@@ -15,9 +15,10 @@ from typing import Any
 from leadscrew.fuzzy.system import System
 from leadscrew.kernel.errors import DataError, NameUnknown, ValueRefused
 from leadscrew.kernel.sheet import nearest
+from leadscrew.newfile import save
 
 from . import fcl, fis, fld, fll, fml
-from .place import load, save
+from .place import load
 
 __all__ = ["READ", "WRITTEN", "dumps", "fld", "loads", "read", "write"]
 

@@ -9,8 +9,9 @@ from pathlib import Path
 
 from leadscrew.fuzzy.system import System
 from leadscrew.kernel.errors import ValueRefused
+from leadscrew.newfile import save
 
-from .place import plain, save
+from .place import plain
 
 __all__ = ["dumps", "grid", "write"]
 

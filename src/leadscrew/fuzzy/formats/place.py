@@ -1,10 +1,8 @@
-"""What all readers and writers of files share: places in a text, numbers, a file that appears only when complete."""
+"""What all readers and writers of files share: places in a text, numbers."""
 
 from __future__ import annotations
 
-import os
 import re
-import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -63,24 +61,3 @@ def load(path: str | Path) -> tuple[str, str]:
         return data.decode("utf-8-sig"), ""
     except UnicodeDecodeError:
         return data.decode("latin-1"), "the file is not UTF-8: read as Latin-1"
-
-
-def save(text: str, path: str | Path) -> None:
-    """Writes a file beside and renames it, so that it is never there in part.
-
-    Raises:
-        DataError: it cannot be written.
-    """
-    target = Path(path)
-    beside = ""
-    try:
-        target.parent.mkdir(parents=True, exist_ok=True)
-        handle, beside = tempfile.mkstemp(prefix=f".{target.name}-", suffix=".tmp", dir=target.parent)
-        with os.fdopen(handle, "w", encoding="utf-8", newline="\n") as out:
-            out.write(text)
-        Path(beside).chmod(0o644)
-        Path(beside).replace(target)
-    except OSError as error:
-        if beside:
-            Path(beside).unlink(missing_ok=True)
-        raise DataError(f"{target} cannot be written: {error.strerror or error}") from None

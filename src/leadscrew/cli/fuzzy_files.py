@@ -1,0 +1,141 @@
+"""What the commands of ``leadscrew fuzzy`` share: reading a system, texts of options, files that appear whole."""
+
+from __future__ import annotations
+
+import io
+import math
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from leadscrew.kernel.errors import DataError, NameUnknown, ValueRefused
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from leadscrew.fuzzy.system import System
+
+SCHEMA_VERSION = 1
+PICTURES = (".png", ".svg", ".pdf")
+
+File = Annotated[Path, typer.Argument(metavar="FILE", help="A fuzzy system: .fis, .fll, .fcl, or .xml (read only).")]
+LeaveOut = Annotated[
+    bool,
+    typer.Option("--leave-out-unknown", help="Leave out rules that name a variable or term that does not exist."),
+]
+HINT = "--leave-out-unknown leaves such rules out"
+
+
+def system_of(path: Path, leave_out_unknown: bool) -> System:
+    """The system in a file; where ``--leave-out-unknown`` would read it, the error says so.
+
+    Raises:
+        DataError: it is broken: file, line, column and what was expected.
+    """
+    from leadscrew.fuzzy import formats
+
+    try:
+        return formats.read(path, leave_out_unknown=leave_out_unknown)
+    except DataError as error:
+        if leave_out_unknown or not _would_read(path):
+            raise
+        raise DataError(f"{error} ({HINT})") from None
+
+
+def _would_read(path: Path) -> bool:
+    from leadscrew.fuzzy import formats
+
+    try:
+        formats.read(path, leave_out_unknown=True)
+    except DataError:
+        return False
+    return True
+
+
+# ---- texts of the command line
+def number_of(text: str, what: str) -> float:
+    """A text as a number, infinite ones included.
+
+    Raises:
+        ValueRefused: it is none.
+    """
+    try:
+        found = float(text)
+    except ValueError:
+        found = math.nan
+    if math.isnan(found):
+        raise ValueRefused(f"{what} = {text!r}: expected a number")
+    return found
+
+
+def pairs(texts: Sequence[str], what: str) -> dict[str, str]:
+    """``NAME=VALUE`` texts by name; a name may hold ``=`` only where it is the last sign.
+
+    Raises:
+        ValueRefused: no ``=``, or a name given twice.
+    """
+    found: dict[str, str] = {}
+    for text in texts:
+        name, equals, value = text.partition("=")
+        name = name.strip()
+        if not equals or not name or not value.strip():
+            raise ValueRefused(f"{what} {text!r}: expected NAME=VALUE")
+        if name in found:
+            raise ValueRefused(f"{what} {name}: given twice")
+        found[name] = value.strip()
+    return found
+
+
+def numbers(texts: Sequence[str], what: str) -> dict[str, float]:
+    """``NAME=NUMBER`` texts by name.
+
+    Raises:
+        ValueRefused: no ``=``, a name given twice, or no number.
+    """
+    return {name: number_of(value, f"{what} {name}".strip()) for name, value in pairs(texts, what).items()}
+
+
+def known(name: str, names: Sequence[str], what: str) -> str:
+    """The name, where it is one of those.
+
+    Raises:
+        NameUnknown: it is not; names the nearest.
+    """
+    from leadscrew.kernel.sheet import nearest
+
+    if name not in names:
+        raise NameUnknown(f"there is no {what} {name!r}{nearest(name, list(names))}")
+    return name
+
+
+# ---- files that appear whole
+def suffix_of(path: Path, allowed: Sequence[str], option: str) -> str:
+    """The suffix of a file that is to be written.
+
+    Raises:
+        ValueRefused: another suffix.
+    """
+    found = path.suffix.casefold()
+    if found not in allowed:
+        raise ValueRefused(f"{option} {path}: {found or 'no suffix'}: allowed are {', '.join(allowed)}")
+    return found
+
+
+def save_figure(figure: Figure, path: Path) -> None:
+    """Writes a picture in the format of its suffix; the same figure gives the same file.
+
+    Raises:
+        DataError: it cannot be written.
+    """
+    from matplotlib import rc_context
+
+    kind = path.suffix.casefold().removeprefix(".")
+    dates: dict[str, Any] = {"svg": {"Date": None}, "pdf": {"CreationDate": None}}.get(kind, {})
+    held = io.BytesIO()
+    with rc_context({"svg.hashsalt": path.stem, "pdf.fonttype": 42}):
+        figure.savefig(held, format=kind, dpi=200, metadata=dates)
+    from leadscrew.newfile import save
+
+    save(held.getvalue(), path)

@@ -1,0 +1,222 @@
+"""The control surface of a system: an output over two of its inputs, or over its only one."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from leadscrew.fuzzy.system import Output, System
+from leadscrew.kernel.errors import ValueRefused
+from leadscrew.report.style import BLUE
+
+from .grid import Surface, surface
+from .words import HATCH, SMALL, labelled, measure, number, safe, short, ticks
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+KINDS = ("both", "map", "3d")
+COLOURS = "viridis"
+"""Perceptually uniform, and told apart with every common colour blindness and in grey."""
+FACES = 60
+"""Faces of the surface along an axis."""
+
+
+def surface_figure(
+    system: System | Surface,
+    x: str | None = None,
+    y: str | None = None,
+    output: str | None = None,
+    at: Mapping[str, float] | None = None,
+    points: int = 101,
+    kind: str = "both",
+) -> Figure:
+    """The control surface as a map with contours, in three dimensions, or both; of one input, a line.
+
+    Where there is no value (no rule fires and there is no default) the map is hatched.
+
+    Raises:
+        NameUnknown: no such input or output.
+        ValueRefused: see :func:`surface`; or no such kind.
+    """
+    from matplotlib.figure import Figure
+
+    if kind not in KINDS:
+        raise ValueRefused(f"kind = {kind!r}: there are {', '.join(KINDS)}")
+    made = system if isinstance(system, Surface) else surface(system, x, y, at, points)
+    drawn, z = made.output(output)
+    if made.y is None:
+        figure = Figure(figsize=(5.0, 3.2), layout="constrained")
+        _line(figure.add_subplot(), made, drawn, z)
+    else:
+        figure = _two_inputs(made, drawn, z, kind)
+    figure.suptitle(_title(made, drawn), fontsize="medium")
+    return figure
+
+
+def _title(made: Surface, output: Output) -> str:
+    """The system, the output, and what is held."""
+    title = f"{short(made.system.name, 50)}: {short(output.name, 40)}"
+    if made.held:
+        units = {v.name: v.unit for v in made.system.inputs}
+        title += " at " + ", ".join(f"{n} = {measure(v, units[n])}" for n, v in made.held.items())
+    return safe(title)
+
+
+def _why(made: Surface, output: Output) -> str:
+    """Why there is no value."""
+    if not output.enabled:
+        return "no value: the output is switched off"
+    return "no rule fires: the last value stays" if output.lock_previous else "no value: no rule fires"
+
+
+def _line(ax: Axes, made: Surface, output: Output, z: np.ndarray) -> None:
+    ax.plot(made.xs, z, color=BLUE, linewidth=1.5)
+    gap = ~np.isfinite(z)
+    if gap.any():
+        where: Any = gap.tolist()
+        ax.fill_between(made.xs, 0, 1, where=where, transform=ax.get_xaxis_transform(), step="mid", zorder=3, **HATCH)
+        _say_gaps(ax, made, output)
+    ax.set_xlabel(labelled(made.x), fontsize=9)
+    ax.set_ylabel(labelled(output), fontsize=9)
+    ax.set_xlim(made.xs[0], made.xs[-1])
+    ticks(ax.xaxis, ax.yaxis)
+    ax.grid(color="0.92", linewidth=0.6)
+
+
+def _say_gaps(ax: Axes, made: Surface, output: Output) -> None:
+    """What the hatching means, above the axes."""
+    from matplotlib.patches import Patch
+
+    patch: Any = Patch(label=_why(made, output), **HATCH)
+    ax.legend(handles=[patch], fontsize=SMALL, loc="lower left", bbox_to_anchor=(0.0, 1.0), frameon=False,
+              borderaxespad=0.2)  # fmt: skip
+
+
+def _limits(z: np.ndarray) -> tuple[float, float]:
+    """The range of the colours: that of the values, wider where they are all the same."""
+    known = z[np.isfinite(z)]
+    low, high = (float(known.min()), float(known.max())) if known.size else (0.0, 0.0)
+    return (low, high) if high - low > 1e-9 * max(1.0, abs(low), abs(high)) else (low - 0.5, low + 0.5)
+
+
+def _two_inputs(made: Surface, output: Output, z: np.ndarray, kind: str) -> Figure:
+    from matplotlib.figure import Figure
+
+    both = kind == "both"
+    figure = Figure(figsize=(8.8, 3.7) if both else (5.0, 4.0), layout="constrained")
+    shown = None
+    if kind != "3d":
+        ax = figure.add_subplot(1, 1 + both, 1)
+        shown = _map(ax, made, output, z)
+        bar = figure.colorbar(shown, ax=ax, pad=0.02)
+    if kind != "map":
+        ax = figure.add_subplot(1, 1 + both, 1 + both, projection="3d")
+        relief = _relief(ax, made, output, z)
+        if not both and relief is not None:
+            shown = relief
+            bar = figure.colorbar(relief, ax=ax, shrink=0.7, pad=0.12)
+    if shown is not None:
+        bar.set_label(labelled(output), fontsize=9)
+        ticks(bar.ax.yaxis, count=8)
+    return figure
+
+
+def _levels(z: np.ndarray) -> np.ndarray:
+    """Where contours go: round numbers inside the range that no plateau has, where a contour would be noise."""
+    from matplotlib.ticker import MaxNLocator
+
+    known = z[np.isfinite(z)]
+    low, high = (float(known.min()), float(known.max())) if known.size else (0.0, 0.0)
+    wide = high - low
+    if not wide > 1e-9 * max(1.0, abs(low), abs(high)):
+        return np.empty(0)
+    levels = np.asarray(MaxNLocator(9, steps=[1, 2, 2.5, 5, 10]).tick_values(low, high), dtype=float)
+    inside = levels[(levels > low + 0.01 * wide) & (levels < high - 0.01 * wide)]
+    crowded = [np.mean(np.abs(known - v) < 0.003 * wide) > 0.04 for v in inside]
+    return inside[~np.array(crowded, dtype=bool)]
+
+
+def _map(ax: Axes, made: Surface, output: Output, z: np.ndarray) -> Any:
+    """The heat map with its contours."""
+    assert made.y is not None
+    ax.patch.set(**HATCH)
+    whole = bool(np.isfinite(z).all())
+    values = np.ma.masked_invalid(z)
+    low, high = _limits(z)
+    shown = ax.pcolormesh(made.xs, made.ys, values, cmap=COLOURS, shading="gouraud" if whole else "nearest",
+                          vmin=low, vmax=high, rasterized=True)  # fmt: skip
+    _contours(ax, made, values, _levels(z))
+    if not whole:
+        _say_gaps(ax, made, output)
+    ax.set_xlabel(labelled(made.x), fontsize=9)
+    ax.set_ylabel(labelled(made.y), fontsize=9)
+    ax.set(xlim=(made.xs[0], made.xs[-1]), ylim=(made.ys[0], made.ys[-1]))
+    ticks(ax.xaxis, ax.yaxis)
+    return shown
+
+
+def _contours(ax: Axes, made: Surface, values: Any, levels: np.ndarray) -> None:
+    """White lines with a dark edge, to be seen on every colour, each level with its number."""
+    from matplotlib.patheffects import withStroke
+
+    if not levels.size:
+        return
+    lines = ax.contour(made.xs, made.ys, values, levels=levels, colors="white", linewidths=0.8, linestyles="-")
+    lines.set(path_effects=[withStroke(linewidth=1.6, foreground="0.2")])
+    corner = np.array([made.xs[0], made.ys[0]])
+    size = np.array([made.xs[-1], made.ys[-1]]) - corner
+    ways = [(np.asarray(path.vertices) - corner) / size for path in lines.get_paths()]
+    for level, place in zip(levels, label_places(ways), strict=True):
+        if place is None:
+            continue
+        x, y = corner + size * place
+        ax.text(x, y, number(float(level), 6), fontsize=SMALL, color="white", ha="center", va="center",
+                path_effects=[withStroke(linewidth=2.6, foreground="0.2")])  # fmt: skip
+
+
+def label_places(ways: list[np.ndarray]) -> list[np.ndarray | None]:
+    """A point on each line, on the unit square, where its number fits: not at the edge, away from the others."""
+    found: list[np.ndarray | None] = []
+    for way in ways:
+        inner = way[((way > 0.05) & (way < 0.95)).all(axis=1)]
+        taken = [p for p in found if p is not None]
+        if not inner.size:
+            found.append(None)
+            continue
+        # a number is wider than high: distances across count less
+        apart = [np.hypot(*((inner - p) * (0.6, 1.0)).T) for p in taken]
+        free = np.min(apart, axis=0) if apart else np.full(len(inner), 1.0)
+        best = int(np.argmax(np.minimum(free, 0.15) - 0.2 * np.hypot(*(inner - 0.5).T)))
+        found.append(inner[best] if free[best] > 0.05 else None)
+    return found
+
+
+def _relief(ax: Any, made: Surface, output: Output, z: np.ndarray) -> Any:
+    """The surface in three dimensions; None where it has no value anywhere."""
+    assert made.y is not None
+    every = max(1, math.ceil(len(made.xs) / FACES))
+    pick = np.unique(np.append(np.arange(0, len(made.xs), every), len(made.xs) - 1))
+    x, y = np.meshgrid(made.xs[pick], made.ys[pick])
+    part = z[np.ix_(pick, pick)]
+    known = part[np.isfinite(part)]
+    if known.size == 0:
+        ax.set_axis_off()
+        return None
+    low, high = _limits(z)
+    shown = ax.plot_surface(
+        x, y, np.ma.masked_invalid(part), cmap=COLOURS, vmin=low, vmax=high,
+        rcount=len(pick), ccount=len(pick), linewidth=0.15, edgecolor=(0, 0, 0, 0.25), rasterized=True,
+    )  # fmt: skip
+    for axis, variable, pad in ((ax.xaxis, made.x, 1), (ax.yaxis, made.y, 1), (ax.zaxis, output, 0)):
+        axis.set_label_text(labelled(variable, 24), fontsize=9)
+        ticks(axis, count=5)
+        axis.set_tick_params(pad=pad - 1)
+        axis.labelpad = 1
+    ax.view_init(elev=28, azim=-125)
+    ax.set_box_aspect((4, 4, 3), zoom=0.86)
+    return shown
