@@ -12,7 +12,7 @@ import numpy as np
 
 from leadscrew.kernel import door
 from leadscrew.kernel.errors import NameUnknown, ValueRefused
-from leadscrew.kernel.layout import numbers_of
+from leadscrew.kernel.layout import numbers_of, reader_of
 from leadscrew.kernel.linker import LANES
 from leadscrew.kernel.program import ENGINES
 from leadscrew.kernel.run import Metrics, recorded
@@ -159,8 +159,8 @@ def _prepared(
     flat = all("." not in k for k in keys)
     plan = loop.program.plan
     with_state = block.initial is not None and not slot.startswith("metrics.")
-    plain = all(isinstance(x, float) for x in loop.prepared(block, slot))
     dt = loop.step if slot == "plant" else loop.period
+    read = reader_of(loop.prepared(block, slot))
     made = []
     for values in (*zip(*typed, strict=True), ()):
         params = block.params
@@ -169,10 +169,9 @@ def _prepared(
         else:
             for key, value in zip(keys, values, strict=False):
                 params = put(params, key.split("."), value)
-        prepared = params if block.prepare is None else block.prepare(params, dt)
-        numbers = prepared if plain else tuple(numbers_of(prepared))
+        numbers = read(params if block.prepare is None else block.prepare(params, dt))
         if with_state and block.initial is not None:
-            numbers = (*numbers, *numbers_of(block.initial(params)))
+            numbers += numbers_of(block.initial(params))
         made.append(numbers)
     where = [*plan.params.places(slot, sizes[0], 0)]
     if with_state:

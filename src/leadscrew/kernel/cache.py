@@ -102,9 +102,14 @@ def write(name: str, code: bytes) -> None:
 
 
 def _evict(folder: Path) -> None:
-    modules = sorted(
-        (p for p in folder.glob("*_*") if p.suffix in (".py", ".o", ".so", ".npy")), key=lambda p: p.stat().st_mtime
-    )
+    def age(path: Path) -> float:
+        try:
+            return path.stat().st_mtime
+        except OSError:  # another process was faster
+            return 0.0
+
+    kept = (".py", ".o", ".so", ".npy")
+    modules = sorted((p for p in folder.glob("*_*") if p.suffix in kept), key=age)
     for path in modules[: max(0, len(modules) - LIMIT + 1)]:
         path.unlink(missing_ok=True)
         for compiled in (folder / "__pycache__").glob(f"{path.stem}.*"):
@@ -124,7 +129,7 @@ def info() -> CacheInfo:
     """What lies in the cache, all versions together."""
     base = root()
     files = [p for p in base.rglob("*") if p.is_file()] if base.exists() else []
-    modules = [p for p in files if p.name.startswith("loop_") and p.suffix in (".py", ".o", ".so")]
+    modules = [p for p in files if p.name.startswith(("loop_", "fuzzy_")) and p.suffix in (".py", ".o", ".so")]
     return CacheInfo(str(base), len(modules), sum(p.stat().st_size for p in files))
 
 
