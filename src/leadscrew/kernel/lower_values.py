@@ -53,8 +53,11 @@ class Values(Locals):
         memory.align = 64
         base = self.entry_builder.bitcast(memory, F64.as_pointer())
         if cleared:
-            for i in range(size):
-                self.builder.store(ir.Constant(F64, 0.0), self.builder.gep(base, [ir.Constant(I64, i)]))
+            # one instruction: a store for each element would take minutes to optimise where there are thousands
+            i8, pointer = ir.IntType(8), ir.IntType(8).as_pointer()
+            clear = self.module.declare_intrinsic("llvm.memset", [pointer, I64])
+            at = self.builder.bitcast(base, pointer)
+            self.builder.call(clear, [at, i8(0), I64(8 * size), ir.IntType(1)(0)])
         return Array(base, list(shape), F64)
 
     def constant_array(self, name: str) -> Array:
