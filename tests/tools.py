@@ -1,6 +1,7 @@
 """Tools that a machine may lack: their tests skip with a reason, or fail where ``LEADSCREW_REQUIRE`` names the tool."""
 
 import os
+import shutil
 from typing import NoReturn
 
 import pytest
@@ -11,6 +12,13 @@ def missing(tool: str, reason: str) -> NoReturn:
     if tool in os.environ.get("LEADSCREW_REQUIRE", "").split(","):
         pytest.fail(f"{tool} is required here: {reason}")
     pytest.skip(reason)
+
+
+def runnable(engine: str) -> str:
+    """The engine; skips or fails where it is ``c`` and the machine has no compiler."""
+    if engine == "c" and shutil.which("gcc") is None:
+        missing("gcc", "gcc is not installed")
+    return engine
 
 
 def needed(module: str, extra: str = "bench") -> None:

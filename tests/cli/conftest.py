@@ -11,6 +11,8 @@ import pytest
 from typer.testing import CliRunner, Result
 
 from leadscrew.cli import app
+from leadscrew.fuzzy import formats
+from tests.fuzzy.systems import sugeno
 
 FILE = Path(__file__).parent / "plain_study.py"
 
@@ -56,3 +58,56 @@ def strict_json(text: str) -> Any:
 
     assert text.count("\n") == 1
     return json.loads(text, parse_constant=no)
+
+
+FLL = """Engine: feeder
+InputVariable: gap
+  enabled: true
+  range: 0.000 10.000
+  lock-range: false
+  term: near Ramp 4.000 0.000
+  term: far Ramp 6.000 10.000
+OutputVariable: feed
+  enabled: true
+  range: 0.000 1.000
+  lock-range: false
+  aggregation: none
+  defuzzifier: WeightedAverage TakagiSugeno
+  default: nan
+  lock-previous: false
+  term: slow Constant 0.100
+  term: fast Constant 1.000
+RuleBlock: only
+  enabled: true
+  conjunction: none
+  disjunction: none
+  implication: none
+  activation: General
+  rule: if gap is near then feed is slow
+  rule: if gap is far then feed is {fast}
+"""
+
+
+@pytest.fixture
+def feeder(tmp_path: Path) -> Path:
+    path = tmp_path / "feeder.fll"
+    path.write_text(FLL.format(fast="fast"))
+    return path
+
+
+@pytest.fixture
+def broken(tmp_path: Path) -> Path:
+    path = tmp_path / "broken.fll"
+    path.write_text(FLL.format(fast="quick"))
+    return path
+
+
+@pytest.fixture
+def servo(tmp_path: Path) -> Path:
+    path = tmp_path / "servo.fll"
+    formats.write(sugeno(), path)
+    return path
+
+
+def left(folder: Path) -> list[str]:
+    return sorted(p.name for p in folder.iterdir())

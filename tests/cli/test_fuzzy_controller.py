@@ -21,6 +21,7 @@ from leadscrew.references.sine import sine_motion
 from tests.cli.conftest import strict_json
 from tests.cli.plain_study import STUDY, slide
 from tests.fuzzy.systems import mamdani, sugeno, with_block, with_output
+from tests.tools import runnable
 
 SCALES = ("--set", "controller.scale_e=0.5", "--set", "controller.scale_output=4")
 
@@ -225,8 +226,7 @@ def test_a_scale_that_does_not_exist_is_refused(refused, study, made):
 
 
 def test_it_is_exported_with_the_scales_as_knobs(call, study, made, tmp_path):
-    if not shutil.which("gcc"):
-        pytest.skip("there is no C compiler on this machine")
+    runnable("c")
     args = ("export", study, "-c", made(), "-t", "c99", "--name", "axis", *SCALES)
     call(*args, "--out", tmp_path / "out", "--drive", "voltage")
     found = json.loads((tmp_path / "out/manifest.json").read_text())

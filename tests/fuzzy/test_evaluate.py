@@ -16,7 +16,7 @@ from leadscrew.kernel.errors import NameUnknown, ValueRefused
 from tests.fuzzy.oracle import generator
 from tests.fuzzy.systems import LABELS, full_rules, mamdani, sugeno, triangles, with_block, with_output
 from tests.kernel.test_engines import same
-from tests.tools import missing
+from tests.tools import runnable
 
 RNG = np.random.default_rng(5)
 POINTS = RNG.uniform(-1.4, 1.4, (300, 2))
@@ -54,10 +54,7 @@ def test_python_and_machine_code_give_the_same_bits(name):
 
 @pytest.mark.parametrize("name", BITS)
 def test_c_gives_the_same_bits(name):
-    import shutil
-
-    if shutil.which("gcc") is None:
-        missing("gcc", "gcc is not installed")
+    runnable("c")
     system = BITS[name]
     points = points_of(system)
     assert same(compiled(system, "c").many(points), compiled(system).many(points))

@@ -1,6 +1,5 @@
 """Hostile steps: each gives the same bits on every engine, or is refused on all of them by file and line."""
 
-import shutil
 import warnings
 from typing import NamedTuple
 
@@ -14,6 +13,7 @@ from tests.kernel import hostile_refused, zoo
 from tests.kernel.hostile import SAME, P, S, wraps_before_a_shift
 from tests.kernel.hostile_refused import REFUSED
 from tests.kernel.printed import same
+from tests.tools import runnable
 
 ENGINES = ["python", "llvm", "c"]
 
@@ -26,8 +26,7 @@ def loop_of(step, state=None):
 
 
 def outputs(step, engine):
-    if engine == "c" and shutil.which("gcc") is None:
-        pytest.skip("gcc is not installed")
+    runnable(engine)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", UserWarning)
         live = loop_of(step).start(engine=engine)
@@ -111,5 +110,5 @@ def test_a_plant_that_returns_other_arrays_is_refused(step):
     [(plant_writes, "rk4"), (rate_reads, "rk4"), (rate_reads, "sdirk3"), (rate_reads, "rodas")],
 )
 def test_a_plant_that_keeps_its_arrays_runs_the_same_under_every_integrator(step, method, engine):
-    got, want = (plant_loop(step, method).run(0.05, engine=e)["actual"] for e in (engine, "python"))
+    got, want = (plant_loop(step, method).run(0.05, engine=e)["actual"] for e in (runnable(engine), "python"))
     assert same(got, want) and np.ptp(want) > 0

@@ -41,7 +41,7 @@ def eval_(
     as_json: Json = False,
 ) -> None:
     """Evaluate a system at a point, or at all points of a file."""
-    from leadscrew.kernel.program import ENGINES
+    from leadscrew.kernel.engines import ENGINES
 
     known(engine, ENGINES, "engine")
     if points is None:

@@ -14,13 +14,13 @@ import numpy as np
 
 from leadscrew.fuzzy.engine import Engine, engine, execute
 from leadscrew.fuzzy.entries import plan_views
+from leadscrew.fuzzy.evaluate import RANKS
 from leadscrew.fuzzy.rules_text import rule_text
 from leadscrew.fuzzy.system import System
 from leadscrew.fuzzy.text import Lines
+from leadscrew.kernel.engines import native
 from leadscrew.kernel.errors import ValueRefused
 from leadscrew.kernel.module import Module
-
-RANKS = {"A": (1, "f"), "X": (2, "f"), "Y": (2, "f"), "span": (1, "i")}
 
 
 @dataclass(frozen=True)
@@ -50,8 +50,6 @@ def activity(system: System | Engine, points: Any) -> np.ndarray:
     Raises:
         ValueRefused: points of another shape, or a system that cannot be evaluated.
     """
-    from leadscrew.kernel.native import compiled
-
     made = system if isinstance(system, Engine) else engine(system)
     names = [v.name for v in made.system.inputs]
     rows = np.asarray(points, dtype=float)
@@ -61,7 +59,7 @@ def activity(system: System | Engine, points: Any) -> np.ndarray:
     functions = execute(_text(made), f"{made.system.name} activity", {**made.space, "Plan": made.plan_type})
     module.function(functions["fires"], trusted=False)
     module.entry(functions["activity"], "activity")
-    entry = compiled(module, "activity", f"fuzzy_{module.identity()}_activity", RANKS)
+    entry = native(module, "activity", "llvm", f"fuzzy_{module.identity()}_activity", RANKS)
     strengths = np.zeros((len(made.system.rules), len(rows)))
     plan = np.concatenate([np.ravel(a) for a in made.plan])
     entry(plan, np.ascontiguousarray(rows.T), strengths, np.array([0, len(rows)]))

@@ -30,6 +30,7 @@ from leadscrew.fuzzy.tables import (
     tuned_terms,
 )
 from leadscrew.fuzzy.writer import Writer
+from leadscrew.fuzzy.writer_rules import variable_names
 from leadscrew.kernel.errors import ValueRefused
 from leadscrew.kernel.guards import unguarded
 
@@ -129,7 +130,7 @@ class Engine:
 
 def plan_parts(made: Circuit, have: Traits, numbers: Tables) -> dict[str, np.ndarray]:
     """The arrays of a plan by name."""
-    writer_names = Writer(made, have.weighted, have.tall, have.cut, have.tabled).names
+    names = variable_names(made.system)
     parts = {
         "terms": prepare_terms(made, numbers),
         "points": prepare_points(made, numbers),
@@ -145,7 +146,7 @@ def plan_parts(made: Circuit, have: Traits, numbers: Tables) -> dict[str, np.nda
             if have.tabled:
                 parts[f"centres_{at}"], parts[f"over_{at}"], parts[f"feet_{at}"] = axis_numbers(sides)
     for output in made.system.outputs:
-        name = writer_names[output.name]
+        name = names[output.name]
         if output.name in have.tabled:
             column = PEAK if output.defuzzifier == "height" else FIRST
             values = {t.name: parts["terms"][where[output.name, t.name].row, column] for t in output.terms}

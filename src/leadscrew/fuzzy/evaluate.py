@@ -21,10 +21,14 @@ import numpy as np
 from leadscrew.fuzzy.engine import Engine, engine, execute
 from leadscrew.fuzzy.entries import LANES, entries
 from leadscrew.fuzzy.system import System
+from leadscrew.kernel.engines import by_numba, by_python, check_engine, native
 from leadscrew.kernel.errors import NameUnknown, ValueRefused
 from leadscrew.kernel.module import Module
 from leadscrew.kernel.native import Entry
 from leadscrew.kernel.sheet import nearest
+
+RANKS = {"A": (1, "f"), "V": (1, "f"), "X": (2, "f"), "Y": (2, "f"), "span": (1, "i")}
+"""Dimensions and element (``f`` float, ``i`` integer) of what the entries take."""
 
 
 class Compiled:
@@ -46,24 +50,16 @@ class Compiled:
 
     # ---- entries
     def _entry(self, name: str) -> Callable[..., Any]:
-        from leadscrew.kernel.program import ENGINES
-
-        if self.engine not in ENGINES:
-            raise ValueRefused(f"engine = {self.engine!r}: there are {', '.join(ENGINES)}")
+        check_engine(self.engine)
         module = Module()
         for part in ("degrees", "infer"):
             module.function(self._functions[part], trusted=False)
         module.entry(self._functions[name], name)
         if self.engine == "python":
-            return _quiet(module.namespace()[name])
+            return by_python(module.namespace()[name])
         if self.engine == "numba":
-            return _numba(module, name)
-        if self.engine == "c":
-            from leadscrew.kernel.compiler import compiled as build
-        else:
-            from leadscrew.kernel.native import compiled as build
-        ranks = {"A": (1, "f"), "V": (1, "f"), "X": (2, "f"), "Y": (2, "f"), "span": (1, "i")}
-        return build(module, name, f"fuzzy_{module.identity()}_{name}", ranks)
+            return by_numba(module, name)
+        return native(module, name, self.engine, f"fuzzy_{module.identity()}_{name}", RANKS)
 
     def _bound(self, entry: Any, *arrays: np.ndarray) -> Callable[[], Any]:
         if hasattr(entry, "bind"):
@@ -155,32 +151,6 @@ class Compiled:
                 f"points of shape {rows.shape}: expected one row a point and the columns {', '.join(self.inputs)}"
             )
         return np.ascontiguousarray(rows.T), rows.shape[:1]
-
-
-def _quiet(function: Callable[..., Any]) -> Callable[..., Any]:
-    def quiet(*args: Any) -> Any:
-        with np.errstate(all="ignore"):
-            return function(*args)
-
-    return quiet
-
-
-def _numba(module: Module, name: str) -> Callable[..., Any]:
-    import importlib.util
-    import sys
-
-    from leadscrew.kernel import cache
-
-    text = module.text(name)
-    title = cache.module_name(text)
-    if title not in sys.modules:
-        spec = importlib.util.spec_from_file_location(title, cache.store(text))
-        assert spec is not None and spec.loader is not None
-        made = importlib.util.module_from_spec(spec)
-        sys.modules[title] = made
-        spec.loader.exec_module(made)
-    found: Callable[..., Any] = getattr(sys.modules[title], name)
-    return found
 
 
 def compiled(system: System, engine_name: str = "llvm") -> Compiled:

@@ -9,7 +9,7 @@ import numpy as np
 
 from leadscrew.fuzzy import activations, norms, shapes
 from leadscrew.fuzzy.circuit import Activation, Circuit, Prop
-from leadscrew.fuzzy.system import INTEGRAL, Output
+from leadscrew.fuzzy.system import INTEGRAL, Output, System
 from leadscrew.fuzzy.tables import HEIGHT, places
 from leadscrew.fuzzy.text import Lines, identifiers, total
 
@@ -51,6 +51,11 @@ class Group:
     parts: list[str] = field(default_factory=list)
 
 
+def variable_names(system: System) -> dict[str, str]:
+    """What the variables of a system are called in the text."""
+    return identifiers([v.name for v in (*system.inputs, *system.outputs)], RESERVED)
+
+
 class RulesWriter:
     """Writes what the rules come to."""
 
@@ -65,7 +70,7 @@ class RulesWriter:
         self.circuit, self.system = circuit, circuit.system
         self.weighted, self.tall, self.cut, self.tabled = weighted, tall, cut, tabled
         self.places = places(circuit)
-        names = identifiers([v.name for v in (*self.system.inputs, *self.system.outputs)], RESERVED)
+        names = variable_names(self.system)
         self.inputs = [names[v.name] for v in self.system.inputs]
         self.names = names
         self.space: dict[str, Any] = {"np": np, "NAN": float("nan")}

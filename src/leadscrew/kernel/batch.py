@@ -11,10 +11,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from leadscrew.kernel import door
+from leadscrew.kernel.engines import ENGINES
 from leadscrew.kernel.errors import NameUnknown, ValueRefused
 from leadscrew.kernel.layout import numbers_of, reader_of
 from leadscrew.kernel.linker import LANES
-from leadscrew.kernel.program import ENGINES
 from leadscrew.kernel.run import Metrics, recorded
 from leadscrew.kernel.sheet import nearest, put
 

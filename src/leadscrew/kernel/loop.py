@@ -14,13 +14,14 @@ import numpy as np
 
 from leadscrew.kernel import door
 from leadscrew.kernel.block import Block
+from leadscrew.kernel.engines import ENGINES
 from leadscrew.kernel.errors import NameUnknown, ValueRefused
 from leadscrew.kernel.frame import SLOTS, Clock, as_floats, bundle
 from leadscrew.kernel.layout import Layout
 from leadscrew.kernel.linker import LARGEST, METHODS, Plan
 from leadscrew.kernel.module import Module
 from leadscrew.kernel.probe import example_signals
-from leadscrew.kernel.program import ENGINES, Program
+from leadscrew.kernel.program import Program
 from leadscrew.kernel.sheet import Entry, entries, nearest
 
 if TYPE_CHECKING:

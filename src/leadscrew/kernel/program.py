@@ -2,24 +2,17 @@
 
 from __future__ import annotations
 
-import importlib.util
-import sys
 from collections.abc import Callable
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
-from leadscrew.kernel import cache
-from leadscrew.kernel.errors import ValueRefused
+from leadscrew.kernel.engines import ENGINES, by_numba, by_python, check_engine, native
 from leadscrew.kernel.linker import Linker, Plan
 from leadscrew.kernel.module import Module
 
 if TYPE_CHECKING:
     from leadscrew.kernel.native import Entry
 
-ENGINES = ("llvm", "c", "numba", "python")
-"""The engines that run a loop."""
 RANKS: dict[str, dict[str, tuple[int, str]]] = {
     "single": {"P": (1, "f"), "A": (1, "f"), "S": (1, "f"), "B": (1, "f"), "counters": (1, "i"), "select": (1, "i"),
                "Y": (2, "f"), "M": (2, "f")},
@@ -61,18 +54,6 @@ class Program:
     def _python(self) -> dict[str, Any]:
         return self.module.namespace()
 
-    def _numba(self, name: str) -> Callable[..., Any]:
-        text = self.module.text(name)
-        title = cache.module_name(text)
-        if title not in sys.modules:
-            spec = importlib.util.spec_from_file_location(title, cache.store(text))
-            assert spec is not None and spec.loader is not None
-            module = importlib.util.module_from_spec(spec)
-            sys.modules[title] = module
-            spec.loader.exec_module(module)
-        found: Callable[..., Any] = getattr(sys.modules[title], name)
-        return found
-
     def entry(self, name: str, engine: str) -> Callable[..., Any]:
         """An entry of the module on an engine.
 
@@ -80,34 +61,20 @@ class Program:
             ValueRefused: no such engine.
             EngineError: the engine ``c`` without a C compiler.
         """
-        if engine in ("llvm", "c"):
-            return self.native(name, engine)
+        check_engine(engine)
+        if engine == "python":
+            return by_python(self._python[name])
         if engine == "numba":
             self.title(name)
-            return self._numba(name)
-        if engine == "python":
-            return self._overflow_as_ieee(self._python[name])
-        raise ValueRefused(f"engine = {engine!r}: there are {', '.join(ENGINES)}")
+            return by_numba(self.module, name)
+        return self.native(name, engine)
 
     def native(self, name: str, engine: str = "llvm") -> Entry:
         """An entry as machine code: from our own lowering, or from C and the machine's compiler; kept in the cache."""
         if (name, engine) not in self._compiled:
-            compiled: Callable[..., Entry]
-            if engine == "c":
-                from leadscrew.kernel.compiler import compiled
-            else:
-                from leadscrew.kernel.native import compiled
             ranks = RANKS["single" if name == "single" else "lanes"]
-            self._compiled[name, engine] = compiled(self.module, name, self.title(name), ranks)
+            self._compiled[name, engine] = native(self.module, name, engine, self.title(name), ranks)
         return self._compiled[name, engine]
-
-    @staticmethod
-    def _overflow_as_ieee(function: Callable[..., Any]) -> Callable[..., Any]:
-        def quiet(*args: Any) -> Any:
-            with np.errstate(all="ignore"):
-                return function(*args)
-
-        return quiet
 
 
 __all__ = ["ENGINES", "Program"]
