@@ -7,7 +7,7 @@ As text, as the command line has it (bounds are inclusive):
 ``KEY=LOW:HIGH:log``                      uniform in the logarithm
 ``KEY=LOW:HIGH:int``                      whole numbers, each as likely
 ``KEY=normal:MEAN:DEVIATION``             normal, cut off at four deviations
-``KEY=lognormal:MEDIAN:FACTOR``           log-normal: two thirds lie within the median over and times FACTOR, likewise cut
+``KEY=lognormal:MEDIAN:FACTOR``           log-normal: a deviation is the median times FACTOR; cut likewise
 ``KEY=A|B|C``                             one of these, each as likely
 ========================================  ==============================================================
 
@@ -203,8 +203,10 @@ class Space:
             if key in made:
                 raise ValueRefused(f"{key}: given twice")
             try:
-                made[key] = distribution(value) if isinstance(value, str) else (
-                    value if isinstance(value, Range | Normal | Choice) else Range(*value)
+                made[key] = (
+                    distribution(value)
+                    if isinstance(value, str)
+                    else (value if isinstance(value, Range | Normal | Choice) else Range(*value))
                 )
             except ValueRefused as error:
                 raise ValueRefused(f"{key}: {error}") from None
