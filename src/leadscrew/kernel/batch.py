@@ -183,7 +183,8 @@ def _prepared(
 
 def _one_thread_each(sets: int) -> AbstractContextManager[Any]:
     """Linear algebra on one thread, where it is asked for often: on small matrices the threads of BLAS wait for each
-    other, 2 ms in place of 0.05 where the machine is busy."""
+    other, 2 ms in place of 0.05 where the machine is busy.
+    """
     if sets < 16:
         return nullcontext()
     import scipy.linalg  # noqa: F401  its BLAS is another one than NumPy's, and only what is there is limited

@@ -148,10 +148,10 @@ def reader_of(example: Any) -> Callable[[Any], list[float]]:
                 paths.append((lead + name, isinstance(item, np.ndarray | tuple)))
 
     walk(example, "")
-    if not any(inner for _, inner in paths):
-        plain = attrgetter(*(path for path, _ in paths))
-        return (lambda value: [plain(value)]) if len(paths) == 1 else lambda value: list(plain(value))
+    # one path more than there are: attrgetter of a single one gives no tuple
     get = attrgetter(*(path for path, _ in paths), paths[0][0])
+    if not any(inner for _, inner in paths):
+        return lambda value: list(get(value)[:-1])
 
     def read(value: Any) -> list[float]:
         found: list[float] = []

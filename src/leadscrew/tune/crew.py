@@ -9,6 +9,8 @@ from __future__ import annotations
 
 import os
 import re
+import signal
+import socket
 from collections.abc import Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor, as_completed
 from contextlib import contextmanager
@@ -47,7 +49,7 @@ class Threads:
     def results(self, job: Job, chunks: Sequence[tuple[int, Chunk]]) -> Iterator[tuple[int, Result]]:
         """The results as they come."""
         for scenario in {chunk.scenario for _, chunk in chunks}:
-            job.loop(scenario)  # built and compiled once, before the threads begin
+            job.compile(scenario)  # once, before the threads begin
         if self.threads == 1 or len(chunks) == 1:
             for number, chunk in chunks:
                 yield number, job.run(chunk, threads=self.threads)
@@ -116,6 +118,15 @@ def crew(cluster: str | None = None, threads: int | None = None) -> Iterator[Cre
         yield Cluster(client, cluster)
 
 
+def _knock(address: str) -> None:
+    """Raises an OSError where nothing listens, or nothing that greets as a scheduler does: Dask would wait for it."""
+    kind, _, rest = address.partition("://")
+    host, _, port = rest.rpartition(":")
+    with socket.create_connection((host, int(port)), PATIENCE_S) as line:
+        if kind == "tcp" and not line.recv(1):
+            raise ConnectionError
+
+
 @contextmanager
 def _client(address: str, workers: int) -> Iterator[Any]:
     try:
@@ -132,9 +143,15 @@ def _client(address: str, workers: int) -> Iterator[Any]:
     with dask.config.set(settings):
         if not workers:
             try:
+                _knock(address)
                 client = distributed.Client(address, timeout=PATIENCE_S)
-            except (OSError, TimeoutError) as error:
+            except (OSError, TimeoutError, OverflowError) as error:
                 raise LeadscrewError(f"no Dask scheduler answers at {address} ({type(error).__name__})") from None
+            try:
+                client.wait_for_workers(1, timeout=PATIENCE_S)
+            except TimeoutError:
+                client.close()
+                raise LeadscrewError(f"the Dask scheduler at {address} has no workers") from None
             try:
                 yield client
             finally:
@@ -146,10 +163,16 @@ def _client(address: str, workers: int) -> Iterator[Any]:
                 threads_per_worker=1,
                 processes=True,
                 host="127.0.0.1",
-                dashboard_address=None,
+                dashboard_address="127.0.0.1:0",  # with None it takes port 8787, and warns where that is taken
                 silence_logs=40,
                 worker_class="distributed.Nanny",
             ) as cluster,
             distributed.Client(cluster) as client,
         ):
+            client.run(_deaf)
             yield client
+
+
+def _deaf() -> None:
+    """A worker on this machine leaves Ctrl-C to the process that started it."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)

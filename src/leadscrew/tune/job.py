@@ -43,7 +43,7 @@ class Chunk(NamedTuple):
         return len(next(iter(self.columns.values())))
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Job:
     """A controller on a machine, in one or several scenarios."""
 
@@ -74,6 +74,13 @@ class Job:
         """
         return _loop(self, scenario)
 
+    def compile(self, scenario: str) -> None:
+        """Builds and compiles the loop: threads that begin together would do it at the same time."""
+        loop = self.loop(scenario)
+        engine = self.experiment.engine or loop.engine
+        if engine != "python":
+            loop.program.entry("lanes", engine)
+
     def sheet(self) -> dict[str, Entry]:
         """What may vary: the entries that the loops of all scenarios have."""
         first, *others = (self.loop(s).sheet for s in self.where)
@@ -101,8 +108,9 @@ class Job:
         """Metrics by name and ``diverged_at``, one value a run."""
         loop = self.loop(chunk.scenario)
         done = loop.batch(
-            self.seconds(chunk.scenario), chunk.columns, runs=chunk.runs, threads=threads, first=chunk.first
-        )
+            self.seconds(chunk.scenario), chunk.columns, runs=chunk.runs, threads=threads, first=chunk.first,
+            engine=self.experiment.engine,
+        )  # fmt: skip
         return {**done.metrics, DIVERGED: done.diverged_at}
 
     @cached_property
@@ -121,8 +129,18 @@ class Job:
     def __getstate__(self) -> dict[str, Any]:
         return {"experiment": self.experiment, "scenarios": self.scenarios, "duration_s": self.duration_s}
 
+    @cached_property
+    def _key(self) -> str:
+        """What is asked, as text: arrays among the changes neither compare nor hash."""
+        changes = [(k, np.asarray(v).tolist()) for k, v in self.experiment.changes.items()]
+        asked = {**self.experiment.__dict__, "changes": changes}
+        return repr((asked, self.scenarios, self.duration_s))
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Job) and self._key == other._key
+
     def __hash__(self) -> int:
-        return hash((repr(self.experiment), self.scenarios, self.duration_s))
+        return hash(self._key)
 
 
 @lru_cache(maxsize=32)

@@ -9,6 +9,7 @@ from __future__ import annotations
 import hashlib
 import io
 import json
+import zipfile
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -48,6 +49,9 @@ class Journal:
                 )
             if not resume:
                 raise ValueRefused(f"{self.folder} holds results of this question already: --resume goes on with them")
+            # What a killed process was writing; nobody else writes here.
+            for left in self.folder.glob(".*.tmp"):
+                left.unlink(missing_ok=True)
         else:
             if self.folder.exists() and any(p for p in self.folder.iterdir() if not p.name.startswith(".")):
                 raise ValueRefused(f"{self.folder} is there already and holds something else; choose another folder")
@@ -73,7 +77,7 @@ class Journal:
                 return {k: found[k] for k in found.files}
         except FileNotFoundError:
             return None
-        except (OSError, ValueError, EOFError) as error:
+        except (OSError, ValueError, EOFError, zipfile.BadZipFile) as error:
             raise DataError(f"{self.path(number)} cannot be read: {error}") from None
 
     def put(self, number: int, result: Mapping[str, np.ndarray]) -> None:
@@ -83,7 +87,8 @@ class Journal:
             DataError: it cannot be written (a full disk): what was there before is still there.
         """
         held = io.BytesIO()
-        np.savez(held, **dict(result))
+        columns: dict[str, Any] = dict(result)
+        np.savez(held, **columns)
         save(held.getvalue(), self.path(number))
 
 
