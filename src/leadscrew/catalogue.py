@@ -75,13 +75,14 @@ BLOCKS: dict[str, str] = {
 """Blocks that are ready to use."""
 
 MAKERS: dict[str, str] = {
+    "fuzzy.controller": "leadscrew.fuzzy:controller",
     "path": "leadscrew.references.path:path",
     "path_from_gcode": "leadscrew.references.gcode:path_from_gcode",
     "state_space": "leadscrew.plants.linear:state_space",
     "transfer_function": "leadscrew.plants.linear:transfer_function",
     "waypoints": "leadscrew.references.waypoints:waypoints",
 }
-"""Functions that make a block from data: a path, matrices."""
+"""Functions that make a block from data: a path, matrices, a fuzzy system."""
 
 STUDIES: dict[str, str] = {
     "vud_lathe": "leadscrew.studies.vud_lathe.study:STUDY",
@@ -186,5 +187,9 @@ def makers() -> dict[str, Any]:
 
 
 def maker_kind(name: str) -> str:
-    """The kind of block that a function of :data:`MAKERS` makes."""
-    return MAKERS[name].split(".")[1].removesuffix("s")
+    """The kind of block that a function of :data:`MAKERS` makes: its folder says it, else its own name."""
+    from leadscrew.kernel.block import KINDS
+
+    module, function = MAKERS[name].split(":")
+    folder = module.split(".")[1].removesuffix("s")
+    return folder if folder in KINDS else function

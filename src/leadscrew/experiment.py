@@ -87,9 +87,9 @@ class Experiment:
         else:
             controller, scenario = self._parts(found)
             loop = found.loop(controller, scenario, self.changes)
-            loop = loop.using(name=f"{found.name} {self.controller} {scenario}")
             if self.controller is not None and userfile.is_data(self.controller):
-                _fits(found, self.controller, scenario, loop)
+                loop = _fitted(found, self.controller, scenario, self.changes, loop)
+            loop = loop.using(name=f"{found.name} {self.controller} {scenario}")
         if self.seed is not None:
             loop = loop.using(seed=self.seed)
         loop.origin = self.origin
@@ -182,10 +182,15 @@ def _machine(study: Study) -> dict[str, Any]:
     return dict(zip(("unit", "drive", "full_scale", "sense"), said[0], strict=True))
 
 
-def _fits(study: Study, name: str, scenario: str, loop: Loop) -> None:
-    """Refuses a fuzzy system's file where the study's own controllers take or give several numbers."""
+def _fitted(study: Study, name: str, scenario: str, changes: Mapping[str, Any], loop: Loop) -> Loop:
+    """The loop of a fuzzy system's file; where the study's command or reading is a motion, of its position.
+
+    Raises:
+        BlockError: the study's own controllers take or give several numbers that are none.
+    """
     try:
         _ = loop.signals
+        return loop
     except BlockError:
         own = study.loop(next(iter(study.controllers)), scenario).signals
         several = [
@@ -195,10 +200,24 @@ def _fits(study: Study, name: str, scenario: str, loop: Loop) -> None:
         ]
         if not several:
             raise
-        raise BlockError(
-            f"{name} does not fit {study.name}: a fuzzy system's file takes one command and one reading and gives one "
-            f"output; here the {' and the '.join(several)}"
-        ) from None
+        fields = _positions(own)
+        if fields is None:
+            raise BlockError(
+                f"{name} does not fit {study.name}: a fuzzy system's file takes one command and one reading and gives "
+                f"one output; here the {' and the '.join(several)}"
+            ) from None
+    block = replace(userfile.fuzzy_controller(name, *fields), **_machine(study))
+    return study.loop(block, scenario, changes)
+
+
+def _positions(signals: Mapping[str, Any]) -> tuple[str, str] | None:
+    """The fields of command and feedback whose difference is the error; None where that is not one position."""
+    from leadscrew.kernel.frame import pairs, signal_tree
+
+    compared = pairs(signal_tree(signals["command"]), signal_tree(signals["feedback"]))
+    fields = compared[0].command, compared[0].other
+    one = len(compared) == 1 and not hasattr(signals["output"], "_fields")
+    return fields if one and all(f.rsplit(".", 1)[-1] in ("", "position") for f in fields) else None
 
 
 def _Loop() -> type[Loop]:  # noqa: N802

@@ -18,7 +18,7 @@ from leadscrew.kernel.sheet import nearest
 
 _REFERENCE = re.compile(r"(?P<path>.*\.(?:py|(?i:fis|fll|fcl|fml|xml)|toml))(?::(?P<name>[^:/\\]*))?", re.DOTALL)
 _loaded: dict[Path, tuple[int, ModuleType]] = {}
-_controllers: dict[tuple[Path, str, str | None], Any] = {}
+_controllers: dict[tuple[Path, str, str | None, str, str], Any] = {}
 
 
 def is_reference(text: str) -> bool:
@@ -47,7 +47,7 @@ def load(reference: str) -> Any:
     if found is None:
         raise DataError(f"{reference!r}: expected path/file.py:name")
     if is_data(reference):
-        return _fuzzy_controller(Path(found["path"]), found["name"])
+        return fuzzy_controller(reference)
     if is_controller_file(reference):
         from leadscrew import controller_file
 
@@ -112,14 +112,19 @@ def digest(path: Path) -> str:
         return ""
 
 
-def _fuzzy_controller(path: Path, output: str | None) -> Any:
-    """The controller of a fuzzy system's file, made once as long as the file stays as it is."""
+def fuzzy_controller(reference: str, command: str = "", feedback: str = "") -> Any:
+    """The controller of a fuzzy system's file, made once as long as the file stays as it is.
+
+    ``command`` and ``feedback`` are the fields of these signals that it takes, where they have several.
+    """
     from leadscrew.fuzzy.block import from_file
 
-    whole = path.expanduser()
-    key = (whole.resolve(), digest(whole), output)
+    found = _REFERENCE.fullmatch(reference)
+    assert found is not None
+    whole, output = Path(found["path"]).expanduser(), found["name"]
+    key = (whole.resolve(), digest(whole), output, command, feedback)
     if key not in _controllers:
-        _controllers[key] = from_file(whole, output)
+        _controllers[key] = from_file(whole, output, command=command, feedback=feedback)
     return _controllers[key]
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import shutil
 from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 import pytest
@@ -12,9 +13,10 @@ import pytest
 from leadscrew import catalogue, userfile
 from leadscrew.experiment import Experiment
 from leadscrew.fuzzy import block, formats
-from leadscrew.kernel.block import controller
+from leadscrew.kernel.block import controller, reference
 from leadscrew.kernel.errors import BlockError, ValueRefused
 from leadscrew.kernel.loop import Loop
+from leadscrew.kernel.metrics import rms_error
 from leadscrew.references.sine import sine_motion
 from tests.cli.conftest import strict_json
 from tests.cli.plain_study import STUDY, slide
@@ -116,21 +118,59 @@ def test_a_file_is_no_study(refused, made):
     assert "expected a study" in refused("simulate", made(), "-c", "p", "-s", "small")
 
 
-def test_a_loop_with_several_readings_is_refused_in_one_sentence(made):
+@pytest.mark.parametrize("scenario", ["s_curve_m50", "trapezoid_m170"])
+def test_it_follows_the_moves_of_the_lathe(made, scenario):
+    scales = {"controller.scale_e": 0.02, "controller.scale_output": -1.0}
+    experiment = Experiment("vud_lathe", str(made()), scenario, scales, record=("command", "actual.position"))
+    run = experiment.loop().run(4.0)
+    target = -50.0 if scenario == "s_curve_m50" else -170.0
+    assert run["command"][-1] == target
+    assert abs(run["actual.position"][-1] - target) < 0.01 * abs(target)
+
+
+def commanded(monkeypatch, reference, path):
+    """The experiment with a fuzzy system's file in a study whose controllers take a command of several numbers."""
+
     @controller()
-    def by_position(command, feedback):
+    def first(command, feedback):
         return 2.0 * (command.position - feedback)
 
-    def build(found, scenario):
-        return Loop(reference=sine_motion, controller=found, plant=slide, metrics={}, engine="python")
+    @controller()
+    def first_of_two(command, feedback):
+        return 2.0 * (command.x - feedback)
 
-    moving = replace(STUDY, name="moving", controllers={"p": by_position}, build=build)
-    experiment = Experiment("moving", str(made()), "small")
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(catalogue, "study", lambda name: moving)
-        assert replace(experiment, controller="p").loop().run(0.01).diverged is None
-        with pytest.raises(BlockError, match=r"axis.fis does not fit moving: .*; here the command is position, vel"):
-            experiment.loop()
+    def build(found, scenario):
+        return Loop(reference=reference, controller=found, plant=slide, metrics={"rms": rms_error}, engine="python")
+
+    own = first if reference is sine_motion else first_of_two
+    moving = replace(STUDY, name="moving", controllers={"p": own}, build=build)
+    monkeypatch.setattr(catalogue, "study", lambda name: moving)
+    return Experiment("moving", str(path), "small", {"controller.scale_output": 4.0})
+
+
+def test_of_a_motion_it_takes_the_position(made, monkeypatch):
+    experiment = commanded(monkeypatch, sine_motion, made())
+    run = experiment.loop().run(0.1)
+    by_hand = block.controller(mamdani(integration="trapezoid"), output_scale=4.0, command="position")
+    plain = Loop(reference=sine_motion, controller=by_hand, plant=slide, metrics={"rms": rms_error}, engine="python")
+    np.testing.assert_array_equal(run["output"], plain.run(0.1)["output"])
+    assert run.loop.blocks["controller"].unit == "" and run.loop.name.startswith("moving ")
+    assert run.loop.sheet.keys() < experiment.settable().keys()
+
+
+def test_a_command_of_two_axes_is_refused_in_one_sentence(made, monkeypatch):
+    class Both(NamedTuple):
+        x: float = 0.0
+        y: float = 0.0
+
+    @reference()
+    def circle(t):
+        return Both(t, 1.0 - t)
+
+    experiment = commanded(monkeypatch, circle, made())
+    assert replace(experiment, controller="p", changes={}).loop().run(0.01).diverged is None
+    with pytest.raises(BlockError, match=r"axis.fis does not fit moving: .*; here the command is x, y"):
+        experiment.loop()
 
 
 def test_unit_and_drive_are_those_of_the_studys_machine(made):

@@ -81,6 +81,19 @@ def test_completion_says_what_it_filled(tmp_path):
     assert "monotone: 3 cells filled" in fall.stdout
 
 
+def test_the_output_where_no_rule_fires_can_be_chosen(tmp_path):
+    path = tmp_path / "half.csv"
+    path.write_text("e,u\n-1,1\n-0.5,0.5\n")
+    args = [path, "--inputs", "e", "--output", "u", "--sets", 5, "--symmetric"]
+    call(*args, "-o", tmp_path / "bare.fll")
+    call(*args, "--default", -0.25, "-o", tmp_path / "given.fll")
+    bare, given = (formats.read(tmp_path / f"{name}.fll") for name in ("bare", "given"))
+    assert np.isnan(compiled(bare).scalar(0.9)) and compiled(given).scalar(0.9) == -0.25
+    assert compiled(given).scalar(-0.8) == compiled(bare).scalar(-0.8)
+    choices = [json.loads(call(*args, *more, "--json").stdout)["choices"] for more in ([], ["--default", -0.25])]
+    assert [c["default"] for c in choices] == [None, -0.25]
+
+
 def test_curvature_follows_from_accuracy_and_reading(log):
     args = [log, "--inputs", "e,de", "--output", "u"]
     assert "read as full" in call(*args, "--accuracy", 0.05, "--reading", "full").stdout
@@ -129,6 +142,7 @@ def test_what_is_wrong_with_a_log_is_said_with_row_and_column(tmp_path):
         (["--complete", "monotone", "--rising", "q"], "no input 'q'"),
         (["--ties", "guess"], "'drop' and 'keep'"),
         (["--hold-out", "1.5"], "allowed is 0 to 0.9"),
+        (["--default", "inf"], "allowed is a finite number"),
         (["--grid", "fine"], "even, quantile, curvature"),
         (["--rule-weights", "some"], "none, strength"),
         (["--weights", "t"], "row 0 (from 0): 0.0: allowed is above 0 to 1"),

@@ -69,14 +69,17 @@ def test_the_example_is_the_system_of_the_page(folder):
     assert (EXAMPLES / "axis.fll").read_bytes() == (folder / "axis.fll").read_bytes()
 
 
-def test_the_experiment_file_is_the_run_of_the_page(folder):
+def test_the_experiment_file_is_that_of_the_page_and_does_its_run(folder):
     import numpy as np
 
     from leadscrew import experiment, load
 
-    loop = experiment.read(EXAMPLES / "axis_on_the_lathe.toml")
+    example = EXAMPLES / "axis_on_the_lathe.toml"
+    lines = [line for line in example.read_text(encoding="utf-8").splitlines() if not line.startswith("#")]
+    assert lines == (folder / example.name).read_text(encoding="utf-8").splitlines()
+    found = experiment.read(example)
     _, signals = load(folder / "lathe_run")
-    run = loop.loop().run(loop.seconds())
+    run = found.loop().run(found.seconds())
     assert np.array_equal(run["actual.position"], signals["actual.position"])
 
 

@@ -7,11 +7,13 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 
-from leadscrew import Loop, controller, plant
+from leadscrew import Loop, controller, plant, reference
 from leadscrew.fuzzy import block
 from leadscrew.fuzzy.evaluate import compiled
 from leadscrew.kernel.errors import NameUnknown, ValueRefused
+from leadscrew.references.s_curve import s_curve
 from leadscrew.references.step import step
+from leadscrew.references.trapezoid import trapezoid
 from tests.fuzzy.systems import mamdani, sugeno, with_output
 
 
@@ -65,6 +67,51 @@ def test_an_incremental_controller_adds_up():
     error = run["command"] - run["actual"]
     parts = 0.1 * compiled(sugeno()).many(e=0.5 * error, de=0.05 * (np.diff(error, prepend=error[0]) / 0.01))
     np.testing.assert_array_equal(run["output"], np.cumsum(parts))
+
+
+@pytest.mark.parametrize(
+    "made", [s_curve(distance=0.8, max_velocity=2.0), trapezoid(distance=0.8, max_acceleration=20.0)]
+)
+def test_of_a_motion_the_position_counts(made):
+    """The same bits as with a reference that commands the position alone."""
+
+    @reference(made.params, prepare=made.prepare)
+    def position(p, t):
+        motion = made(p, t)
+        return motion.position
+
+    inputs = {"e": ("error", 0.9), "de": ("change", 20.0)}
+    follower = block.controller(mamdani(), inputs, output_scale=30.0, command="position")
+    moving = Loop(reference=made, controller=follower, plant=cart, period=0.01)
+    engines = ("llvm", "python", *(["c"] if shutil.which("gcc") else []))
+    plain = Loop(
+        reference=position, controller=block.controller(mamdani(), inputs, output_scale=30.0), plant=cart, period=0.01
+    ).run(0.5)
+    for engine in engines:
+        run = moving.run(0.5, engine=engine)
+        np.testing.assert_array_equal(run["output"], plain["output"])
+        np.testing.assert_array_equal(run["error"], plain["error"])
+    assert np.ptp(plain["output"]) > 1.0
+
+
+def test_a_reading_of_several_fields_and_the_command_itself_are_taken_by_field():
+    def whole(s):
+        return s
+
+    @plant(None, Moving(), output=whole)
+    def seen(s, u):
+        return Moving(s.v, u - 2.0 * s.v)
+
+    made = block.controller(sugeno(), {"e": "command", "de": "feedback"}, command="position", feedback="x")
+    run = Loop(reference=s_curve(distance=0.8), controller=made, plant=seen, period=0.01).run(0.3)
+    expected = compiled(sugeno()).many(e=run["command.position"], de=run["feedback.x"])
+    np.testing.assert_array_equal(run["output"], expected)
+
+
+@pytest.mark.parametrize("field", ["1", "a.", "a b", "lambda", "p)+(q"])
+def test_what_cannot_be_a_field_is_refused(field):
+    with pytest.raises(ValueRefused, match=r"expected the name of a field, such as 'position'"):
+        block.controller(mamdani(), command=field)
 
 
 def test_scales_and_numbers_of_the_system_are_parameters():

@@ -60,6 +60,13 @@ def both(x, k):
     return V(x * 2.0, k + 1, x == 0.0), 3
 
 
+def shifted(s, x):
+    if x > 0.5:
+        s.a[0] = x
+        return s
+    return S(x, s.k % 7, not s.on, s.v, s.a)
+
+
 def turned(v, x):
     return V(v.x - x, v.k % 7, not v.on)
 """
@@ -96,7 +103,7 @@ class Step:
         if kind == 5:
             return f"({a} if {self.truth(depth - 1)} else {self.real(depth - 1)})"
         if kind == 6:
-            return f"{self.pick('min', 'max')}({a}, {self.real(depth - 1)})"
+            return f"{self.pick('min', 'max')}({a}, {self.pick(self.real(depth - 1), self.whole(0)[0])})"
         if kind == 7:
             return (
                 f"{self.pick('abs', 'math.floor', 'math.ceil', 'math.trunc', 'np.sign', 'math.sqrt', 'math.sin')}({a})"
@@ -116,7 +123,9 @@ class Step:
     def element(self) -> str:
         """An element of an array."""
         at = self.pick("0", "1", "-1", "k % 4", "m % 3 - 1", "2")
-        return self.pick(f"s.a[{at}]", f"w[{at}]", f"TABLE[{at}]", f"GRID[1, {self.pick('0', '-1', 'k % 3')}]")
+        by = self.pick("k % 4", "m % 3 - 1", "int(COUNTS[k % 4])")
+        return self.pick(f"s.a[{at}]", f"w[{at}]", f"t[{at}]", f"TABLE[{at}]", f"COUNTS[{by}]", f"s.a[{by}]",
+                         f"GRID[1, {self.pick('0', '-1', 'k % 3')}]")  # fmt: skip
 
     def whole(self, depth: int) -> tuple[str, int]:
         """An integer, and how large it may be."""
@@ -125,7 +134,9 @@ class Step:
             if r.random() < 0.4:
                 n = r.choice(INTS)
                 return str(n), n
-            return self.pick(*self.ints.items(), ("int(COUNTS[1])", 1), ("len(TABLE)", 4), ("s.a.shape[0]", 3))
+            return self.pick(
+                *self.ints.items(), ("COUNTS[0]", 3), ("int(COUNTS[m % 4])", 3), ("len(TABLE)", 4), ("s.a.shape[0]", 3)
+            )
         a, big = self.whole(depth - 1)
         b, other = self.whole(depth - 1)
         kind = r.randrange(11)
@@ -177,8 +188,12 @@ class Step:
         """One statement."""
         r = self.random
         self.calls = self.effects and r.random() < 0.3
-        kind = r.randrange(15)
-        if kind in (0, 1, 2):
+        kind = r.randrange(17)
+        if kind == 15:
+            self.put(depth, f"t = {self.pick('s.a', 's.a', 'w')}")
+        elif kind == 16:
+            self.put(depth, f"s = shifted(s, {self.plain_real(1)})")
+        elif kind in (0, 1, 2):
             self.put(depth, f"{self.pick('x', 'y', 'z')} {self.pick('=', '=', '+=', '*=', '-=')} {self.plain_real(3)}")
         elif kind == 3:
             self.put(
@@ -252,7 +267,7 @@ class Step:
         for _ in range(self.random.randrange(4, 9)):
             self.statement(1, 0)
         top = ["x = command", "y = s.x", "z = feedback", "k = s.k", "m = p.many", "b = s.on", "c = command > 0.0",
-               "v = s.v", "w = np.zeros(3)", "i = 0", "j = 1", "n = 2",
+               "v = s.v", "w = np.zeros(3)", "t = s.a", "i = 0", "j = 1", "n = 2",
                "for i in range(3):", "    if not abs(s.a[i]) < 1e300:", "        s.a[i] = 0.5 * i"]  # fmt: skip
         state = "S(x - y if abs(x - y) < 1e300 else 0.75, (k + i + m) % 1000, b, v, s.a)"
         end = f"return {state}, z + (1 if c else 0) + v.x + s.a[1] + w[0] + j + n"

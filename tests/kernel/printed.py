@@ -1,19 +1,16 @@
 """Steps as exported C, compiled and run over rows of inputs; and what plain Python gives for the same rows."""
 
-import ast
 import ctypes
 import subprocess
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
 from leadscrew.export.source import Source
 from leadscrew.kernel.block import make
 from leadscrew.kernel.layout import is_branch
-from leadscrew.kernel.module import Module, _Division
 from leadscrew.kernel.probe import _copied
-from leadscrew.kernel.trees import copied
 
 STRICT = ("-std=c99", "-Wall", "-Wextra", "-pedantic", "-Werror", "-ffp-contract=off")
 PERIOD = 1e-3
@@ -34,37 +31,19 @@ def source_of(
     return source
 
 
-class _Truth(ast.NodeTransformer):
-    """Comparisons that give Python's own truth values, of NumPy's numbers too."""
-
-    def visit_Compare(self, node: ast.Compare) -> ast.expr:
-        self.generic_visit(node)
-        return ast.Call(ast.Name("bool", ast.Load()), [node], [])
-
-
-def namespace(module: Module) -> dict[str, Any]:
-    """The module's functions in plain Python."""
-    space = module.namespace()
-    for item in module.ordered():
-        if isinstance(item.node, ast.FunctionDef):
-            node = _Truth().visit(copied(item.node) if item.trusted else _Division().visit(copied(item.node)))
-            exec(compile(ast.fix_missing_locations(ast.Module([node], [])), item.filename, "exec"), space)
-    return space
-
-
 def first_output(source: Source) -> Any:
     """What the step gives in its first period."""
     block = source.block
     lead = [x for x in (source.prepared, _copied(source.state)) if x is not None]
     given = {**source.signals, "t": 0.0, "dt": PERIOD}
     with np.errstate(all="ignore"):
-        made = namespace(source.module)[source.step](*lead, *(given[n] for n in block.signals))
+        made = source.module.namespace()[source.step](*lead, *(given[n] for n in block.signals))
     return made[1] if block.state is not None else made
 
 
 def by_python(source: Source, inputs: np.ndarray) -> np.ndarray:
     """What the module's own Python gives, row by row from the start."""
-    step = namespace(source.module)[source.step]
+    step = source.module.namespace()[source.step]
     block, p, s = source.block, source.prepared, _copied(source.state)
     names = [a.key for a in source.inputs]
     out = []
@@ -161,9 +140,3 @@ def rows(columns: int) -> np.ndarray:
 def c_number(x: float) -> str:
     """A double as C source."""
     return repr(x) if np.isfinite(x) else "NAN" if np.isnan(x) else "INFINITY" if x > 0 else "-INFINITY"
-
-
-class Weights(NamedTuple):
-    """Parameters with an array."""
-
-    weights: np.ndarray = np.array([1.0, 2.0])

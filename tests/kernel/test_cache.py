@@ -69,9 +69,10 @@ def test_the_folder_is_private_and_its_files_whole(own):
     assert cache.read("loop_a.o") is None
     path.write_text("tampered")
     assert cache.store("x = 1\n").read_text() == "x = 1\n"
+    cache.write("fuzzy_a.o", b"code")
     info = cache.info()
-    assert info.modules == 2 and info.bytes > 0 and info.folder == str(own)
-    assert cache.clear().modules == 2 and cache.info().modules == 0
+    assert info.modules == 3 and info.bytes > 0 and info.folder == str(own)
+    assert cache.clear().modules == 3 and cache.info().modules == 0
 
 
 def test_the_oldest_go_when_there_are_too_many(own, monkeypatch):

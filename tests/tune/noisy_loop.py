@@ -1,4 +1,4 @@
-"""A loop with noise, for tests of many runs: a gain on an integrator, read through noise; some gains make it diverge."""
+"""A loop with noise, for tests of many runs: a gain on an integrator, read through noise; some gains diverge."""
 
 from __future__ import annotations
 

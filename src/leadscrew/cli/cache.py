@@ -1,4 +1,4 @@
-"""``leadscrew cache``: the compiled loops that are kept."""
+"""``leadscrew cache``: the compiled modules that are kept."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import typer
 
 from leadscrew.cli.output import Json, emit
 
-app = typer.Typer(help="The compiled loops that are kept between sessions.", no_args_is_help=True)
+app = typer.Typer(help="The compiled modules that are kept between sessions.", no_args_is_help=True)
 
 
 @app.command("info")
@@ -18,12 +18,12 @@ def info(as_json: Json = False) -> None:
     if as_json:
         emit(found.__dict__)
         return
-    typer.echo(f"{found.folder}: {found.modules} compiled loops, {found.bytes / 1e6:.1f} MB")
+    typer.echo(f"{found.folder}: {found.modules} compiled modules, {found.bytes / 1e6:.1f} MB")
 
 
 @app.command("clear")
 def clear(as_json: Json = False) -> None:
-    """Delete the compiled loops; they are made again when needed."""
+    """Delete the compiled modules; they are made again when needed."""
     from leadscrew.kernel import cache
 
     before = cache.clear()
@@ -32,4 +32,4 @@ def clear(as_json: Json = False) -> None:
     if as_json:
         emit(removed)
         return
-    typer.echo(f"{removed['folder']}: removed {removed['modules']} compiled loops, {before.bytes / 1e6:.1f} MB")
+    typer.echo(f"{removed['folder']}: removed {removed['modules']} compiled modules, {before.bytes / 1e6:.1f} MB")

@@ -48,7 +48,7 @@ def surface(
     as_json: Json = False,
 ) -> None:
     """Draw or tabulate the outputs over the universes of two inputs, or of the only one."""
-    from leadscrew.fuzzy import pictures
+    from leadscrew.report import fuzzy as pictures
 
     suffix = suffix_of(out, (*PICTURES, ".csv", ".fld"), "--out")
     system = system_of(file, leave_out_unknown)
@@ -131,7 +131,7 @@ def _write(system: System, found: RunInputs, strengths: np.ndarray, out: Path) -
         names += [f"rule {i + 1}" for i in range(strengths.shape[1])]
         save_table(names, np.column_stack([found.time, found.points, strengths]), out)
         return
-    from leadscrew.fuzzy.pictures import activity_figure
+    from leadscrew.report.fuzzy import activity_figure
 
     save_figure(activity_figure(system, found.time, found.points, unit=found.unit), out)
 

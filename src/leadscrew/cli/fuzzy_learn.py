@@ -52,6 +52,9 @@ def learn(
     rising: Annotated[str, typer.Option(metavar="A,B,...", help="Inputs with which the output rises.")] = "",
     falling: Annotated[str, typer.Option(metavar="A,B,...", help="Inputs with which the output falls.")] = "",
     rule_weights: Annotated[str, typer.Option(help="Weights of the rules: none, or strength.")] = "none",
+    default: Annotated[
+        float | None, typer.Option(metavar="VALUE", help="Of the output, where no rule fires; no value unless given.")
+    ] = None,
     hold_out: Annotated[float, typer.Option(help="Part of the samples that only scores, 0 to 0.9.")] = 0.0,
     seed: Annotated[int, typer.Option(help="Which samples are held out.")] = 0,
     name: Annotated[str | None, typer.Option(help="Of the system; the log's stem unless given.")] = None,
@@ -74,6 +77,8 @@ def learn(
         "weights": weights, "complete": tuple(complete or []), "directions": _directions(rising, falling),
         "rule_weights": rule_weights, "hold_out": hold_out, "seed": seed, "name": log.stem if name is None else name,
     }  # fmt: skip
+    if default is not None:
+        choices["default"] = default
     with busy(f"{log}: learning {output} from {', '.join(asked)}"):
         data = read(log, [*asked, output, *([weights] if weights else [])])
         learned = learn_from(data, asked, output, **choices)

@@ -37,7 +37,7 @@ def show(
         suffix_of(plot, PICTURES, "--plot")
     system = system_of(file, leave_out_unknown)
     if plot is not None:
-        from leadscrew.fuzzy.pictures import membership_figure
+        from leadscrew.report.fuzzy import membership_figure
 
         save_figure(membership_figure(system), plot)
     if as_json:

@@ -14,25 +14,12 @@ import numpy as np
 from leadscrew.export.source import Source
 from leadscrew.kernel import bits
 from leadscrew.kernel.c99.types import DOUBLE
-from leadscrew.kernel.ieee import ieee_range
+from leadscrew.kernel.ieee import Table, ieee_range
 from leadscrew.kernel.layout import is_branch
 from leadscrew.kernel.module import Module
 from leadscrew.kernel.trees import copied
 
 F = np.float32
-
-
-class _Whole:
-    """A constant array of whole numbers, which gives them as Python has them."""
-
-    def __init__(self, value: np.ndarray) -> None:
-        self.value, self.shape = value, value.shape
-
-    def __len__(self) -> int:
-        return len(self.value)
-
-    def __getitem__(self, at: Any) -> int:
-        return int(self.value[at])
 
 
 def _zeros(shape: Any) -> np.ndarray:
@@ -132,7 +119,7 @@ def namespace(module: Module, source: Source) -> dict[str, Any]:
         if item.kind == "class":
             space[item.name] = item.value
         elif item.kind == "array":
-            space[item.name] = _Whole(item.value) if item.value.dtype.kind == "i" else as_single(item.value)
+            space[item.name] = Table(item.value) if item.value.dtype.kind == "i" else as_single(item.value)
         elif source.unit.real_of(item) is DOUBLE:
             space[item.name] = _rounded(doubles[item.name])
         else:

@@ -15,7 +15,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from leadscrew.fuzzy.block import controller, function
+    from leadscrew.fuzzy.block import controller, from_file, function
     from leadscrew.fuzzy.build import constants, larsen, linear, mamdani, takagi_sugeno, triangles, tsukamoto
     from leadscrew.fuzzy.evaluate import Compiled, compiled
     from leadscrew.fuzzy.formats import read, write
@@ -36,6 +36,7 @@ __all__ = [
     "compiled",
     "constants",
     "controller",
+    "from_file",
     "function",
     "larsen",
     "linear",
@@ -49,7 +50,7 @@ __all__ = [
 ]
 
 _HOMES = {
-    "block": "controller function",
+    "block": "controller from_file function",
     "build": "constants larsen linear mamdani takagi_sugeno triangles tsukamoto",
     "evaluate": "Compiled compiled",
     "formats": "read write",

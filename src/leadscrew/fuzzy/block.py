@@ -6,12 +6,15 @@ The usual controller takes the error and its change, scaled into the universes, 
     de = change_scale (e_k - e_(k-1)) / scale of the error            (the change of the error in one period)
     output = output_scale y          or, with ``incremental``, output_k = output_(k-1) + output_scale y
 
+Where the command is a motion, ``command="position"`` says which of its fields that is; ``feedback`` likewise.
+
 :func:`controller` makes it; :func:`function` is for everything else: it may be called inside any step.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from keyword import iskeyword
 from pathlib import Path
 from typing import Annotated, Any, NamedTuple
 
@@ -117,9 +120,11 @@ def controller(
     output: str | None = None,
     output_scale: float = 1.0,
     incremental: bool = False,
+    command: str = "",
+    feedback: str = "",
     **more: Any,
 ) -> Block:
-    """The system as a controller block.
+    """A fuzzy system as a controller block.
 
     Args:
         system: the system.
@@ -128,6 +133,9 @@ def controller(
         output: the output that drives, the first one unless given.
         output_scale: what the output is multiplied by.
         incremental: whether the output is added to the last one.
+        command: the field of the command that counts, where it has several: ``position`` of a motion; with dots where
+            fields have fields.
+        feedback: the same of the feedback.
         more: further fields of the block: ``unit``, ``drive``, ``name`` and so on.
 
     Its parameters are the scales by name (``scale_e``, ``scale_de``, ``scale_output``) and ``tables``, the numbers of
@@ -135,15 +143,18 @@ def controller(
 
     Raises:
         NameUnknown: no such input, output or signal.
-        ValueRefused: an input without a source.
+        ValueRefused: an input without a source, or a field that cannot be one.
     """
+    for what, field in (("command", command), ("feedback", feedback)):
+        if field and not all(part.isidentifier() and not iskeyword(part) for part in field.split(".")):
+            raise ValueRefused(f"{what} = {field!r}: expected the name of a field, such as 'position'")
     sources, made = _mapping(system, inputs), engine(system)
     names = [o.name for o in system.outputs]
     wanted = names[0] if output is None else output
     if wanted not in names:
         raise NameUnknown(f"system {system.name} has no output {wanted!r}{nearest(wanted, names)}")
     params, plan = _types(made, sources)
-    step = _step(made, sources, wanted, incremental, plan)
+    step = _step(made, sources, wanted, incremental, (command, feedback))
     values = {f"scale_{made.writer.names[n]}": s.scale for n, s in sources.items()}
     values["scale_output"] = output_scale
 
@@ -157,11 +168,12 @@ def controller(
     return make("controller", step, params(**values, tables=made.numbers), Memory(), prepare=prepare, **more)
 
 
-def from_file(path: str | Path, output: str | None = None) -> Block:
+def from_file(path: str | Path, output: str | None = None, *, command: str = "", feedback: str = "") -> Block:
     """The system in a file as a controller: its first input is the error, its second the error's change in a period.
 
-    ``output`` is the output that drives; it may be left out where there is one. What the reader of the file has to say
-    stands in the block's description.
+    ``output`` is the output that drives; it may be left out where there is one. ``command`` and ``feedback`` are the
+    fields that count, as for :func:`controller`. What the reader of the file has to say stands in the block's
+    description.
 
     Raises:
         DataError: it cannot be read, or is broken; says where.
@@ -182,7 +194,7 @@ def from_file(path: str | Path, output: str | None = None) -> Block:
     told = " ".join(f"{_sentence(note)}." for note in system.notes)
     doc = "\n\n".join(part for part in (system.doc or f"The fuzzy system {system.name}.", told) if part)
     try:
-        return controller(system, output=output or None, doc=doc)
+        return controller(system, output=output or None, command=command, feedback=feedback, doc=doc)
     except (NameUnknown, ValueRefused) as error:
         raise type(error)(f"{path}: {error}") from error
 
@@ -202,10 +214,16 @@ def _types(made: Engine, sources: Mapping[str, Scaled]) -> tuple[Any, Any]:
     return params, plan
 
 
-def _step(made: Engine, sources: Mapping[str, Scaled], wanted: str, incremental: bool, plan: Any) -> Callable[..., Any]:
-    """The step of the block, written for its sources."""
+def _step(
+    made: Engine, sources: Mapping[str, Scaled], wanted: str, incremental: bool, fields: tuple[str, str]
+) -> Callable[..., Any]:
+    """The step of the block, written for its sources and for the fields of command and feedback that count."""
     writer, system = made.writer, made.system
-    given = [f"p.scale_{writer.names[n]} * ({SIGNALS[s.source]})" for n, s in sources.items()]
+    signals = {
+        k: ".".join([k, field] if field else [k]) for k, field in zip(("command", "feedback"), fields, strict=True)
+    }
+    taken_from = {**SIGNALS, **signals}
+    given = [f"p.scale_{writer.names[n]} * ({taken_from[s.source]})" for n, s in sources.items()]
     locked = [o.name for o in writer.live if o.lock_previous]
     if any(n != wanted for n in locked):
         raise ValueRefused(f"system {system.name}: a controller block keeps the last value of {wanted} only")
@@ -216,7 +234,7 @@ def _step(made: Engine, sources: Mapping[str, Scaled], wanted: str, incremental:
     lines = [
         f"def {name}(p, s, command, feedback, dt):",
         f'    """The fuzzy system {_said(system.name)} as a controller."""',
-        "    error = command - feedback",
+        f"    error = {signals['command']} - {signals['feedback']}",
         "    before = s.before if s.started else error",
         "    total = s.total + error * dt",
         f"    {', '.join(outputs)} = infer({taken})",

@@ -1,6 +1,6 @@
 """How strongly a function bends along each input, estimated from scattered samples of it.
 
-    K_i = percentile over the samples of |d2f / dx_i2|,    x_i scaled so that its universe is [-1, 1]
+    K_i = percentile over the samples of abs(d2f / dx_i2),    x_i scaled so that its universe is [-1, 1]
 
 in units of the output. Two estimates, by least squares:
 

@@ -4,8 +4,9 @@
    flatters: score a move of its own with :func:`leadscrew.fuzzy.score.score` where there is one;
 2. universes: the range of each variable, between two percentiles;
 3. partitions (:mod:`leadscrew.fuzzy.grids`): even, by quantiles, or by curvature and accuracy;
-4. rules (:mod:`leadscrew.fuzzy.learning`); 5. completion by the named steps (:mod:`leadscrew.fuzzy.fill`), none unless
-   asked for; 6. the system (:mod:`leadscrew.fuzzy.learned_system`);
+4. rules (:mod:`leadscrew.fuzzy.learning`);
+5. completion by the named steps (:mod:`leadscrew.fuzzy.fill`), none unless asked for;
+6. the system (:mod:`leadscrew.fuzzy.learned_system`);
 7. scores: root mean square and largest error on the samples learned from and on those held out.
 
 Every choice, given or by default, is in :attr:`Learned.choices`.
@@ -139,6 +140,8 @@ def _choices(given: Mapping[str, Any]) -> Choices:
     chosen = Choices(**given)
     if not 0.0 <= chosen.hold_out <= 0.9:
         raise ValueRefused(f"hold_out = {chosen.hold_out!r}: allowed is 0 to 0.9")
+    if math.isinf(chosen.default):
+        raise ValueRefused(f"default = {chosen.default!r}: allowed is a finite number, or NaN for none")
     if chosen.grid not in ("even", "quantile", "curvature"):
         raise ValueRefused(f"grid = {chosen.grid!r}: allowed are even, quantile, curvature")
     if chosen.grid == "curvature" and (chosen.accuracy is None or chosen.reading is None):

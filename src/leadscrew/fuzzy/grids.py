@@ -148,8 +148,8 @@ class Grid:
         asks = f"{needed} sets guarantee" if needed else f"more than {MOST_SETS} sets are needed to guarantee"
         return (
             f"{self.curvature}\n"
-            f"equation (10) for an accuracy of {self.accuracy:g}: half {c.half} sets, full {c.full} sets, intervals "
-            f"{c.sets_of_intervals} sets; read as {self.reading}: {self.sets} sets an input\n"
+            f"equation (10) for an accuracy of {self.accuracy:g}: half {_said(c.half)}, full {_said(c.full)}, "
+            f"intervals {_said(c.sets_of_intervals)}; read as {self.reading}: {self.sets} sets an input\n"
             f"they guarantee {self.bound:.3g} by these curvatures; {asks} {self.accuracy:g}"
         )
 
@@ -159,6 +159,10 @@ class Grid:
             "curvature": self.curvature.as_dict(), "count": self.count._asdict(), "reading": self.reading,
             "accuracy": self.accuracy, "sets": self.sets, "bound": self.bound, "needed": self.needed,
         }  # fmt: skip
+
+
+def _said(sets: int) -> str:
+    return f"{sets} set{'s' if sets != 1 else ''}"
 
 
 def grid_from_curvature(

@@ -11,14 +11,14 @@ rectangle s e        1 from s to e
 binary s d           1 from s on where d is positive, up to s where it is negative
 gaussian m d         exp(-(x - m)^2 / (2 d^2))
 gaussian_product     a left flank of one gaussian below its mean, a right flank of another above its mean
-bell c w s           1 / (1 + |(x - c)/w|^(2 s))
+bell c w s           1 / (1 + abs((x - c)/w)^(2 s))
 sigmoid i s          1 / (1 + exp(-s (x - i)))
-sigmoid_difference   |left rising sigmoid - right one, at slope falling|
+sigmoid_difference   abs(left rising sigmoid - right one, at slope falling)
 sigmoid_product      product of the two
 s_shape s e          two parabolas that rise from s to e;  z_shape s e: 1 - s_shape
 pi_shape             s_shape times z_shape
 cosine c w           (1 + cos(2 pi (x - c)/w)) / 2 within w/2 of c
-spike c w            exp(-|10 (x - c)/w|)
+spike c w            exp(-abs(10 (x - c)/w))
 concave i e          (e - i)/(2 e - i - x) below e where i <= e, above e where i > e; 1 beyond
 singleton v          1 at v
 discrete             a polyline, level before its first and after its last point

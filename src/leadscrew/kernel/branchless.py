@@ -24,6 +24,11 @@ class Branchless(ast.NodeTransformer):
         self.generic_visit(node)
         return ast.Call(ast.Name("ieee_select", ast.Load()), [node.test, node.body, node.orelse], [])
 
+    def visit_UnaryOp(self, node: ast.UnaryOp) -> ast.expr:
+        """``~x`` so that a truth value counts as 0 or 1, as in Python."""
+        self.generic_visit(node)
+        return node if not isinstance(node.op, ast.Invert) else ast.BinOp(node.operand, ast.BitXor(), ast.Constant(-1))
+
     def visit_Compare(self, node: ast.Compare) -> ast.expr:
         self.generic_visit(node)
         if len(node.ops) == 1:

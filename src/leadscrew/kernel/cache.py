@@ -129,7 +129,7 @@ def info() -> CacheInfo:
     """What lies in the cache, all versions together."""
     base = root()
     files = [p for p in base.rglob("*") if p.is_file()] if base.exists() else []
-    modules = [p for p in files if p.name.startswith("loop_") and p.suffix in (".py", ".o", ".so")]
+    modules = [p for p in files if p.name.startswith(("loop_", "fuzzy_")) and p.suffix in (".py", ".o", ".so")]
     return CacheInfo(str(base), len(modules), sum(p.stat().st_size for p in files))
 
 

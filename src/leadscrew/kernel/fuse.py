@@ -141,9 +141,18 @@ class Fuser:
                 setattr(node, name, self.expression(value, out))
             elif isinstance(value, list):
                 value[:] = [self.expression(v, out) if isinstance(v, ast.expr) else v for v in value]
+        if isinstance(node, ast.IfExp) and isinstance(node.body, ast.Tuple) and isinstance(node.orelse, ast.Tuple):
+            return self.chosen(node, node.body, node.orelse, out)
         if not (isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id in self.functions):
             return node
         return self.fused_call(node, node.func.id, out)
+
+    def chosen(self, node: ast.IfExp, yes: ast.Tuple, no: ast.Tuple, out: list[ast.stmt]) -> ast.expr:
+        """A choice between tuples as a tuple of choices."""
+        test = ast.Name(self.fresh("test"), ast.Load())
+        out.append(ast.Assign([ast.Name(test.id, ast.Store())], node.test))
+        made = [ast.IfExp(clone(test), a, b) for a, b in zip(yes.elts, no.elts, strict=True)]
+        return ast.Tuple([self.expression(x, out) for x in made], ast.Load())
 
     def fused_call(self, node: ast.Call, name: str, out: list[ast.stmt]) -> ast.expr:
         """The body of a called function into ``out``; gives the expression that it returns."""

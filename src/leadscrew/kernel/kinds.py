@@ -1,83 +1,135 @@
-"""Which locals of a step are whole numbers on one path and floats on another.
+"""What is known of a value before a step runs: the kind of a number, and which array is meant.
 
-Machine code makes such a local a float throughout, plain Python does not. That shows in one place only: a remainder or
-floor division by zero, which is 0 for whole numbers and not finite for floats.
+Machine code gives every local one type and every array one place. A value that is a whole number on one path and a
+float on another is a float there, plain Python keeps the whole number; an array that is one array on one path and
+another on another has no one place.
 """
 
 from __future__ import annotations
 
-import ast
-from collections.abc import Callable
+from typing import Any, NamedTuple
 
-from leadscrew.kernel.trees import each
+import numpy as np
 
-WHOLE, FLOAT, MIXED = "whole", "float", "mixed"
-_WHOLE_CALLS = ("int", "round", "len")
-_EITHER_CALLS = ("abs", "min", "max")
+from leadscrew.kernel.sheet import hints, leaf_type
+from leadscrew.kernel.subset import is_named_tuple_type
+
+WHOLE, FLOAT, MIXED, SIGNAL, ANY = "whole", "float", "mixed", "signal", "any"
+"""Numbers: whole, float, either by path; a float or a NamedTuple of floats; what is not known."""
+STATE, PARAMETERS, TABLE, FRESH = "the state", "the parameters", "a constant table", "a new array"
 
 
-class Kinds:
-    """The kind of every local of a function and of what is computed from them."""
+class Array(NamedTuple):
+    """One array: where it comes from, which one of these, and whether it holds whole numbers."""
 
-    def __init__(self, node: ast.FunctionDef, field: Callable[[ast.Attribute], str]) -> None:
-        self.field = field
-        self.locals: dict[str, str] = {}
-        assigned = [n for n in each(node) if isinstance(n, ast.Assign | ast.AnnAssign | ast.AugAssign | ast.For)]
-        for _ in range(len(assigned) + 1):
-            before = dict(self.locals)
-            for n in assigned:
-                target = n.targets[0] if isinstance(n, ast.Assign) else n.target
-                if isinstance(target, ast.Name):
-                    self.note(target.id, self.assigned(n))
-            if before == self.locals:
-                break
+    origin: str
+    key: Any
+    whole: bool = False
+    rank: int = 0
+    """Its dimensions, 0 where they are not known."""
 
-    def assigned(self, node: ast.stmt) -> str:
-        """The kind of what a statement assigns."""
-        if isinstance(node, ast.For):
-            return WHOLE
-        if isinstance(node, ast.AugAssign):
-            return self.of(ast.BinOp(ast.Name(getattr(node.target, "id", ""), ast.Load()), node.op, node.value))
-        value = getattr(node, "value", None)
-        return self.of(value) if value is not None else FLOAT
 
-    def note(self, name: str, kind: str) -> None:
-        """Notes an assignment."""
-        old = self.locals.get(name, kind)
-        self.locals[name] = kind if old == kind else MIXED
+class Record(NamedTuple):
+    """A NamedTuple."""
 
-    def of(self, node: ast.expr) -> str:
-        """The kind of an expression; what is not known counts as a float."""
-        if isinstance(node, ast.Constant):
-            return FLOAT if isinstance(node.value, float) else WHOLE
-        if isinstance(node, ast.Name):
-            return self.locals.get(node.id, FLOAT)
-        if isinstance(node, ast.Attribute):
-            return self.field(node)
-        if isinstance(node, ast.Compare | ast.BoolOp):
-            return WHOLE if isinstance(node, ast.Compare) else self.either([self.of(v) for v in node.values])
-        if isinstance(node, ast.UnaryOp):
-            return WHOLE if isinstance(node.op, ast.Not) else self.of(node.operand)
-        if isinstance(node, ast.IfExp):
-            return self.either([self.of(node.body), self.of(node.orelse)])
-        if isinstance(node, ast.BinOp):
-            sides = {self.of(node.left), self.of(node.right)}
-            return FLOAT if isinstance(node.op, ast.Div) or FLOAT in sides else MIXED if MIXED in sides else WHOLE
-        if isinstance(node, ast.Call) and isinstance(node.func, ast.Name):
-            if node.func.id in _WHOLE_CALLS:
-                return WHOLE
-            if node.func.id in _EITHER_CALLS:
-                return self.either([self.of(a) for a in node.args])
-        return FLOAT
+    cls: Any
+    parts: tuple[Any, ...]
 
-    @staticmethod
-    def either(kinds: list[str]) -> str:
-        """The kind of what may be any of several."""
-        return kinds[0] if len(set(kinds)) == 1 else MIXED
+    def part(self, field: str) -> Any:
+        """One field."""
+        return self.parts[self.cls._fields.index(field)]
 
-    def ambiguous(self, node: ast.BinOp) -> bool:
-        """Whether plain Python may take this remainder of whole numbers on one path and of floats on another."""
-        if isinstance(node.right, ast.Constant) and node.right.value:
-            return False
-        sides = {self.of(node.left), self.of(node.right)}
-        return MIXED in sides and FLOAT not in sides
+
+class Several(NamedTuple):
+    """A plain tuple."""
+
+    items: tuple[Any, ...]
+
+
+class Clash(NamedTuple):
+    """What paths disagree on."""
+
+    what: str
+
+
+Value = Any
+"""A kind of number, or one of the classes above."""
+ARRAYS = Clash("is one array on one path and another on another; use each under an 'if' of its own")
+SHAPES = Clash("is a number, an array or a NamedTuple by path; give each a name of its own")
+
+
+def number_of(value: Value) -> Value:
+    """The kind of a value where it is used as a number."""
+    return FLOAT if value == SIGNAL else value
+
+
+def met(a: Value, b: Value) -> Value:
+    """The kind of what two numbers give in arithmetic."""
+    kinds = {number_of(a), number_of(b)}
+    return next(k for k in (FLOAT, ANY, MIXED, WHOLE) if k in kinds)
+
+
+def joined(a: Value, b: Value) -> Value:
+    """What is known of a value that is either of two."""
+    if a == b:
+        return a
+    if ANY in (a, b):
+        return ANY
+    if isinstance(a, Record) and isinstance(b, Record) and a.cls is b.cls:
+        return Record(a.cls, tuple(joined(x, y) for x, y in zip(a.parts, b.parts, strict=True)))
+    if isinstance(a, Several) and isinstance(b, Several) and len(a.items) == len(b.items):
+        return Several(tuple(joined(x, y) for x, y in zip(a.items, b.items, strict=True)))
+    if isinstance(a, str) and isinstance(b, str):
+        kinds = {number_of(a), number_of(b)}
+        return kinds.pop() if len(kinds) == 1 else MIXED
+    if isinstance(a, Clash) or isinstance(b, Clash):
+        return a if isinstance(a, Clash) else b
+    return ARRAYS if isinstance(a, Array) and isinstance(b, Array) else SHAPES
+
+
+def inside(value: Value, kind: type) -> Any:
+    """The first part of a value that is of a class, or ``None``."""
+    if isinstance(value, kind):
+        return value
+    parts = value.parts if isinstance(value, Record) else value.items if isinstance(value, Several) else ()
+    return next((found for p in parts if (found := inside(p, kind)) is not None), None)
+
+
+def renewed(value: Value, call: int) -> Value:
+    """What a function returned, its new arrays told apart from those of other calls."""
+    if isinstance(value, Array) and value.origin == FRESH:
+        return value._replace(key=(call, value.key))
+    if isinstance(value, Record):
+        return Record(value.cls, tuple(renewed(p, call) for p in value.parts))
+    return Several(tuple(renewed(p, call) for p in value.items)) if isinstance(value, Several) else value
+
+
+def of_class(cls: Any, origin: str, key: str = "") -> Record:
+    """What is known of a NamedTuple by its annotations; its arrays are named by their dotted keys."""
+    sheet = hints(cls)
+    parts: list[Value] = []
+    for field in cls._fields:
+        hint, name = sheet.get(field), f"{key}.{field}" if key else field
+        if is_named_tuple_type(hint):
+            parts.append(of_class(hint, origin, name))
+            continue
+        kind = leaf_type(hint, cls._field_defaults.get(field))
+        parts.append(Array(origin, name) if kind == "array" else FLOAT if kind == "float" else WHOLE)
+    return Record(cls, tuple(parts))
+
+
+def table(name: str, value: np.ndarray) -> Array:
+    """A constant array of the module."""
+    return Array(TABLE, name, value.dtype.kind == "i", value.ndim)
+
+
+def other_array(old: Value, new: Value, key: str = "") -> str | None:
+    """The dotted key of the first array of a state that is another one in the next."""
+    if isinstance(old, Array):
+        return key if new not in (old, ANY) else None
+    if isinstance(old, Record) and isinstance(new, Record) and old.cls is new.cls:
+        for field, a, b in zip(old.cls._fields, old.parts, new.parts, strict=True):
+            found = other_array(a, b, f"{key}.{field}" if key else field)
+            if found is not None:
+                return found
+    return None

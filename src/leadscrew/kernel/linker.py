@@ -26,9 +26,12 @@ class Linker(Places):
     # ---- blocks
     def step(self, block: Block, state: str = "s", params: str = "p", **signals: str) -> ast.expr:
         """A call of a block's step; ``signals`` renames what it takes."""
-        for value, arg in ((block.params, "p"), (block.state, "s")):
-            if value is not None:
-                self.module.arguments.setdefault((id(block.step), arg), type(value))
+        slot = next((k for k, b in self.plan.blocks.items() if b is block), "")
+        held = next((x for x in self._parts(self.plan.params.tree) if x.key == slot), None)
+        params_type = held.type if isinstance(held, Branch) else type(block.params)  # what a block prepares has its own
+        for cls, arg in ((params_type, "p"), (type(block.state), "s")):
+            if cls is not type(None):
+                self.module.arguments.setdefault((id(block.step), arg), cls)
         lead = [params] * (block.params is not None) + [state] * (block.state is not None)
         rest = [signals.get(n, n) for n in block.signals]
         return call(self.module.callable(block.step), *lead, *rest)

@@ -127,6 +127,16 @@ class Lowering(Values):
         down = build.and_(build.icmp_signed("<", by, zero), build.icmp_signed(">", now, high))
         return build.or_(up, down)
 
+    def next_of(self, now: Any, by: Any, high: Any) -> Any:
+        """What follows in a range: its end where the sum would have more than 64 bits."""
+        build = self.builder
+        if isinstance(by, ir.Constant) and abs(by.constant) == 1:
+            return build.add(now, by, flags=("nsw",))
+        up = build.icmp_signed(">", by, ir.Constant(I64, 0))
+        left = build.select(up, build.sub(high, now), build.sub(now, high))
+        size = build.select(up, by, build.neg(by))
+        return build.select(build.icmp_unsigned(">", left, size), build.add(now, by), high)
+
     def do_for(self, node: ast.For) -> None:
         assert isinstance(node.iter, ast.Call) and isinstance(node.target, ast.Name)
         given = [self.cast(self.value(a), I64) for a in node.iter.args]
@@ -140,7 +150,7 @@ class Lowering(Values):
         now = self.builder.load(counter)
         self.builder.cbranch(self.in_range(now, high, by), body, after)
         self.builder.position_at_end(on)
-        self.builder.store(self.builder.add(self.builder.load(counter), by, flags=("nsw",)), counter)
+        self.builder.store(self.next_of(self.builder.load(counter), by, high), counter)
         self.builder.branch(test)
         self.builder.position_at_end(body)
         self.builder.store(self.cast(now, self.types[node.target.id]), self.slots[node.target.id])

@@ -53,8 +53,11 @@ class Values(Locals):
         memory.align = 64
         base = self.entry_builder.bitcast(memory, F64.as_pointer())
         if cleared:
-            for i in range(size):
-                self.builder.store(ir.Constant(F64, 0.0), self.builder.gep(base, [ir.Constant(I64, i)]))
+            # one instruction: a store for each element would take minutes to optimise where there are thousands
+            i8, pointer = ir.IntType(8), ir.IntType(8).as_pointer()
+            clear = self.module.declare_intrinsic("llvm.memset", [pointer, I64])
+            at = self.builder.bitcast(base, pointer)
+            self.builder.call(clear, [at, i8(0), I64(8 * size), ir.IntType(1)(0)])
         return Array(base, list(shape), F64)
 
     def constant_array(self, name: str) -> Array:
@@ -73,6 +76,8 @@ class Values(Locals):
         """A constant integer."""
         if isinstance(node, ast.Constant) and isinstance(node.value, int):
             return node.value
+        if isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.USub):
+            return -self.integer(node.operand)
         if isinstance(node, ast.BinOp) and isinstance(node.op, ast.Mult):
             return self.integer(node.left) * self.integer(node.right)
         self.refuse(node, "a size that is not constant")
@@ -218,15 +223,18 @@ class Values(Locals):
         self.refuse(node, "an operator outside the subset")
 
     def int_divide(self, a: Any, b: Any) -> tuple[Any, Any]:
-        """Quotient and remainder as Python has them; 0 and 0 where ``b`` is 0."""
+        """Quotient and remainder as Python has them; 0 and 0 where ``b`` is 0 or the quotient has more than 64 bits."""
         build, zero, one = self.builder, ir.Constant(I64, 0), ir.Constant(I64, 1)
-        by_zero = build.icmp_signed("==", b, zero)
-        divisor = build.select(by_zero, one, b)
+        beyond = build.and_(
+            build.icmp_signed("==", b, ir.Constant(I64, -1)), build.icmp_signed("==", a, ir.Constant(I64, -(2**63)))
+        )
+        lost = build.or_(build.icmp_signed("==", b, zero), beyond)  # where the processor would trap
+        divisor = build.select(lost, one, b)
         rest = build.srem(a, divisor)
         wrong = build.and_(build.icmp_signed("!=", rest, zero), build.icmp_signed("<", build.xor(rest, divisor), zero))
         quotient = build.sub(build.sdiv(a, divisor), build.zext(wrong, I64))
         rest = build.select(wrong, build.add(rest, divisor), rest)
-        return build.select(by_zero, zero, quotient), build.select(by_zero, zero, rest)
+        return build.select(lost, zero, quotient), build.select(lost, zero, rest)
 
     def float_modulo(self, a: Any, b: Any) -> Any:
         """``a % b`` as CPython computes it for floats; NaN where ``b`` is 0."""

@@ -21,8 +21,9 @@ from leadscrew.kernel.block import Block
 from leadscrew.kernel.branchless import Branchless
 from leadscrew.kernel.drivers import holes
 from leadscrew.kernel.errors import SubsetError
+from leadscrew.kernel.flow import Flow
 from leadscrew.kernel.fuse import Fuser
-from leadscrew.kernel.ieee import OPERATORS
+from leadscrew.kernel.ieee import OPERATORS, Ieee, Table
 from leadscrew.kernel.normalise import Normaliser
 from leadscrew.kernel.scalarise import Scalariser, fields_of, without_copies, without_dead
 from leadscrew.kernel.sheet import hints, leaf_type
@@ -76,6 +77,8 @@ class Module:
         """Values of the named holes of the drivers that are plain numbers."""
         self.arguments: dict[tuple[int, str], type] = {}
         self._working: set[int] = set()
+        self._followed: set[str] = set()
+        self._flow = Flow(self)
         self._effects: dict[str, bool] = {}
         self._fused: dict[str, ast.FunctionDef] = {}
         self._fuser: Fuser | None = None
@@ -120,7 +123,12 @@ class Module:
             guards.__name__,
             "leadscrew.kernel.noise",
         )
-        return self.function(found, trusted or (found.__module__ or "").startswith("leadscrew.kernel.portable"))
+        trusted = trusted or (found.__module__ or "").startswith("leadscrew.kernel.portable")
+        name = self.function(found, trusted)
+        if not (trusted or self._working or name in self._followed or hasattr(found, "unguarded")):
+            self._followed.add(name)
+            self._flow.root(name)
+        return name
 
     def function(self, function: Any, trusted: bool | None = None, kind: str = "leaf") -> str:
         """The name of a plain function in the module; it and all that it calls are added if new."""
@@ -293,22 +301,10 @@ class Module:
             space[name] = getattr(bits, name)
         for item in self.ordered():
             if item.kind in ("class", "array"):
-                space[item.name] = item.value
+                whole = item.kind == "array" and item.value.dtype.kind == "i"
+                space[item.name] = Table(item.value) if whole else item.value
                 continue
-            node: Any = copied(item.node)
-            if not item.trusted:
-                node = _Division().visit(node)
+            node = Ieee(item.trusted).visit(copied(item.node))
             tree = ast.fix_missing_locations(ast.Module([node], type_ignores=[]))
             exec(compile(tree, item.filename, "exec"), space)
         return space
-
-
-class _Division(ast.NodeTransformer):
-    """IEEE-754 division for the Python engine, which would raise where the others give infinity or NaN."""
-
-    names: dict[type, str] = {ast.Div: "ieee_divide", ast.FloorDiv: "ieee_floor_divide", ast.Mod: "ieee_modulo"}  # noqa: RUF012
-
-    def visit_BinOp(self, node: ast.BinOp) -> ast.expr:
-        self.generic_visit(node)
-        name = self.names.get(type(node.op))
-        return node if name is None else ast.copy_location(call(name, node.left, node.right), node)

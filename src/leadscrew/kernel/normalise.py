@@ -13,7 +13,6 @@ from __future__ import annotations
 import ast
 import types
 from collections.abc import Callable
-from functools import cached_property
 from typing import TYPE_CHECKING, Any, NoReturn
 
 import numpy as np
@@ -23,11 +22,10 @@ from leadscrew.kernel.block import Block
 from leadscrew.kernel.branchless import is_condition
 from leadscrew.kernel.drivers.holes import Constant
 from leadscrew.kernel.errors import SubsetError
-from leadscrew.kernel.kinds import FLOAT, WHOLE, Kinds
 from leadscrew.kernel.normalise_calls import Calls
-from leadscrew.kernel.sheet import hints, leaf_type
+from leadscrew.kernel.sheet import hints
 from leadscrew.kernel.source import MISSING, local_names, lookup, tree_of
-from leadscrew.kernel.subset import EXPRESSIONS, NUMBERS, STATEMENTS, call, is_named_tuple_type, literal
+from leadscrew.kernel.subset import EXPRESSIONS, NUMBERS, STATEMENTS, call, is_named_tuple_type
 from leadscrew.kernel.trees import copied, each
 
 if TYPE_CHECKING:
@@ -63,20 +61,6 @@ class Normaliser(Calls):
             definite.check(self.shared, self.locals, self.refuse)
         self.part_locals_from_globals()
         return node
-
-    @cached_property
-    def kinds(self) -> Kinds:
-        """Which locals are whole numbers, floats, or both."""
-        return Kinds(self.shared, self.field_kind)
-
-    def field_kind(self, node: ast.Attribute) -> str:
-        """Whether a field of a NamedTuple, or a constant by its dotted name, is a whole number or a float."""
-        found = self.value(node)
-        if found is not MISSING:
-            return WHOLE if isinstance(found, int | np.integer) else FLOAT
-        base = self.class_of(node.value)
-        hint = hints(base).get(node.attr) if base else None
-        return WHOLE if leaf_type(hint, 0.0) in ("int", "bool") else FLOAT
 
     def part_locals_from_globals(self) -> None:
         """Renames a local that a name of the module would hide."""
@@ -218,8 +202,9 @@ class Normaliser(Calls):
         if isinstance(found, Constant):
             found = self.module.constants[found.name]
         if isinstance(found, NUMBERS):
-            return ast.copy_location(literal(found), node)
+            return ast.copy_location(self.held(node, found), node)
         if isinstance(found, np.ndarray):
+            self.check_table(node, found)
             return ast.copy_location(ast.Name(self.module.array(found, getattr(node, "id", "table")), ast.Load()), node)
         if isinstance(found, Block | types.FunctionType | types.BuiltinFunctionType) or is_named_tuple_type(found):
             return ast.copy_location(ast.Name(self.module.callable(found, self.trusted), ast.Load()), node)
@@ -229,9 +214,13 @@ class Normaliser(Calls):
     def visit_Constant(self, node: ast.Constant) -> ast.expr:  # noqa: N802
         if not isinstance(node.value, int | float):
             self.refuse(node, f"the constant {node.value!r}; only numbers")
-        if isinstance(node.value, int) and node.value >= 2**63:
-            self.refuse(node, f"the whole number {node.value}; whole numbers have 64 bits")
-        return ast.copy_location(literal(node.value), node)
+        return ast.copy_location(self.held(node, node.value), node)
+
+    def check_table(self, node: ast.expr, table: np.ndarray) -> None:
+        """Refuses a constant array that cannot be frozen as 64-bit whole numbers or doubles."""
+        if table.dtype.kind not in "iubf" or (table.dtype.kind == "u" and table.size and table.max() >= 2**63):
+            self.refuse(node, f"{ast.unparse(node)!r} is an array of {table.dtype}; whole numbers have 64 bits and "
+                              "floats are doubles: write np.array(..., dtype=float)")  # fmt: skip
 
     def visit_Name(self, node: ast.Name) -> ast.expr:  # noqa: N802
         if isinstance(node.ctx, ast.Store) or node.id in self.locals:
@@ -260,7 +249,7 @@ class Normaliser(Calls):
         if len(indices) > 2:
             self.refuse(node, "arrays of one or two dimensions")
         table, at = self.value(node.value), self.constant(indices[0])
-        if len(indices) == 1 and isinstance(table, np.ndarray) and isinstance(at, int):
+        if len(indices) == 1 and isinstance(table, np.ndarray) and type(at) is int:
             if not -len(table) <= at < len(table):
                 self.refuse(node, f"the index {at} into an array of {len(table)}")
             return self.generic_visit(node)  # type: ignore[return-value]
@@ -307,9 +296,6 @@ class Normaliser(Calls):
     def visit_BinOp(self, node: ast.BinOp) -> ast.expr:  # noqa: N802
         if isinstance(node.op, ast.MatMult):
             self.refuse(node, "'@'; write the sums out")
-        if isinstance(node.op, ast.Mod | ast.FloorDiv) and not self.trusted and self.kinds.ambiguous(node):
-            self.refuse(node, "a remainder of a local that is a whole number on one path and a float on another; "
-                              "write 0.0 for 0, or float() around it")  # fmt: skip
         if isinstance(node.op, ast.LShift | ast.RShift) and not self.trusted:
             by = self.constant(node.right)
             if not (isinstance(by, int) and 0 <= by < 64):

@@ -41,6 +41,12 @@ class Calls(ast.NodeTransformer):
         """The NamedTuple class that an expression makes."""
         raise NotImplementedError
 
+    def held(self, node: ast.AST, number: Any) -> ast.expr:
+        """A number from the source, from outside the step or a default, as a literal; refused beyond 64 bits."""
+        if isinstance(number, int | np.integer) and not -(2**63) <= number < 2**63:
+            self.refuse(node, f"the whole number {number}; whole numbers have 64 bits: write it as a float, with '.0'")
+        return literal(number)
+
     def visit_Call(self, node: ast.Call) -> ast.expr:
         if isinstance(node.func, ast.Attribute) and node.func.attr == "_replace":
             return self.replaced(node)
@@ -80,7 +86,7 @@ class Calls(ast.NodeTransformer):
             if n not in given:
                 if n not in defaults or not isinstance(defaults[n], NUMBERS):
                     self.refuse(node, f"{target.__name__}() misses its argument {n!r}")
-                given[n] = literal(defaults[n])
+                given[n] = self.held(node, defaults[n])
         if len(node.args) > len(names):
             self.refuse(node, f"{target.__name__}() takes {len(names)} arguments, {len(node.args)} given")
         return [given[n] for n in names]
@@ -96,7 +102,7 @@ class Calls(ast.NodeTransformer):
             if field not in given:
                 if not isinstance(cls._field_defaults.get(field), NUMBERS):
                     self.refuse(node, f"{cls.__name__}: the field {field!r} is missing")
-                given[field] = literal(cls._field_defaults[field])
+                given[field] = self.held(node, cls._field_defaults[field])
         return self.constructed(node, cls, given)
 
     def constructed(self, node: ast.AST, cls: Any, given: dict[str, ast.expr]) -> ast.expr:
@@ -150,7 +156,7 @@ class Calls(ast.NodeTransformer):
             if not (0 < len(known) <= 2 and all(isinstance(n, int) and n > 0 for n in known)):
                 self.refuse(node, f"np.{name} needs a constant size of one or two dimensions")
             return ast.copy_location(
-                ast.Call(ast.Attribute(ast.Name("np", ast.Load()), name, ast.Load()), args, []), node
+                ast.Call(ast.Attribute(ast.Name("np", ast.Load()), "zeros", ast.Load()), args, []), node
             )
         if name not in MATHS or node.keywords:
             self.refuse(

@@ -51,8 +51,8 @@ class _Probe:
         if state is not None:
             lead.append(state)
         result = self._tried(block.name, slot, *lead, *(signals[n] for n in block.signals))
-        if state is not None and slot != "plant" and isinstance(result, tuple) and len(result) == 2:
-            self._arrays_stay(block.name, state, result[0], "")
+        if state is not None and isinstance(result, tuple) and result:
+            self._arrays_stay(block.name, state, result if slot == "plant" else result[0], "")
         return self._signal(block, slot, result)
 
     def _arrays_stay(self, name: str, old: Any, new: Any, key: str) -> None:

@@ -5,6 +5,8 @@ from __future__ import annotations
 import ast
 import copy
 
+from leadscrew.kernel.trees import names
+
 
 def _has(node: ast.AST | list[ast.stmt], kind: type) -> bool:
     nodes = node if isinstance(node, list) else [node]
@@ -20,10 +22,17 @@ def _ends(body: list[ast.stmt]) -> bool:
 
 
 class _Exit:
-    def __init__(self, parts: int) -> None:
-        self.names = [f"ret{i}" for i in range(parts)] if parts else ["ret"]
+    def __init__(self, parts: int, taken: set[str]) -> None:
+        self.taken = taken
+        self.names = [self.free(f"ret{i}") for i in range(parts)] if parts else [self.free("ret")]
         self.parts = parts
         self.loops = 0
+
+    def free(self, name: str) -> str:
+        """A name that the function does not have."""
+        while name in self.taken:
+            name += "_"
+        return name
 
     def result(self, value: ast.expr) -> list[ast.stmt]:
         """Writes what is returned into the locals that carry it to the exit."""
@@ -47,7 +56,7 @@ class _Exit:
                 return out
             if isinstance(node, ast.For | ast.While) and _has(node, ast.Return):
                 self.loops += 1
-                flag = f"done{self.loops}"
+                flag = self.free(f"done{self.loops}")
                 out.append(ast.Assign([ast.Name(flag, ast.Store())], ast.Constant(False)))
                 node.body = self.inside(node.body, flag)
                 out.append(node)
@@ -87,7 +96,8 @@ def single_exit(node: ast.FunctionDef) -> ast.FunctionDef:
         return node
     new = copy.deepcopy(node)
     sizes = {len(n.value.elts) for n in ast.walk(new) if isinstance(n, ast.Return) and isinstance(n.value, ast.Tuple)}
-    exit_ = _Exit(sizes.pop() if sizes else 0)
+    taken = {n.id for n in names(new)} | {a.arg for a in new.args.args}
+    exit_ = _Exit(sizes.pop() if sizes else 0, taken)
     new.body = exit_.convert(new.body)
     values: list[ast.expr] = [ast.Name(n, ast.Load()) for n in exit_.names]
     new.body.append(ast.Return(ast.Tuple(values, ast.Load()) if exit_.parts else values[0]))

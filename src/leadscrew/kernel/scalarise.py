@@ -13,6 +13,8 @@ from leadscrew.kernel.trees import clone, each
 
 Fields = Mapping[str, Mapping[str, str]]
 """Classes by name: fields in order, each with its annotation's text."""
+PENDING = "?"
+"""The class of a local of which nothing is known yet: one that is set from itself on the way round a loop."""
 
 
 def fields_of(classes: list[ast.ClassDef]) -> dict[str, dict[str, str]]:
@@ -34,13 +36,14 @@ class Scalariser:
 
     def function(self, node: ast.FunctionDef) -> ast.FunctionDef:
         """The function with its NamedTuples taken apart; ``node`` is changed."""
-        self.types = {a.arg: None for a in node.args.args}
         setters = [n for n in each(node) if n.__class__ is ast.Assign or n.__class__ is ast.For]
-        for _ in range(8):
-            before = dict(self.types)
+        targets = (n.targets[0] if isinstance(n, ast.Assign) else n.target for n in setters)
+        self.types = {t.id: PENDING for t in targets if isinstance(t, ast.Name)}
+        before: dict[str, str | None] = {}
+        while self.types != before:
+            before = self.types
             self.infer(node, setters)
-            if self.types == before:
-                break
+        self.types = {k: None if v == PENDING else v for k, v in self.types.items()}
         node.body = self.block(node.body)
         return node
 
@@ -59,6 +62,9 @@ class Scalariser:
                                 found.setdefault(e.id, set()).add(None)
             elif isinstance(n, ast.For) and isinstance(n.target, ast.Name):
                 found.setdefault(n.target.id, set()).add(None)
+        for v in found.values():
+            if len(v) > 1:
+                v.discard(PENDING)
         self.types = {k: next(iter(v)) if len(v) == 1 else None for k, v in found.items()}
 
     def type_of(self, node: ast.expr) -> str | None:
@@ -69,11 +75,13 @@ class Scalariser:
             return self.types.get(node.id)
         if isinstance(node, ast.Attribute):
             base = self.type_of(node.value)
+            if base == PENDING:
+                return PENDING
             inner = self.classes[base].get(node.attr) if base else None
             return inner if inner in self.classes else None
         if isinstance(node, ast.IfExp):
             a, b = self.type_of(node.body), self.type_of(node.orelse)
-            return a if a == b else None
+            return a if a == b or b == PENDING else b if a == PENDING else None
         return None
 
     # ---- leaves

@@ -82,6 +82,8 @@ def literal(value: Any) -> ast.expr:
     if isinstance(value, bool | np.bool_):
         return ast.Constant(bool(value))
     if isinstance(value, int | np.integer):
+        if value == -(2**63):  # its size alone would be beyond 64 bits
+            return ast.BinOp(literal(value + 1), ast.Sub(), ast.Constant(1))
         whole = ast.Constant(abs(int(value)))
         return whole if value >= 0 else ast.UnaryOp(ast.USub(), whole)
     value = float(value)

@@ -350,6 +350,11 @@ class Function(Calls):
             self.indented(node.body)
         self.put("}")
 
+    def next_of(self, counter: str, by: str, end: Value) -> str:
+        """Moves a counter on; where that would leave 64 bits, to the end."""
+        self.unit.help("range_next")
+        return f"{counter} = range_next({counter}, {by}, {end.text})"
+
     def do_for(self, node: ast.For) -> None:
         assert isinstance(node.iter, ast.Call) and isinstance(node.target, ast.Name)
         given = [self.value(a) for a in node.iter.args]
@@ -366,13 +371,15 @@ class Function(Calls):
             step = self.local("step")
             self.put(f"const int64_t {step} = {by.text};")
             test = f"{step} > 0 ? {counter} < {high.text} : {step} < 0 && {counter} > {high.text}"
-            move = f"{counter} += {step}"
+            move = self.next_of(counter, step, high)
         else:
             if by.literal == 0:
                 low = high = self.number(0, INT)
             sign = "<" if by.literal >= 0 else ">"
             test = f"{counter} {sign} {high.text}"
-            move = {1: f"{counter}++", -1: f"{counter}--"}.get(int(by.literal), f"{counter} += {by.text}")
+            near = high.literal is not None and abs(high.literal) + abs(by.literal) < 2**62
+            further = f"{counter} += {by.text}" if near else self.next_of(counter, by.text, high)
+            move = {1: f"{counter}++", -1: f"{counter}--"}.get(int(by.literal), further)
         self.put(f"for (int64_t {counter} = {low.text}; {test}; {move}) {{")
         if not plain:
             self.depth += 1

@@ -57,25 +57,38 @@ static inline int64_t whole(int64_t x)
 }
 """,
     ),
+    "range_next": (
+        (),
+        """\
+/* What follows in a range: its end where the sum would have more than 64 bits. */
+static inline int64_t range_next(int64_t at, int64_t by, int64_t end)
+{
+    const uint64_t left = by > 0 ? (uint64_t)end - (uint64_t)at : (uint64_t)at - (uint64_t)end;
+
+    return left > (by > 0 ? (uint64_t)by : 0 - (uint64_t)by) ? at + by : end;
+}
+""",
+    ),
     "int_abs": (
         (),
         """\
 static inline int64_t int_abs(int64_t x)
 {
-    return x < 0 ? -x : x;
+    return x < 0 ? (int64_t)(0 - (uint64_t)x) : x;
 }
 """,
     ),
     "int_floordiv": (
-        (),
+        ("stdbool.h",),
         """\
-/* a // b as Python has it; 0 where b is 0. */
+/* a // b as Python has it; 0 where b is 0 or the quotient has more than 64 bits. */
 static inline int64_t int_floordiv(int64_t a, int64_t b)
 {
-    const int64_t divisor = b == 0 ? 1 : b;
+    const bool lost = b == 0 || (b == -1 && a == INT64_MIN);
+    const int64_t divisor = lost ? 1 : b;
     const int64_t rest = a % divisor;
 
-    return b == 0 ? 0 : a / divisor - (rest != 0 && (rest ^ divisor) < 0);
+    return lost ? 0 : a / divisor - (rest != 0 && (rest ^ divisor) < 0);
 }
 """,
     ),
@@ -85,7 +98,7 @@ static inline int64_t int_floordiv(int64_t a, int64_t b)
 /* a % b as Python has it; 0 where b is 0. */
 static inline int64_t int_mod(int64_t a, int64_t b)
 {
-    const int64_t divisor = b == 0 ? 1 : b;
+    const int64_t divisor = b == 0 || b == -1 ? 1 : b;
     const int64_t rest = a % divisor;
 
     return b == 0 ? 0 : rest + (rest != 0 && (rest ^ divisor) < 0 ? divisor : 0);

@@ -8,17 +8,18 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from leadscrew.fuzzy import formats, pictures
+from leadscrew.fuzzy import formats
 from leadscrew.fuzzy.activity import activity
 from leadscrew.fuzzy.evaluate import compiled
 from leadscrew.fuzzy.formats import fld
-from leadscrew.fuzzy.pictures.membership import curve, rows_of
-from leadscrew.fuzzy.pictures.rules import brief, gathered
-from leadscrew.fuzzy.pictures.surfaces import label_places
-from leadscrew.fuzzy.pictures.words import ends, formula, number
 from leadscrew.fuzzy.shapes import membership
 from leadscrew.fuzzy.system import And, Input, Is, Output, Rule, RuleBlock, System, Term
 from leadscrew.kernel.errors import NameUnknown, ValueRefused
+from leadscrew.report import fuzzy as pictures
+from leadscrew.report.fuzzy.membership import curve, rows_of
+from leadscrew.report.fuzzy.rules import brief, gathered
+from leadscrew.report.fuzzy.surfaces import label_places
+from leadscrew.report.fuzzy.words import ends, formula, number
 from tests.fuzzy.formats_systems import shared
 from tests.fuzzy.systems import LABELS, mamdani, sugeno, triangles, with_output
 from tests.fuzzy.test_activity import FEEDER
@@ -191,10 +192,27 @@ def test_map_relief_and_colour_bar(kind, axes):
     drawn(figure)
 
 
+@pytest.mark.parametrize("turned", [False, True])
+def test_the_relief_shows_its_slope_in_profile_and_fills_its_panel(turned):
+    system = with_units(sugeno())
+    made = pictures.surface(system, points=21)
+    if turned:
+        made = replace(made, values=made.values[::-1])
+    figure = pictures.surface_figure(made, kind="both")
+    drawn(figure)
+    relief = figure.axes[-1]
+    camera = np.radians(relief.azim)
+    uphill = np.array([1.0, -1.0 if turned else 1.0]) / np.sqrt(2.0)
+    assert abs(np.dot(uphill, [np.cos(camera), np.sin(camera)])) < 0.2
+    frame, page = relief.get_tightbbox(), figure.bbox
+    assert frame.width > 0.35 * page.width and frame.height > 0.65 * page.height
+    assert page.x0 < frame.x0 and frame.x1 < page.x1 and page.y0 < frame.y0
+
+
 def test_the_colours_of_the_map_are_the_values():
     system = sugeno()
     figure = pictures.surface_figure(system, points=11, kind="map")
-    shown = figure.axes[0].collections[0].get_array()
+    shown = figure.axes[0].images[0].get_array()
     x = np.linspace(-1.0, 1.0, 11)
     assert np.array_equal(np.ravel(shown), compiled(system).many(e=x[None, :], de=x[:, None]).ravel())
 

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 KINDS = ("both", "map", "3d")
 COLOURS = "viridis"
 """Perceptually uniform, and told apart with every common colour blindness and in grey."""
-FACES = 60
+FACES = 36
 """Faces of the surface along an axis."""
 
 
@@ -109,6 +109,7 @@ def _two_inputs(made: Surface, output: Output, z: np.ndarray, kind: str) -> Figu
 
     both = kind == "both"
     figure = Figure(figsize=(8.8, 3.7) if both else (5.0, 4.0), layout="constrained")
+    figure.get_layout_engine().set(wspace=0.1 if both else 0.02)  # type: ignore[union-attr,call-arg]
     shown = None
     if kind != "3d":
         ax = figure.add_subplot(1, 1 + both, 1)
@@ -119,7 +120,7 @@ def _two_inputs(made: Surface, output: Output, z: np.ndarray, kind: str) -> Figu
         relief = _relief(ax, made, output, z)
         if not both and relief is not None:
             shown = relief
-            bar = figure.colorbar(relief, ax=ax, shrink=0.7, pad=0.12)
+            bar = figure.colorbar(relief, ax=ax, shrink=0.7, pad=0.16)
     if shown is not None:
         bar.set_label(labelled(output), fontsize=9)
         ticks(bar.ax.yaxis, count=8)
@@ -148,8 +149,12 @@ def _map(ax: Axes, made: Surface, output: Output, z: np.ndarray) -> Any:
     whole = bool(np.isfinite(z).all())
     values = np.ma.masked_invalid(z)
     low, high = _limits(z)
-    shown = ax.pcolormesh(made.xs, made.ys, values, cmap=COLOURS, shading="gouraud" if whole else "nearest",
-                          vmin=low, vmax=high, rasterized=True)  # fmt: skip
+    dx, dy = (0.5 * (a[1] - a[0]) for a in (made.xs, made.ys))
+    shown = ax.imshow(
+        values, cmap=COLOURS, vmin=low, vmax=high, origin="lower", aspect="auto",
+        extent=(made.xs[0] - dx, made.xs[-1] + dx, made.ys[0] - dy, made.ys[-1] + dy),
+        interpolation="bilinear" if whole else "nearest", interpolation_stage="data",
+    )  # fmt: skip
     _contours(ax, made, values, _levels(z))
     if not whole:
         _say_gaps(ax, made, output)
@@ -212,11 +217,25 @@ def _relief(ax: Any, made: Surface, output: Output, z: np.ndarray) -> Any:
         x, y, np.ma.masked_invalid(part), cmap=COLOURS, vmin=low, vmax=high,
         rcount=len(pick), ccount=len(pick), linewidth=0.15, edgecolor=(0, 0, 0, 0.25), rasterized=True,
     )  # fmt: skip
-    for axis, variable, pad in ((ax.xaxis, made.x, 1), (ax.yaxis, made.y, 1), (ax.zaxis, output, 0)):
+    for axis, variable, pad in ((ax.xaxis, made.x, 1), (ax.yaxis, made.y, 1), (ax.zaxis, output, 2)):
         axis.set_label_text(labelled(variable, 24), fontsize=9)
         ticks(axis, count=5)
+        # numbers are centred where they stand, so wide ones need more room
+        wide = max((len(number(float(v), 6)) for v in axis.get_majorticklocs()), default=0)
+        pad += 2 * max(0, wide - 5)
         axis.set_tick_params(pad=pad - 1)
-        axis.labelpad = 1
-    ax.view_init(elev=28, azim=-125)
-    ax.set_box_aspect((4, 4, 3), zoom=0.86)
+        axis.labelpad = pad
+    ax.view_init(elev=28, azim=_azimuth(part))
+    ax.set_box_aspect((4, 4, 3), zoom=1.04)
+    ax.patch.set_visible(False)  # its labels reach beyond its frame, into what would be margins
+    ax.set_in_layout(False)
     return shown
+
+
+def _azimuth(z: np.ndarray) -> float:
+    """From where the slope is seen in profile: across the diagonal along which the surface rises or falls."""
+    known = z[np.isfinite(z)]
+    size = float(known.max() - known.min()) or 1.0
+    along_x, along_y = (np.diff(z, axis=a) / size for a in (1, 0))
+    means = [float(np.nanmean(d)) if np.isfinite(d).any() else 0.0 for d in (along_x, along_y)]
+    return -55.0 if means[0] * means[1] > 0.0 else -125.0

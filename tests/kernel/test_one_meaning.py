@@ -1,0 +1,115 @@
+"""Hostile steps: each gives the same bits on every engine, or is refused on all of them by file and line."""
+
+import shutil
+import warnings
+from typing import NamedTuple
+
+import numpy as np
+import pytest
+
+from leadscrew.kernel.block import make
+from leadscrew.kernel.errors import SubsetError
+from leadscrew.kernel.loop import Loop
+from tests.kernel import hostile_refused, zoo
+from tests.kernel.hostile import SAME, P, S, wraps_before_a_shift
+from tests.kernel.hostile_refused import REFUSED
+from tests.kernel.printed import same
+
+ENGINES = ["python", "llvm", "c"]
+
+
+def loop_of(step, state=None):
+    return Loop(
+        reference=zoo.sine(frequency=20.0), controller=make("controller", step, P(), state or S()),
+        plant=zoo.mass(gain=0.0), metrics={},
+    )  # fmt: skip
+
+
+def outputs(step, engine):
+    if engine == "c" and shutil.which("gcc") is None:
+        pytest.skip("gcc is not installed")
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", UserWarning)
+        live = loop_of(step).start(engine=engine)
+        run = live.advance(50, record=["output", "controller.x", "controller.n", "controller.on"])
+    return {name: run[name] for name in run.signals} | {"lost": np.array([run.diverged is not None])}
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+@pytest.mark.parametrize("step", REFUSED, ids=lambda f: f.__name__)
+def test_what_engines_would_differ_in_is_refused_on_each_by_file_line_and_what_to_write(step, engine):
+    with pytest.raises(SubsetError, match=REFUSED[step]) as caught:
+        loop_of(step).run(0.05, engine=engine)
+    assert str(caught.value).startswith(f"{hostile_refused.__file__}:") and "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize("engine", [*ENGINES[1:], pytest.param("numba", marks=pytest.mark.slow)])
+@pytest.mark.parametrize("step", SAME, ids=lambda f: f.__name__)
+def test_hostile_steps_are_the_same_bits(step, engine):
+    if engine == "numba" and step is wraps_before_a_shift:
+        pytest.skip("Numba takes it that sums stay within 64 bits")
+    got, want = outputs(step, engine), outputs(step, "python")
+    for name, expected in want.items():
+        assert same(np.asarray(got[name], float), np.asarray(expected, float)), name
+
+
+# ---- plants
+class Room(NamedTuple):
+    x: float = 0.5
+    a: np.ndarray = np.array([1.0, 2.0])
+    b: np.ndarray = np.array([3.0, 4.0])
+
+
+def plant_swaps(s, u, dt):
+    return Room(s.x + dt * u, s.b, s.a)
+
+
+def plant_swaps_late(s, u, dt):
+    if u > 0.5:
+        s = Room(s.x, s.b, s.a)
+    return Room(s.x + dt * (s.a[0] - u), s.a, s.b)
+
+
+def plant_makes_a_new_one(s, u, dt):
+    a = np.zeros(2)
+    a[0] = s.x
+    return Room(s.x + dt * u, a, s.b)
+
+
+def rate_with_a_new_one(s, u):
+    return Room(u - s.x, np.zeros(2), s.b)
+
+
+def plant_writes(s, u, dt):
+    s.a[0] = s.a[0] + dt * u
+    s.b[1] = s.x
+    return Room(s.x + dt * (u - s.a[0]), s.a, s.b)
+
+
+def rate_reads(s, u):
+    return Room(u - s.x * s.a[1], s.a, s.b)
+
+
+def plant_loop(step, method="rk4"):
+    return Loop(
+        reference=zoo.sine(frequency=20.0), controller=zoo.pid(kp=0.8), plant=make("plant", step, None, Room()),
+        metrics={}, method=method,
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize("step", [plant_swaps, plant_swaps_late, plant_makes_a_new_one, rate_with_a_new_one])
+def test_a_plant_that_returns_other_arrays_is_refused(step):
+    for engine in ENGINES:
+        with pytest.raises(SubsetError, match=r"another array as 'a'|one array on one path") as caught:
+            plant_loop(step).run(0.05, engine=engine)
+        assert str(caught.value).startswith(f"{__file__}:")
+
+
+@pytest.mark.parametrize("engine", [*ENGINES[1:], pytest.param("numba", marks=pytest.mark.slow)])
+@pytest.mark.parametrize(
+    ("step", "method"),
+    [(plant_writes, "rk4"), (rate_reads, "rk4"), (rate_reads, "sdirk3"), (rate_reads, "rodas")],
+)
+def test_a_plant_that_keeps_its_arrays_runs_the_same_under_every_integrator(step, method, engine):
+    got, want = (plant_loop(step, method).run(0.05, engine=e)["actual"] for e in (engine, "python"))
+    assert same(got, want) and np.ptp(want) > 0
