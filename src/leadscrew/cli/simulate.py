@@ -33,7 +33,10 @@ def simulate(
     controller: Annotated[
         str | None,
         typer.Option(
-            "--controller", "-c", help="Of the study, of the catalogue, path/file.py:NAME, or a fuzzy system's file."
+            "--controller",
+            "-c",
+            help="Of the study, of the catalogue, path/file.py:NAME, a fuzzy system's file, "
+            "or a controller file (.toml).",
         ),
     ] = None,
     scenario: Annotated[str | None, typer.Option("--scenario", "-s", help="What is asked of the machine.")] = None,
