@@ -56,12 +56,20 @@ def test_a_closed_pipe_is_quiet():
     assert said == b"" and code == 141
 
 
+def heard():
+    """A shell that starts this in the background has Ctrl-C ignored, and so would the child."""
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
+
+
 @pytest.mark.skipif(os.name != "posix", reason="pipes and signals of POSIX")
 def test_ctrl_c_is_quiet(tmp_path):
     slow = tmp_path / "slow.py"
     slow.write_text("import time\nprint('there', flush=True)\ntime.sleep(60)\n")
     with subprocess.Popen(
-        [sys.executable, "-m", "leadscrew", "list", f"{slow}:x"], stdout=subprocess.PIPE, stderr=subprocess.PIPE
+        [sys.executable, "-m", "leadscrew", "list", f"{slow}:x"],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        preexec_fn=heard,
     ) as process:
         assert process.stdout.readline() == b"there\n"
         process.send_signal(signal.SIGINT)

@@ -103,3 +103,23 @@ def test_a_failing_script_is_reported_with_its_line():
         pytest.raises(hal_run.HalFailed, match=r"run\.hal:1: parameter or pin 'nothing\.0' not found"),
     ):
         hal_run.run(place, "setp nothing.0 1\n")
+
+
+@pytest.mark.parametrize(("fails", "speeds"), [(0, [300]), (1, [300, 30]), (2, [300, 30])])
+def test_what_a_busy_machine_cannot_do_fast_is_done_once_more_slowly(tmp_path, monkeypatch, fails, speeds):
+    seen = []
+
+    def run(place, script, speed, timeout):
+        seen.append(speed)
+        if len(seen) <= fails:
+            raise hal_run.HalFailed("busy")
+        return "done"
+
+    monkeypatch.setattr(hal_run, "run", run)
+    monkeypatch.setattr(hal_run, "faketime", lambda: "there")
+    if fails < 2:
+        assert hal_check.ran(tmp_path, ["start"], 250_000, 10, 300) == "done"
+    else:
+        with pytest.raises(hal_run.HalFailed, match="busy"):
+            hal_check.ran(tmp_path, ["start"], 250_000, 10, 300)
+    assert seen == speeds
