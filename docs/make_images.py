@@ -10,7 +10,12 @@ from pathlib import Path
 import numpy as np
 
 from leadscrew import catalogue, experiment, fuzzy
+from leadscrew.experiment import Experiment
 from leadscrew.report import fuzzy as pictures
+from leadscrew.tune.job import Job
+from leadscrew.tune.tuned_figures import figures
+from leadscrew.tune.tuned_report import units
+from leadscrew.tune.tuner import tune
 
 IMAGES = {"lathe": ("vud_lathe", "fig11b_position_m170")}
 """Name of the image; study and picture that it is."""
@@ -34,6 +39,18 @@ def fuzzy_images(folder: Path) -> None:
         figure.savefig(folder / f"fuzzy_{name}.png", dpi=110)
 
 
+def tuning_images(folder: Path) -> None:
+    """The two tunings of the guide: held-out plants before and after, and the Pareto front."""
+    lathe = Job(Experiment("vud_lathe", "corrected.vud_beta_e"), ("fig11a_step_m50", "fig11b_step_m170"))
+    vary = {"controller.output_gain": "0.5:4:log", "controller.output_tau": (0.2, 1.2), "controller.tau": (0.3, 1.5)}
+    over = {"plant.full_duty_speed_mm_s": (259.0, 334.0)}
+    one = tune(lathe, vary, ["settling_2um"], ["overshoot<=0.005"], over=over, seed=1)
+    figures(one, units(lathe))["held_out"].savefig(folder / "tune_held_out.png", dpi=100)
+    goals, kept = ["settling_2um", "p95:overshoot"], ["error_after_2s@fig11a_step_m50<=0.001"]
+    several = tune(lathe, vary, goals, kept, over=over, plants=6, held_out=20, budget=100, seed=1)
+    figures(several, units(lathe))["front"].savefig(folder / "tune_front.png", dpi=100)
+
+
 def main(folder: Path = Path(__file__).parent / "images") -> None:
     """Draws every image."""
     folder.mkdir(exist_ok=True)
@@ -42,6 +59,7 @@ def main(folder: Path = Path(__file__).parent / "images") -> None:
         picture = next(p for p in result.pictures if p.name == wanted)
         picture.draw().savefig(folder / f"{image}.png", dpi=110)
     fuzzy_images(folder)
+    tuning_images(folder)
 
 
 if __name__ == "__main__":

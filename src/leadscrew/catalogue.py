@@ -2,7 +2,7 @@
 
 Adding a block is one file and one row here. An installed package joins through the entry points ``leadscrew.blocks``
 and ``leadscrew.studies``; a file of one's own is named ``path/file.py:name`` wherever a name is asked for, and a fuzzy
-system's file (``.fis``, ``.fll``, ``.fcl``, ``.xml``) wherever a controller is.
+system's file (``.fis``, ``.fll``, ``.fcl``, ``.xml``) or a controller file (``.toml``) wherever a controller is.
 """
 
 from __future__ import annotations
@@ -116,7 +116,7 @@ def _find(name: str, table: dict[str, str], group: str, what: str) -> Any:
     if "." in name:
         from leadscrew import userfile
 
-        if userfile.is_reference(name):
+        if userfile.is_reference(name) or (group == BLOCK_GROUP and userfile.is_controller_file(name)):
             return userfile.load(name)
     if name in table:
         return _from_table(table[name])

@@ -7,6 +7,8 @@
     controller = "corrected.vud_beta_e"
     scenario = "fig11a_step_m50"
     duration = 4.0                      # seconds; the scenario's own unless given
+    seed = 7                            # of all noise
+    run = 4711                          # number of the run in the noise, as in a batch; 0 unless given
 
     [set]
     scenario.target_mm = -120
@@ -39,7 +41,8 @@ class Experiment:
     study: str
     """A study's name, or ``path/file.py:name`` of a study, a loop, or a function that returns a loop."""
     controller: str | None = None
-    """A controller of the study, a block of the catalogue, ``path/file.py:name``, or a fuzzy system's file."""
+    """A controller of the study, a block of the catalogue, ``path/file.py:name``, a fuzzy system's file, or a
+    controller file (``.toml``)."""
     scenario: str | None = None
     changes: Mapping[str, Any] = field(default_factory=dict)
     duration_s: float | None = None
@@ -47,6 +50,8 @@ class Experiment:
     every: int = 1
     record: tuple[str, ...] | None = None
     seed: int | None = None
+    run: int = 0
+    """Number of the run in the noise: run ``k`` of a batch is the experiment with ``run=k``."""
     source: str = ""
     """The file that it was read from, for error texts."""
 
@@ -147,7 +152,7 @@ class Experiment:
 
 
 def controller(study: Study, name: str) -> Block:
-    """A controller of the study by its name there, a controller of the catalogue, or ``path/file.py:name``.
+    """A controller of the study by its name there, of the catalogue, ``path/file.py:name``, or a controller file.
 
     The file of a fuzzy system makes a controller for the study's machine: what its output commands, and in which unit,
     stands in no such file, so it is what the study's own controllers agree on.
@@ -157,6 +162,10 @@ def controller(study: Study, name: str) -> Block:
     """
     if name in study.controllers:
         return study.controllers[name]
+    if userfile.is_controller_file(name):
+        from leadscrew import controller_file
+
+        return controller_file.block(name, study)
     if userfile.is_data(name):
         return replace(catalogue.block(name, "controller"), **_machine(study))
     if userfile.is_reference(name) or name in catalogue.block_names():
@@ -243,20 +252,19 @@ def is_file(name: str) -> bool:
 def read(path: str | Path) -> Experiment:
     """An experiment from its TOML file; files that it names are looked for beside it.
 
+    A controller file gives its study with this controller.
+
     Raises:
         DataError: no such file, bad TOML, an unknown key or a value of the wrong type; names file and key.
     """
-    import tomllib
-
+    from leadscrew import controller_file
     from leadscrew.experiment_file import validated
 
     where = Path(path)
-    try:
-        table = tomllib.loads(where.read_text(encoding="utf-8"))
-    except FileNotFoundError:
-        raise DataError(f"there is no file {str(where)!r}") from None
-    except (OSError, ValueError, RecursionError) as error:
-        raise DataError(f"{where}: cannot be read as TOML: {error}") from None
+    table = controller_file.table_of(where)
+    if table.get("kind") == controller_file.KIND:
+        subject = controller_file.validated(table, where).study
+        return Experiment(subject, userfile.absolute(str(where)), source=str(where))
     found = validated(table, str(where))
     beside = where.resolve().parent
     return replace(

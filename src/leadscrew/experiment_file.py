@@ -26,6 +26,7 @@ class ExperimentFile(BaseModel):
     every: Annotated[int, Field(ge=1)] = 1
     record: list[str] | None = None
     seed: Annotated[int, Field(ge=0)] | None = None
+    run: Annotated[int, Field(ge=0, lt=2**31)] = 0
     changes: Annotated[dict[str, Any], Field(alias="set")] = {}
 
 
@@ -56,6 +57,7 @@ def validated(table: Mapping[str, Any], where: str) -> Experiment:
         every=file.every,
         record=None if file.record is None else tuple(file.record),
         seed=file.seed,
+        run=file.run,
         source=where,
     )
 

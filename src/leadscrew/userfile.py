@@ -1,4 +1,6 @@
-"""Objects from a user's own file, named ``path/file.py:name``; or a fuzzy system's file, which is a controller."""
+"""Objects from a user's own file, named ``path/file.py:name``; or a file that is a controller: of a fuzzy system, or
+one that ``leadscrew tune`` wrote.
+"""
 
 from __future__ import annotations
 
@@ -14,14 +16,14 @@ from typing import Any
 from leadscrew.kernel.errors import DataError, NameUnknown
 from leadscrew.kernel.sheet import nearest
 
-_REFERENCE = re.compile(r"(?P<path>.*\.(?:py|(?i:fis|fll|fcl|fml|xml)))(?::(?P<name>[^:/\\]*))?", re.DOTALL)
+_REFERENCE = re.compile(r"(?P<path>.*\.(?:py|(?i:fis|fll|fcl|fml|xml)|toml))(?::(?P<name>[^:/\\]*))?", re.DOTALL)
 _loaded: dict[Path, tuple[int, ModuleType]] = {}
 _controllers: dict[tuple[Path, str, str | None, str, str], Any] = {}
 
 
 def is_reference(text: str) -> bool:
-    """Whether a name means a file."""
-    return _REFERENCE.fullmatch(text) is not None
+    """Whether a name means an object in a file; a controller's name may mean a controller file besides."""
+    return _REFERENCE.fullmatch(text) is not None and not is_controller_file(text)
 
 
 def absolute(reference: str, folder: Path | None = None) -> str:
@@ -46,6 +48,10 @@ def load(reference: str) -> Any:
         raise DataError(f"{reference!r}: expected path/file.py:name")
     if is_data(reference):
         return fuzzy_controller(reference)
+    if is_controller_file(reference):
+        from leadscrew import controller_file
+
+        return controller_file.block(Path(found["path"]).expanduser())
     module = module_of(Path(found["path"]))
     public = {k: v for k, v in vars(module).items() if not k.startswith("_")}
     if not found["name"]:
@@ -58,12 +64,17 @@ def load(reference: str) -> Any:
 def is_data(reference: str) -> bool:
     """Whether a name means a file that is not Python: a fuzzy system."""
     found = _REFERENCE.fullmatch(reference)
-    return found is not None and not found["path"].endswith(".py")
+    return found is not None and not found["path"].endswith((".py", ".toml"))
+
+
+def is_controller_file(reference: str) -> bool:
+    """Whether a controller's name means a file with its parameters, as ``leadscrew tune`` writes it."""
+    return reference.endswith(".toml")
 
 
 def stem(reference: str) -> str:
-    """What is made of a controller of this name is called: as the object is, or as the file of a fuzzy system."""
-    if is_data(reference):
+    """What is made of a controller of this name is called: as the object is, or as the file that is not Python."""
+    if is_data(reference) or is_controller_file(reference):
         found = _REFERENCE.fullmatch(reference)
         assert found is not None
         return re.sub(r"\W", "_", Path(found["path"]).stem)
@@ -74,11 +85,23 @@ def digests(*references: str | None) -> dict[str, str]:
     """SHA-256 of the files that are not Python, by path: of these no source stands in a manifest."""
     found = {}
     for reference in references:
-        if reference is not None and is_data(reference):
+        if reference is not None and (is_data(reference) or is_controller_file(reference)):
             match = _REFERENCE.fullmatch(absolute(reference))
             assert match is not None
             found[match["path"]] = digest(Path(match["path"]))
+            if is_controller_file(reference):
+                found |= digests(_base(Path(match["path"])))
     return found
+
+
+def _base(path: Path) -> str | None:
+    """The controller that a controller file changes; none where it cannot be read."""
+    from leadscrew import controller_file
+
+    try:
+        return controller_file.read(path).controller
+    except DataError:
+        return None
 
 
 def digest(path: Path) -> str:

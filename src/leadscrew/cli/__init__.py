@@ -1,4 +1,4 @@
-"""The command line: ``leadscrew list | run | simulate | export | verify-export | replay | diff | fuzzy | demo | ...``.
+"""The command line: ``leadscrew list | run | simulate | export | verify-export | replay | tune | compare | ...``.
 
 It adds nothing that the library lacks, and imports nothing heavy before a command needs it. Exit codes: 0 well, 1 a
 required target missed (or a replay that is not identical), 2 bad input, 3 a loop diverged, 130 interrupted.
@@ -13,7 +13,22 @@ from typing import Annotated
 
 import typer
 
-from leadscrew.cli import bench, cache, demo, diff, export, fuzzy, listing, replay, run, simulate, version
+from leadscrew.cli import (
+    bench,
+    cache,
+    compare,
+    demo,
+    diff,
+    export,
+    fuzzy,
+    listing,
+    montecarlo,
+    replay,
+    run,
+    simulate,
+    tune,
+    version,
+)
 from leadscrew.cli.door import INTERNAL, INTERRUPTED, PIPE_CLOSED, Door, to_nowhere
 
 __all__ = ["app", "main"]
@@ -49,6 +64,9 @@ app.command("export")(export.export)
 app.command("verify-export")(export.verify_export)
 app.command("replay")(replay.replay)
 app.command("diff")(diff.diff)
+app.command("tune")(tune.tune)
+app.command("compare")(compare.compare)
+app.command("montecarlo")(montecarlo.montecarlo)
 app.add_typer(fuzzy.app, name="fuzzy")
 app.command("bench")(bench.bench)
 app.add_typer(cache.app, name="cache")

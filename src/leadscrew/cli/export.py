@@ -29,7 +29,10 @@ def export(
     controller: Annotated[
         str | None,
         typer.Option(
-            "--controller", "-c", help="Of the study, of the catalogue, path/file.py:NAME, or a fuzzy system's file."
+            "--controller",
+            "-c",
+            help="Of the study, of the catalogue, path/file.py:NAME, a fuzzy system's file, "
+            "or a controller file (.toml).",
         ),
     ] = None,
     scenario: Annotated[

@@ -24,7 +24,8 @@ def list_(
         str | None,
         typer.Argument(
             metavar="[NAME]",
-            help="A block, a study, path/file.py:NAME, a fuzzy system's file, or an experiment file (.toml).",
+            help="A block, a study, path/file.py:NAME, a fuzzy system's file, "
+            "a controller file or an experiment file (.toml).",
         ),
     ] = None,
     as_json: Json = False,

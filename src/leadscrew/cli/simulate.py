@@ -33,7 +33,10 @@ def simulate(
     controller: Annotated[
         str | None,
         typer.Option(
-            "--controller", "-c", help="Of the study, of the catalogue, path/file.py:NAME, or a fuzzy system's file."
+            "--controller",
+            "-c",
+            help="Of the study, of the catalogue, path/file.py:NAME, a fuzzy system's file, "
+            "or a controller file (.toml).",
         ),
     ] = None,
     scenario: Annotated[str | None, typer.Option("--scenario", "-s", help="What is asked of the machine.")] = None,
@@ -44,6 +47,9 @@ def simulate(
     duration: Annotated[float | None, typer.Option(metavar="S", help="Seconds; the scenario's unless given.")] = None,
     engine: Annotated[str | None, typer.Option(help="What runs the loop; the fastest unless given.")] = None,
     seed: Annotated[int | None, typer.Option(help="Of all noise.")] = None,
+    number: Annotated[
+        int | None, typer.Option("--run", metavar="K", help="Number of the run in the noise, as in a batch.")
+    ] = None,
     every: Annotated[int | None, typer.Option(metavar="N", help="Record every N-th period.")] = None,
     record: Annotated[
         list[str] | None, typer.Option(metavar="SIGNAL", help="Record this signal; may be repeated.")
@@ -60,7 +66,7 @@ def simulate(
     experiment = experiment_of(study)
     given = {
         "controller": controller, "scenario": scenario, "duration_s": duration, "engine": engine, "seed": seed,
-        "every": every, "record": tuple(record) if record else None,
+        "every": every, "record": tuple(record) if record else None, "run": number,
     }  # fmt: skip
     experiment = replace(experiment, **{k: v for k, v in given.items() if v is not None})  # type: ignore[arg-type]
     if experiment.every < 1:
@@ -92,7 +98,8 @@ def executed(experiment: Experiment, keep: bool) -> Run:
         loop.columns(experiment.record)
     with warnings.catch_warnings(), busy(f"{loop.name}, {seconds:g} s"):
         warnings.simplefilter("ignore", DivergenceWarning)
-        return loop.run(seconds, experiment.record, experiment.every if keep else 0, engine=experiment.engine)
+        every = experiment.every if keep else 0
+        return loop.run(seconds, experiment.record, every, engine=experiment.engine, run=experiment.run)
 
 
 def as_object(experiment: Experiment, run: Run, out: Path | None) -> dict[str, Any]:
@@ -107,6 +114,7 @@ def as_object(experiment: Experiment, run: Run, out: Path | None) -> dict[str, A
         "duration_s": run.duration,
         "engine": run.engine,
         "seed": run.loop.seed,
+        "run": run.run_number,
         "wall_s": run.wall_s,
         "metrics": {r.name: r.value for r in rows},
         "units": {r.name: r.unit for r in rows},

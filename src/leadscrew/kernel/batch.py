@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
@@ -162,21 +163,35 @@ def _prepared(
     dt = loop.step if slot == "plant" else loop.period
     read = reader_of(loop.prepared(block, slot))
     made = []
-    for values in (*zip(*typed, strict=True), ()):
-        params = block.params
-        if flat:
-            params = params._replace(**dict(zip(keys, values, strict=False)))
-        else:
-            for key, value in zip(keys, values, strict=False):
-                params = put(params, key.split("."), value)
-        numbers = read(params if block.prepare is None else block.prepare(params, dt))
-        if with_state and block.initial is not None:
-            numbers += numbers_of(block.initial(params))
-        made.append(numbers)
+    with _one_thread_each(len(firsts)):
+        for values in (*zip(*typed, strict=True), ()):
+            params = block.params
+            if flat:
+                params = params._replace(**dict(zip(keys, values, strict=False)))
+            else:
+                for key, value in zip(keys, values, strict=False):
+                    params = put(params, key.split("."), value)
+            numbers = read(params if block.prepare is None else block.prepare(params, dt))
+            if with_state and block.initial is not None:
+                numbers += numbers_of(block.initial(params))
+            made.append(numbers)
     where = [*plan.params.places(slot, sizes[0], 0)]
     if with_state:
         where += plan.state.places(slot, sizes[2], sizes[0] + sizes[1])
     return np.array(where), np.array(made, dtype=np.float64), inverse.ravel()
+
+
+def _one_thread_each(sets: int) -> AbstractContextManager[Any]:
+    """Linear algebra on one thread, where it is asked for often: on small matrices the threads of BLAS wait for each
+    other, 2 ms in place of 0.05 where the machine is busy.
+    """
+    if sets < 16:
+        return nullcontext()
+    import scipy.linalg  # noqa: F401  its BLAS is another one than NumPy's, and only what is there is limited
+    from threadpoolctl import threadpool_limits
+
+    limits: AbstractContextManager[Any] = threadpool_limits(1)
+    return limits
 
 
 def run_batch(

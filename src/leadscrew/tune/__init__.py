@@ -1,0 +1,1 @@
+"""Search and uncertainty: distributions over parameters, many runs anywhere, tuning, comparison, Monte Carlo."""

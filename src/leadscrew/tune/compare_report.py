@@ -1,0 +1,95 @@
+"""The folder of a comparison, and its picture."""
+
+from __future__ import annotations
+
+import json
+import re
+from pathlib import Path
+
+from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
+
+from leadscrew import controller_file
+from leadscrew.newfolder import appearing
+from leadscrew.report import style
+from leadscrew.report.strict import strict
+from leadscrew.report.tables import metric_unit
+from leadscrew.tune import tuned_files
+from leadscrew.tune.compare import Contest
+from leadscrew.tune.compare_result import Comparison
+from leadscrew.tune.compare_statistics import per_plant
+from leadscrew.tune.compare_words import METRICS, RANKING, metric_rows, ranking_rows, worse_than_seen
+from leadscrew.tune.objective import Goal
+from leadscrew.tune.tuned_figures import strip
+from leadscrew.tune.tuned_report import page, parquet, save_figures
+
+
+def colours(found: Comparison) -> dict[str, str]:
+    """A colour for each contender: its own wherever it has one, none twice as far as they reach."""
+    rest = [style.BLUE, style.ORANGE, style.GREEN, style.PURPLE, style.SKY, style.VERMILION]
+    made: dict[str, str] = {}
+    for r in found.results:
+        wanted = style.colour(r.name)
+        if wanted in made.values():
+            wanted = next((c for c in rest if c not in made.values()), wanted)
+        made[r.name] = wanted
+    return made
+
+
+def figure(found: Comparison, asked: Contest) -> Figure:
+    """Every metric of every contender, one dot an unseen plant."""
+    wanted: dict[str, Goal] = {}
+    for w in (*found.goals, *found.constraints):
+        wanted.setdefault(f"{w.metric}\n{w.scenario}", w)
+    columns = min(2, len(wanted))
+    count = -(-len(wanted) // columns)
+    height = 0.9 + 0.42 * len(found.results)
+    drawn = Figure(figsize=(2.0 + 4.0 * columns, 0.7 + (height + 0.4) * count), layout="constrained")
+    axes = drawn.subplots(count, columns, squeeze=False)
+    of = colours(found)
+    loop = asked.contenders[0].job.loop(found.scenarios[0])
+    for i, (ax, w) in enumerate(zip(axes.ravel(), wanted.values(), strict=False)):
+        for at, r in enumerate(found.results):
+            strip(ax, -at, per_plant(w, r.samples), of[r.name], flat=True)
+        for c in found.constraints:
+            if (c.metric, c.scenario) == (w.metric, w.scenario):
+                ax.axvline(c.bound, color=style.VERMILION, linewidth=1.0, linestyle="--",
+                           label=f"{'≤' if c.at_most else '≥'} {c.bound:g}")  # fmt: skip
+                ax.legend(frameon=False, fontsize="small", loc="best")
+        names = [r.name for r in found.results] if i % columns == 0 else ["" for _ in found.results]
+        ax.set_yticks([-a for a in range(len(found.results))], names)
+        ax.xaxis.set_major_locator(MaxNLocator(6))
+        ax.set_ylim(0.5 - len(found.results), 0.5)
+        unit = metric_unit(loop, loop.metrics[w.metric])
+        where = f", {w.scenario}" if w.scenario else ", worst scenario" if len(found.scenarios) > 1 else ""
+        ax.set_xlabel(f"{w.metric.replace('_', ' ')}{f' ({unit})' if unit not in ('', '1') else ''}{where}")
+        ax.grid(color="0.92", linewidth=0.6)
+        ax.set_axisbelow(True)
+    for ax in axes.ravel()[len(wanted) :]:
+        ax.set_visible(False)
+    drawn.suptitle(f"{found.unseen} plants that no tuning saw; bar: median", fontsize="medium")
+    return drawn
+
+
+def write(found: Comparison, asked: Contest, folder: str | Path) -> None:
+    """Writes the folder, complete or not at all: page, JSON, picture, runs, a file for each tuned controller.
+
+    Raises:
+        DataError: it exists already, or cannot be written.
+    """
+    with appearing(folder) as beside:
+        drawn = {"compare": figure(found, asked)}
+        save_figures(drawn, beside)
+        text = json.dumps(strict(found.as_dict()), indent=1, allow_nan=False)
+        (beside / "compare.json").write_text(text + "\n", "utf-8")
+        jobs = {c.name: c.job for c in asked.contenders}
+        for i, r in enumerate(found.results, 1):
+            stem = f"{i}_{re.sub(r'[^A-Za-z0-9.-]+', '_', Path(r.name).name)}"
+            parquet(r.samples, beside / f"{stem}.parquet")
+            if r.tuned is not None:
+                controller_file.write(beside / f"{stem}.toml", tuned_files.controller_of(jobs[r.name], r.tuned))
+        most = 100.0 * worse_than_seen(found.unseen)
+        note = f"With 95 % confidence at most {most:.2g} % of all plants are worse than the worst one seen"
+        tables = [("Ranking", RANKING, ranking_rows(found)), ("Metrics", METRICS, metric_rows(found))]
+        html = page("Comparison", [found.sentence().rstrip("."), note], tables, drawn)
+        (beside / "report.html").write_text(html, "utf-8")

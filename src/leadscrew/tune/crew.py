@@ -1,0 +1,178 @@
+"""Who does the work: the threads of this process, or a Dask cluster. Same chunks, same bits.
+
+``threads`` chunks at a time run here, each on one thread (compiled loops hold no lock). ``cluster`` is ``local:N`` (N
+worker processes on this machine) or the address of a scheduler (``tcp://HOST:PORT``, Dask distributed). A chunk
+whose worker dies is done again by another.
+"""
+
+from __future__ import annotations
+
+import os
+import re
+import signal
+import socket
+from collections.abc import Iterator, Sequence
+from concurrent.futures import ThreadPoolExecutor, as_completed
+from contextlib import contextmanager
+from typing import Any, Protocol
+
+import numpy as np
+
+from leadscrew.kernel import door
+from leadscrew.kernel.errors import LeadscrewError, ValueRefused
+from leadscrew.tune.job import Chunk, Job
+
+Result = dict[str, np.ndarray]
+DEATHS = 5
+"""Workers that may die under the same chunk before it is given up."""
+PATIENCE_S = 10.0
+"""How long a scheduler may take to answer."""
+
+
+class Crew(Protocol):
+    """Something that does chunks."""
+
+    name: str
+
+    def results(self, job: Job, chunks: Sequence[tuple[int, Chunk]]) -> Iterator[tuple[int, Result]]:
+        """The results by number of the chunk, as they come."""
+        ...
+
+
+class Threads:
+    """The threads of this process."""
+
+    def __init__(self, threads: int | None = None) -> None:
+        self.threads = door.whole("threads", threads if threads is not None else os.cpu_count() or 1, 1, 1024)
+        self.name = f"{self.threads} thread{'s' if self.threads > 1 else ''}"
+
+    def results(self, job: Job, chunks: Sequence[tuple[int, Chunk]]) -> Iterator[tuple[int, Result]]:
+        """The results as they come."""
+        for scenario in {chunk.scenario for _, chunk in chunks}:
+            job.compile(scenario)  # once, before the threads begin
+        if self.threads == 1 or len(chunks) == 1:
+            for number, chunk in chunks:
+                yield number, job.run(chunk, threads=self.threads)
+            return
+        with ThreadPoolExecutor(self.threads) as pool:
+            waiting = {pool.submit(job.run, chunk): number for number, chunk in chunks}
+            try:
+                for done in as_completed(waiting):
+                    yield waiting[done], done.result()
+            finally:
+                pool.shutdown(wait=True, cancel_futures=True)
+
+
+class Cluster:
+    """A Dask cluster."""
+
+    def __init__(self, client: Any, name: str) -> None:
+        self.client, self.name = client, name
+
+    def results(self, job: Job, chunks: Sequence[tuple[int, Chunk]]) -> Iterator[tuple[int, Result]]:
+        """The results as they come; what a worker refuses is raised here."""
+        from distributed import as_completed as completed
+        from distributed.scheduler import KilledWorker
+
+        futures = [self.client.submit(work, job, number, chunk, pure=False, retries=0) for number, chunk in chunks]
+        try:
+            for done in completed(futures):
+                number, result, refused = done.result()
+                done.release()
+                if refused is not None:
+                    raise refused
+                yield number, result
+        except KilledWorker as error:
+            raise LeadscrewError(f"{DEATHS + 1} workers died under one piece of work: {error}") from None
+        finally:
+            self.client.cancel(futures)
+
+
+def work(job: Job, number: int, chunk: Chunk) -> tuple[int, Result | None, LeadscrewError | None]:
+    """What a worker does; its refusals come back as values, so that they keep their type and sentence."""
+    try:
+        return number, job.run(chunk, threads=1), None
+    except LeadscrewError as error:
+        return number, None, type(error)(str(error))
+
+
+@contextmanager
+def crew(cluster: str | None = None, threads: int | None = None) -> Iterator[Crew]:
+    """The crew that is asked for; what it started ends with the block.
+
+    Raises:
+        ValueRefused: an address that is none, or both ``cluster`` and ``threads``.
+        LeadscrewError: Dask is not installed, or the scheduler does not answer.
+    """
+    if cluster is None:
+        yield Threads(threads)
+        return
+    if threads is not None:
+        raise ValueRefused("threads and cluster exclude each other; a cluster's workers run one chunk a thread")
+    local = re.fullmatch(r"local:(\d+)", cluster)
+    if not local and not re.fullmatch(r"(tcp|tls)://[^\s/:]+:\d+", cluster):
+        raise ValueRefused(f"cluster = {cluster!r}: expected local:N or tcp://HOST:PORT")
+    if local and not 1 <= int(local[1]) <= 1024:
+        raise ValueRefused(f"cluster = {cluster!r}: allowed are 1 to 1024 workers")
+    with _client(cluster, int(local[1]) if local else 0) as client:
+        yield Cluster(client, cluster)
+
+
+def _knock(address: str) -> None:
+    """Raises an OSError where nothing listens, or nothing that greets as a scheduler does: Dask would wait for it."""
+    kind, _, rest = address.partition("://")
+    host, _, port = rest.rpartition(":")
+    with socket.create_connection((host, int(port)), PATIENCE_S) as line:
+        if kind == "tcp" and not line.recv(1):
+            raise ConnectionError
+
+
+@contextmanager
+def _client(address: str, workers: int) -> Iterator[Any]:
+    try:
+        import dask
+        import distributed
+    except ImportError:
+        raise LeadscrewError("a cluster needs Dask: pip install 'leadscrew[cluster]'") from None
+    settings = {
+        "distributed.scheduler.allowed-failures": DEATHS,
+        "distributed.comm.timeouts.connect": f"{PATIENCE_S:g}s",
+        "distributed.admin.log-length": 0,
+        "logging.distributed": "error",
+    }
+    with dask.config.set(settings):
+        if not workers:
+            try:
+                _knock(address)
+                client = distributed.Client(address, timeout=PATIENCE_S)
+            except (OSError, TimeoutError, OverflowError) as error:
+                raise LeadscrewError(f"no Dask scheduler answers at {address} ({type(error).__name__})") from None
+            try:
+                client.wait_for_workers(1, timeout=PATIENCE_S)
+            except TimeoutError:
+                client.close()
+                raise LeadscrewError(f"the Dask scheduler at {address} has no workers") from None
+            try:
+                yield client
+            finally:
+                client.close()
+            return
+        with (
+            distributed.LocalCluster(
+                n_workers=workers,
+                threads_per_worker=1,
+                processes=True,
+                host="127.0.0.1",
+                dashboard_address="127.0.0.1:0",  # with None it takes port 8787, and warns where that is taken
+                silence_logs=40,
+                worker_class="distributed.Nanny",
+            ) as cluster,
+            distributed.Client(cluster) as client,
+        ):
+            client.run(_deaf)
+            yield client
+
+
+def _deaf() -> None:
+    """A worker on this machine leaves Ctrl-C to the process that started it."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)

@@ -1,0 +1,96 @@
+"""Results on disk as they come, so that a job that was killed goes on where it was.
+
+A folder with ``question.json`` (what is asked, and its hash) and one file a chunk. Every file is written beside and
+renamed: one that is there is whole. Another question in the same folder is refused.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import io
+import json
+import zipfile
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from leadscrew.kernel.errors import DataError, ValueRefused
+from leadscrew.newfile import save
+
+QUESTION = "question.json"
+
+
+def mark(question: Mapping[str, Any]) -> str:
+    """The hash of a question."""
+    return hashlib.sha256(json.dumps(question, sort_keys=True, default=str).encode()).hexdigest()
+
+
+class Journal:
+    """The results of a job by number of their chunk."""
+
+    def __init__(self, folder: str | Path, question: Mapping[str, Any], resume: bool = False) -> None:
+        """Opens or begins a journal.
+
+        Raises:
+            ValueRefused: there is one already and ``resume`` is not asked for, or of another question.
+            DataError: it cannot be read or written.
+        """
+        self.folder = Path(folder)
+        at = self.folder / QUESTION
+        if at.exists():
+            kept = self._read(at)
+            if kept.get("hash") != mark(question):
+                other = ", ".join(k for k in question if kept.get("question", {}).get(k) != _plain(question[k]))
+                raise ValueRefused(
+                    f"{self.folder} holds the results of another question"
+                    f"{f' (different: {other})' if other else ''}; choose another folder"
+                )
+            if not resume:
+                raise ValueRefused(f"{self.folder} holds results of this question already: --resume goes on with them")
+            # What a killed process was writing; nobody else writes here.
+            for left in self.folder.glob(".*.tmp"):
+                left.unlink(missing_ok=True)
+        else:
+            if self.folder.exists() and any(p for p in self.folder.iterdir() if not p.name.startswith(".")):
+                raise ValueRefused(f"{self.folder} is there already and holds something else; choose another folder")
+            said = {"schema_version": 1, "hash": mark(question), "question": _plain(dict(question))}
+            save(json.dumps(said, indent=1) + "\n", at)
+
+    @staticmethod
+    def _read(path: Path) -> dict[str, Any]:
+        try:
+            found = json.loads(path.read_text(encoding="utf-8"))
+        except (OSError, ValueError) as error:
+            raise DataError(f"{path} cannot be read: {error}") from None
+        return found if isinstance(found, dict) else {}
+
+    def path(self, number: int) -> Path:
+        """The file of a chunk."""
+        return self.folder / f"chunk_{number:07d}.npz"
+
+    def get(self, number: int) -> dict[str, np.ndarray] | None:
+        """The result of a chunk, if it is there."""
+        try:
+            with np.load(self.path(number)) as found:
+                return {k: found[k] for k in found.files}
+        except FileNotFoundError:
+            return None
+        except (OSError, ValueError, EOFError, zipfile.BadZipFile) as error:
+            raise DataError(f"{self.path(number)} cannot be read: {error}") from None
+
+    def put(self, number: int, result: Mapping[str, np.ndarray]) -> None:
+        """Keeps the result of a chunk.
+
+        Raises:
+            DataError: it cannot be written (a full disk): what was there before is still there.
+        """
+        held = io.BytesIO()
+        columns: dict[str, Any] = dict(result)
+        np.savez(held, **columns)
+        save(held.getvalue(), self.path(number))
+
+
+def _plain(value: Any) -> Any:
+    return json.loads(json.dumps(value, default=str))

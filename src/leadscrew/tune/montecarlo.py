@@ -1,0 +1,171 @@
+"""Monte Carlo: many runs of a loop whose parameters are distributed; what its metrics then are.
+
+Run ``k`` has the parameters of sample ``k`` and the noise of run ``k``: it is
+``loop.using({key: columns[key][k]}).run(duration, run=k)``, wherever it was done.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from leadscrew.kernel import door
+from leadscrew.kernel.errors import ValueRefused
+from leadscrew.tune.crew import Crew
+from leadscrew.tune.job import Job, chunks_of
+from leadscrew.tune.journal import Journal
+from leadscrew.tune.measure import Progress, Samples, measure
+from leadscrew.tune.montecarlo_tolerances import Tolerance, tolerances
+from leadscrew.tune.sensitivity import RankCorrelation, rank_correlations
+from leadscrew.tune.space import Method, Space
+from leadscrew.tune.statistics import Spread, Yield, spread, yielded
+
+LARGEST = 2**31 - 1
+"""Most runs: the noise has no more numbers."""
+
+
+@dataclass
+class MonteCarlo:
+    """The runs and what follows from them."""
+
+    job: Job
+    space: Space
+    method: Method
+    seed: int
+    tolerances: tuple[Tolerance, ...]
+    samples: Samples
+    wall_s: float = 0.0
+    """Seconds that the runs took, without those that a journal had already."""
+
+    def __len__(self) -> int:
+        return len(self.samples)
+
+    @cached_property
+    def spreads(self) -> tuple[Spread, ...]:
+        """Percentiles of every metric in every scenario, metric by metric."""
+        metrics, lost = self.samples.metrics, self.samples.diverged_at
+        return tuple(spread(s, m, metrics[s][m], lost[s]) for m in self.metrics for s in self.samples.scenarios)
+
+    @property
+    def metrics(self) -> tuple[str, ...]:
+        """The metrics that all scenarios have."""
+        return self.job.metrics()
+
+    @cached_property
+    def yields(self) -> dict[str, Yield]:
+        """The yield of each tolerance by its text."""
+        return {str(t): yielded(t.passes(self.samples)) for t in self.tolerances}
+
+    @cached_property
+    def passes(self) -> np.ndarray:
+        """Which runs keep every tolerance and diverge nowhere."""
+        return passes(self.samples, self.tolerances)
+
+    @cached_property
+    def joint(self) -> Yield:
+        """The yield against all tolerances together; without any, of runs that did not diverge."""
+        return yielded(self.passes)
+
+    @cached_property
+    def diverged(self) -> np.ndarray:
+        """Which runs diverged in some scenario."""
+        return ~kept_on(self.samples)
+
+    @cached_property
+    def correlations(self) -> tuple[RankCorrelation, ...]:
+        """Of each parameter with each metric."""
+        columns = self.samples.columns
+        return tuple(
+            row
+            for m in self.metrics
+            for s in self.samples.scenarios
+            for row in rank_correlations(columns, self.samples.metrics[s][m], m, s)
+        )
+
+
+def kept_on(samples: Samples) -> np.ndarray:
+    """Which runs diverged in no scenario."""
+    return np.all([np.isnan(at) for at in samples.diverged_at.values()], axis=0)
+
+
+def passes(samples: Samples, wanted: Sequence[Tolerance]) -> np.ndarray:
+    """Which runs keep every tolerance and diverge nowhere."""
+    return np.all([kept_on(samples), *(t.passes(samples) for t in wanted)], axis=0)
+
+
+def montecarlo(
+    job: Job,
+    space: Space,
+    runs: int,
+    *,
+    seed: int = 0,
+    method: Method = "lhs",
+    tolerances: Sequence[str | Tolerance] = (),
+    crew: Crew,
+    journal: Journal | None = None,
+    progress: Progress | None = None,
+) -> MonteCarlo:
+    """Runs of a job with its parameters drawn from a space; of the noise alone where the space is empty.
+
+    Args:
+        job: what runs.
+        space: what varies.
+        runs: how many, in every scenario.
+        seed: of the samples; the noise has the seed of the job's experiment.
+        method: ``lhs``, ``sobol`` or ``random``.
+        tolerances: what a run must keep, see :func:`~leadscrew.tune.montecarlo_tolerances.tolerance`.
+        crew: who does it.
+        journal: keeps what is done; made with :func:`question`.
+        progress: takes the runs that are done and all of them.
+
+    Raises:
+        LeadscrewError: a name that does not exist, a value that is refused, tolerances that contradict each other.
+    """
+    wanted = check(job, space, runs, tolerances)
+    began = time.perf_counter()
+    samples = measure(job, drawn(job, space, runs, seed, method), crew, journal=journal, progress=progress)
+    samples.columns = {k: samples.columns[k] for k in space.keys}
+    return MonteCarlo(job, space, method, seed, wanted, samples, time.perf_counter() - began)
+
+
+def check(job: Job, space: Space, runs: int, given: Sequence[str | Tolerance] = ()) -> tuple[Tolerance, ...]:
+    """The tolerances, after everything was looked at that can be refused before the first run."""
+    door.whole("runs", runs, 1, LARGEST)
+    space.check(job.sheet(), "--over")
+    for scenario in job.where:
+        job.loop(scenario).periods(job.seconds(scenario))
+    return tolerances(given, job)
+
+
+def drawn(job: Job, space: Space, runs: int, seed: int, method: Method) -> dict[str, np.ndarray]:
+    """What varies, one value a run; where nothing does, a parameter that stays at its own value."""
+    return space.sample(runs, seed, method) if len(space) else held(job, runs)
+
+
+def held(job: Job, runs: int) -> dict[str, np.ndarray]:
+    """A column that changes nothing, so that runs of the noise alone can be counted.
+
+    Raises:
+        ValueRefused: the loop has no number that is the same in all scenarios.
+    """
+    loops = [job.loop(s) for s in job.where]
+    for key, entry in job.sheet().items():
+        if entry.type == "float" and len({loop.sheet[key].default for loop in loops}) == 1:
+            return {key: np.full(runs, entry.default)}
+    raise ValueRefused("this loop has no parameter that could be held: name one that varies")
+
+
+def question(job: Job, space: Space, runs: int, seed: int, method: Method, **more: Any) -> dict[str, Any]:
+    """What a journal of a Monte Carlo is about."""
+    asked = {"kind": "montecarlo", "job": job.mark, "runs": runs, "seed": seed, "sampling": method}
+    return {**asked, "over": [f"{k}={d!r}" for k, d in space.items], **more}
+
+
+def pieces(job: Job, columns: dict[str, np.ndarray]) -> int:
+    """How many numbers of a journal some runs take."""
+    return len(chunks_of(job, columns))

@@ -1,0 +1,76 @@
+"""The folder of a Monte Carlo report: there when it is complete; an older one of ours is replaced at once."""
+
+from __future__ import annotations
+
+import json
+import shutil
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from leadscrew.kernel.errors import DataError
+
+KIND = "leadscrew montecarlo"
+"""By this, in its ``summary.json``, a folder is known to be ours to replace."""
+SUMMARY = "summary.json"
+
+
+def claimable(folder: str | Path) -> Path:
+    """The folder, if a report may be written there: it does not exist, is empty, or holds an older report.
+
+    Raises:
+        DataError: it holds something else, or cannot be written.
+    """
+    target = Path(folder)
+    try:
+        if target.is_symlink() or (target.exists() and not target.is_dir()):
+            raise DataError(f"{target} is not a folder; choose another place for the report")
+        if target.exists() and any(target.iterdir()) and not _ours(target):
+            raise DataError(f"{target} holds something that is not a Monte Carlo report; choose another folder")
+        target.parent.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryFile(dir=target.parent):
+            pass
+    except OSError as error:
+        raise DataError(f"{target} cannot be written: {error.strerror or error}") from None
+    return target
+
+
+def _ours(folder: Path) -> bool:
+    try:
+        found = json.loads((folder / SUMMARY).read_text(encoding="utf-8"))
+    except (OSError, ValueError):
+        return False
+    return isinstance(found, dict) and found.get("kind") == KIND
+
+
+@contextmanager
+def placed(folder: str | Path) -> Iterator[Path]:
+    """A place to write to, which takes the place of ``folder`` at the end.
+
+    Raises:
+        DataError: see :func:`claimable`; or the disk refuses.
+    """
+    target = claimable(folder)
+    beside = ""
+    try:
+        beside = tempfile.mkdtemp(prefix=f".{target.name}-", suffix=".partial", dir=target.parent)
+        yield Path(beside)
+        Path(beside).chmod(0o755)
+        if target.exists():
+            aside = tempfile.mkdtemp(prefix=f".{target.name}-", suffix=".old", dir=target.parent)
+            target.rename(Path(aside) / "report")
+            try:
+                Path(beside).rename(target)
+            except OSError:
+                (Path(aside) / "report").rename(target)
+                raise
+            finally:
+                shutil.rmtree(aside, ignore_errors=True)
+        else:
+            Path(beside).rename(target)
+    except OSError as error:
+        raise DataError(f"{target} cannot be written: {error.strerror or error}") from None
+    finally:
+        if beside:
+            shutil.rmtree(beside, ignore_errors=True)

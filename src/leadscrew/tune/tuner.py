@@ -1,0 +1,218 @@
+"""Tuning: the best setting of a loop's parameters over many plants and scenarios, found by whole populations.
+
+A generation is one set of runs: every setting of the population on every training plant in every scenario. Held-out
+plants are drawn from the same ranges with another seed, and are run once, when the search is over. Run ``k`` of a
+generation has the noise number ``k`` in every generation; scores of single settings all use the same noise.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+import numpy as np
+
+from leadscrew.kernel.errors import Diverged, LeadscrewError
+from leadscrew.tune import optimisers
+from leadscrew.tune.crew import Crew, Threads
+from leadscrew.tune.front import compromise, front, thinned
+from leadscrew.tune.job import Job, chunks_of
+from leadscrew.tune.journal import Journal
+from leadscrew.tune.measure import Progress, Samples, measure
+from leadscrew.tune.objective import Constraint, Goal, score
+from leadscrew.tune.space import Choice, Distribution, Range
+from leadscrew.tune.tuned import Generation, Marks, Member, Tuned, marks
+from leadscrew.tune.tuner_plan import BUDGET, Given, Plan, held_out_plants, plan, training
+
+HELD_OUT_NOISE = 1_000_000
+"""Number of the first held-out run: its noise."""
+MEMBERS = 24
+"""Settings of a front that are shown and scored on held-out plants."""
+
+
+class Rounds:
+    """Sets of runs one after the other, whose chunks count on in the journal."""
+
+    def __init__(self, job: Job, crew: Crew, journal: Journal | None, progress: Progress | None, runs: int) -> None:
+        self.job, self.crew, self.journal, self.progress = job, crew, journal, progress
+        self.start, self.finished, self.runs = 0, 0, runs
+
+    def measure(self, columns: Mapping[str, np.ndarray], first: int = 0) -> Samples:
+        """One set of runs."""
+
+        def report(done: int, _: int) -> None:
+            if self.progress is not None:
+                self.progress(self.finished + done, max(self.runs, self.finished + done))
+
+        found = measure(self.job, columns, self.crew, first=first, journal=self.journal, start=self.start,
+                        progress=report)  # fmt: skip
+        self.start += len(chunks_of(self.job, columns, first))
+        self.finished += len(found) * len(self.job.where)
+        return found
+
+
+def crossed(settings: Mapping[str, np.ndarray], plants: Mapping[str, np.ndarray], count: int) -> dict[str, np.ndarray]:
+    """Every setting on every plant, one run after the other; ``count`` plants."""
+    members = len(next(iter(settings.values())))
+    return {k: np.repeat(v, count) for k, v in settings.items()} | {k: np.tile(v, members) for k, v in plants.items()}
+
+
+class Seen:
+    """All settings that a search asked for, and what they were worth."""
+
+    def __init__(self, asked: Plan, rounds: Rounds) -> None:
+        self.plan, self.rounds = asked, rounds
+        self.plants = training(asked.over, asked.plants, asked.seed)
+        d, g = len(asked.vary), len(asked.goals)
+        self.units, self.objectives = np.zeros((0, d)), np.zeros((0, g))
+        self.violation, self.failed, self.diverged = (np.zeros(0) for _ in range(3))
+        self.history: list[Generation] = []
+
+    def evaluate(self, units: np.ndarray) -> optimisers.Answer:
+        """One population."""
+        asked = self.plan
+        columns = crossed(asked.vary.values(units), self.plants, asked.plants)
+        found = score(self.rounds.measure(columns), asked.plants, asked.goals, asked.constraints)
+        self.units = np.vstack([self.units, units])
+        self.objectives = np.vstack([self.objectives, found.objectives])
+        self.violation = np.concatenate([self.violation, found.violation])
+        self.failed = np.concatenate([self.failed, found.failed])
+        self.diverged = np.concatenate([self.diverged, found.diverged])
+        at = self.best()
+        allowed = self.violation <= 0.0
+        goals = self.objectives[allowed].min(axis=0) if allowed.any() else self.objectives[at]
+        self.history.append(
+            Generation(len(self.units), tuple(map(float, goals)), float(self.violation[at]),
+                       int((found.violation <= 0.0).sum()))
+        )  # fmt: skip
+        return optimisers.Answer(found.objectives, found.violations)
+
+    def best(self) -> int:
+        """The setting with the smallest violation, then the smallest goal; with several goals the compromise."""
+        allowed = self.violation <= 0.0
+        if len(self.plan.goals) > 1 and allowed.any():
+            kept = front(self.objectives, allowed)
+            return int(kept[compromise(self.objectives[kept])])
+        return int(np.lexsort((self.objectives[:, 0], np.maximum(self.violation, 0.0)))[0])
+
+    def front(self) -> list[int]:
+        """Some settings along the front; none with one goal."""
+        allowed = self.violation <= 0.0
+        if len(self.plan.goals) < 2 or not allowed.any():
+            return []
+        kept = front(self.objectives, allowed)
+        return [int(i) for i in kept[thinned(self.objectives[kept], MEMBERS)]]
+
+
+def run(
+    asked: Plan, crew: Crew | None = None, journal: Journal | None = None, progress: Progress | None = None
+) -> Tuned:
+    """Does what was planned; see :func:`tune`."""
+    return done(asked, Rounds(asked.job, crew or Threads(), journal, progress, asked.runs))
+
+
+def done(asked: Plan, rounds: Rounds) -> Tuned:
+    """Does what was planned, as some rounds of several."""
+    began, before_runs = time.perf_counter(), rounds.finished
+    job, vary = asked.job, asked.vary
+    seen = Seen(asked, rounds)
+    present = {k: float(job.loop(job.where[0]).parameters[k]) for k in vary.keys}
+    grain = np.array([_grain(d) for _, d in vary.items])
+    search = optimisers.Search(
+        seen.evaluate,
+        vary.units(present),
+        asked.budget,
+        asked.seed,
+        len(asked.goals),
+        len(asked.constraints) + 1,
+        grain,
+    )
+    optimisers.OPTIMISERS[asked.optimiser][0](search)
+    _refuse_hopeless(asked, seen)
+    others = held_out_plants(asked.over, asked.held_out, asked.seed)
+
+    def scored(values: Mapping[str, float]) -> tuple[Marks, Marks, Samples]:
+        one = {k: np.array([v]) for k, v in values.items()}
+        near = rounds.measure(crossed(one, seen.plants, asked.plants))
+        far = rounds.measure(crossed(one, others, asked.held_out), first=HELD_OUT_NOISE)
+        return marks(near, asked.goals, asked.constraints), marks(far, asked.goals, asked.constraints), far
+
+    def values_at(i: int) -> dict[str, float]:
+        return {k: float(v[0]) for k, v in vary.values(seen.units[i : i + 1]).items()}
+
+    best, members = seen.best(), []
+    before, before_far, before_samples = scored(present)
+    trained, far, far_samples = scored(values_at(best))
+    for i in seen.front():
+        near_i, far_i = (trained, far) if i == best else scored(values_at(i))[:2]
+        members.append(Member(values_at(i), near_i, far_i, i == best))
+    subject = job.experiment
+    return Tuned(
+        subject.study, subject.controller or "", job.where, {k: str(d) for k, d in vary.items},
+        {k: str(d) for k, d in asked.over.items}, asked.goals, asked.constraints, values_at(best), present, before,
+        before_far, trained, far, tuple(seen.history), tuple(members), asked.plants, asked.held_out, asked.budget,
+        len(seen.units), asked.optimiser, asked.seed, optimisers.versions(asked.optimiser), rounds.crew.name,
+        time.perf_counter() - began, rounds.finished - before_runs, {"before": before_samples, "tuned": far_samples},
+    )  # fmt: skip
+
+
+def _grain(dist: Distribution) -> float:
+    if isinstance(dist, Choice):
+        return 1.0 / len(dist.values)
+    return 1.0 / (dist.high - dist.low + 1.0) if isinstance(dist, Range) and dist.whole else 0.0
+
+
+def _refuse_hopeless(asked: Plan, seen: Seen) -> None:
+    each = asked.plants * len(asked.job.where)
+    if (seen.diverged == each).all():
+        raise Diverged(f"every run of all {len(seen.units)} settings diverged: vary other parameters, or less far")
+    if (seen.failed == each).all():
+        names = ", ".join(dict.fromkeys(w.metric for w in (*asked.goals, *asked.constraints)))
+        raise LeadscrewError(
+            f"not one run of {len(seen.units)} settings could be judged ({names}): vary other parameters, or run longer"
+        )
+
+
+def tune(
+    job: Job,
+    vary: Given,
+    goals: Sequence[str | Goal],
+    constraints: Sequence[str | Constraint] = (),
+    *,
+    over: Given | None = None,
+    plants: int | None = None,
+    held_out: int | None = None,
+    budget: int = BUDGET,
+    optimiser: str | None = None,
+    seed: int = 0,
+    crew: Crew | None = None,
+    journal: Journal | str | Path | None = None,
+    resume: bool = False,
+    progress: Progress | None = None,
+) -> Tuned:
+    """Finds the best setting of the parameters that ``vary``; the same whatever the crew.
+
+    Args:
+        job: the controller on its machine, and the scenarios.
+        vary: what may change: ``{key: (low, high)}``, distributions, or texts as on the command line.
+        goals: metrics to minimise; several give a Pareto front.
+        constraints: as ``"overshoot<=0.02"``.
+        over: what differs from plant to plant; the loop as it is unless given.
+        plants: how many the search sees: 16 with ``over``, else 1; more without ``over`` repeat the noise.
+        held_out: how many it never sees: 64 with ``over``, else 1.
+        budget: evaluations at most; a setting on all its plants and scenarios is one.
+        optimiser: ``cma``, ``de``, ``nsga2``, ``scipy``; cma for one goal and nsga2 for several unless given.
+        seed: of the plants and the search.
+        crew: who does the work; all cores unless given.
+        journal: a folder for results as they come.
+        resume: what the journal holds is not done again.
+        progress: takes the runs done and all of them.
+
+    Raises:
+        LeadscrewError: one sentence about what cannot be.
+    """
+    asked = plan(job, vary, goals, constraints, over=over, plants=plants, held_out=held_out, budget=budget,
+                 optimiser=optimiser, seed=seed)  # fmt: skip
+    kept = Journal(journal, asked.question(), resume) if isinstance(journal, str | Path) else journal
+    return run(asked, crew, kept, progress)

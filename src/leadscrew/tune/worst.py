@@ -1,0 +1,133 @@
+"""The worst runs as experiment files: ``leadscrew simulate FILE`` gives the very run again, bit for bit."""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Mapping
+from dataclasses import replace
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from leadscrew import userfile
+from leadscrew.experiment import SCHEMA_VERSION, Experiment
+from leadscrew.newfile import save
+from leadscrew.report.tables import number
+from leadscrew.tune.montecarlo import MonteCarlo
+
+DIVERGED = "diverged"
+
+
+class Worst(NamedTuple):
+    """One run among the worst."""
+
+    of: str
+    """The metric, ``METRIC_SCENARIO`` where a tolerance names one, or ``diverged``."""
+    rank: int
+    run: int
+    scenario: str
+    value: float
+    """Of the metric, NaN where it has none; seconds at which it diverged."""
+
+    @property
+    def file(self) -> str:
+        """Its file's name."""
+        return re.sub(r"[^\w.-]+", "_", f"{self.of}_{self.rank}") + ".toml"
+
+
+def worst(found: MonteCarlo, count: int = 3) -> tuple[Worst, ...]:
+    """The ``count`` worst runs against each tolerance (of each metric where there is none), and that diverged first.
+
+    Worst is what lies furthest on the side of a tolerance that fails (the largest, without one); a run without a value
+    is worse still, unless no run has one.
+    """
+    samples = found.samples
+    rows: list[Worst] = []
+    asked = [(t.name, t.metric, t.sense, t.scenarios(samples.scenarios)) for t in found.tolerances]
+    for name, metric, sense, where in dict.fromkeys(asked or [(m, m, "<=", samples.scenarios) for m in found.metrics]):
+        values = np.array([samples.metrics[s][metric] for s in where])
+        lost = np.array([np.isfinite(samples.diverged_at[s]) for s in where])
+        if np.isnan(values).all():
+            continue
+        badness = values if sense == "<=" else -values
+        badness = np.where(lost, -np.inf, np.where(np.isnan(values), np.inf, badness))
+        also = "_least" if sense == ">=" and (name, metric, "<=", where) in asked else ""
+        for rank, (s, k) in enumerate(_largest(badness, min(count, int((~lost).sum())))):
+            rows.append(Worst(f"{name}{also}", rank + 1, k, where[s], float(values[s, k])))
+    at = np.array(list(samples.diverged_at.values()))
+    for rank, (s, k) in enumerate(
+        _largest(-np.where(np.isnan(at), np.inf, at), min(count, int((~np.isnan(at)).sum())))
+    ):
+        rows.append(Worst(DIVERGED, rank + 1, k, samples.scenarios[s], float(at[s, k])))
+    return tuple(rows)
+
+
+def _largest(values: np.ndarray, count: int) -> list[tuple[int, int]]:
+    """Where the largest are, in order; the same on every machine."""
+    flat = np.argsort(-values.ravel(), kind="stable")[:count]
+    return [divmod(int(i), values.shape[1]) for i in flat]
+
+
+def experiment(found: MonteCarlo, run: int, scenario: str) -> Experiment:
+    """The experiment that is this very run."""
+    sheet = found.job.loop(scenario).sheet
+    drawn: dict[str, Any] = {k: float(v[run]) for k, v in found.samples.columns.items()}
+    drawn = {k: int(v) if sheet[k].type == "int" else v for k, v in drawn.items()}
+    asked = found.job.of(scenario)
+    return replace(asked, changes={**asked.changes, **drawn}, duration_s=found.job.seconds(scenario), run=run)
+
+
+def write(found: MonteCarlo, rows: tuple[Worst, ...], folder: str | Path) -> list[Path]:
+    """Writes one experiment file a row.
+
+    Raises:
+        DataError: a file cannot be written.
+    """
+    made = []
+    for row in rows:
+        path = Path(folder) / row.file
+        what = "diverged" if row.of == DIVERGED else row.of
+        said = f"run {row.run} of {len(found)}: {what}{' at' if row.of == DIVERGED else ' ='} {number(row.value)}"
+        save(toml(experiment(found, row.run, row.scenario), said), path)
+        made.append(path)
+    return made
+
+
+def toml(asked: Experiment, comment: str = "") -> str:
+    """The experiment as the text of its file."""
+    head: dict[str, Any] = {
+        "schema_version": SCHEMA_VERSION,
+        "study": userfile.absolute(asked.study),
+        "controller": None if asked.controller is None else userfile.absolute(asked.controller),
+        "scenario": asked.scenario or None,
+        "duration": asked.duration_s,
+        "engine": asked.engine,
+        "seed": asked.seed,
+        "run": asked.run,
+    }
+    lines = [f"# {comment}"] if comment else []
+    lines += _lines(head)
+    if asked.changes:
+        lines += ["", "[set]", *_lines(asked.changes)]
+    return "\n".join(lines) + "\n"
+
+
+def _lines(table: Mapping[str, Any]) -> list[str]:
+    return [f"{_key(k)} = {_value(v)}" for k, v in table.items() if v is not None]
+
+
+def _key(key: str) -> str:
+    bare = re.compile(r"[A-Za-z0-9_-]+")
+    return ".".join(p if bare.fullmatch(p) else json.dumps(p, ensure_ascii=False) for p in key.split("."))
+
+
+def _value(value: Any) -> str:
+    if hasattr(value, "tolist"):
+        value = value.tolist()
+    if isinstance(value, list | tuple):
+        return f"[{', '.join(_value(v) for v in value)}]"
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    return repr(value) if isinstance(value, int | float) else json.dumps(str(value), ensure_ascii=False)

@@ -1,0 +1,190 @@
+"""``leadscrew tune`` and ``compare``."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import tomllib
+
+import pyarrow.parquet as pq
+import pytest
+
+from leadscrew.cli import app
+from leadscrew.cli import compare as compare_command
+from leadscrew.cli import tune as tune_command
+from tests.cli.conftest import strict_json
+
+STEPS = ("-s", "fig11a_step_m50", "-s", "fig11b_step_m170", "--duration", "2.2")
+VARY = ("--vary", "controller.output_gain=0.5:4:log", "--vary", "controller.tau=0.3:1.5")
+OVER = ("--over", "plant.full_duty_speed_mm_s=259:334", "--plants", "4", "--held-out", "6")
+WANTED = ("--minimise", "mean:rms_error", "--subject-to", "overshoot<=0.02", "--seed", "3")
+LATHE = ("tune", "vud_lathe", "-c", "corrected.vud_beta_e", *STEPS, *VARY, *OVER, *WANTED)
+SMALL = (*LATHE, "--budget", "40")
+
+PROGRAM = """
+from leadscrew import cli
+from leadscrew.cli import app, compare, tune
+for name, command in (("tune", tune.tune), ("compare", compare.compare)):
+    if not any(c.name == name for c in app.registered_commands):
+        app.command(name)(command)
+cli.main()
+"""
+
+for _name, _command in (("tune", tune_command.tune), ("compare", compare_command.compare)):
+    if not any(c.name == _name for c in app.registered_commands):
+        app.command(_name)(_command)
+
+
+def process(*args):
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(p for p in sys.path if p)}
+    return subprocess.Popen(
+        [sys.executable, "-c", PROGRAM, *map(str, args)], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+        env=environment,
+    )  # fmt: skip
+
+
+def until(running, enough):
+    """Waits until a running process has done enough."""
+    import time
+
+    end = time.monotonic() + 60
+    while not enough():
+        assert running.poll() is None and time.monotonic() < end, running.communicate()
+        time.sleep(0.002)
+
+
+def test_tunes_writes_and_the_file_is_a_controller(call, tmp_path):
+    out, report = tmp_path / "t.toml", tmp_path / "report"
+    said = call(*SMALL, "-o", out, "--report", report).stdout
+    assert "tuned, held out" in said and "keeps the constraint on the 4 plants" in said
+    assert sorted(p.name for p in tmp_path.iterdir()) == ["report", "t.toml"], "the journal is gone"
+    file = tomllib.loads(out.read_text())
+    assert file["kind"] == "controller" and file["tuning"]["budget"] == 40 and file["tuning"]["seed"] == 3
+    assert set(file["tuning"]["trained"]) == set(file["tuning"]["held_out"])
+    names = {p.name for p in report.iterdir()}
+    assert {"report.html", "tune.json", "search.png", "held_out.png", "held_out_tuned.parquet"} <= names
+    assert pq.read_table(report / "held_out_tuned.parquet").num_rows == 12
+    found = strict_json(
+        call("simulate", "vud_lathe", "-c", out, "-s", "fig11a_step_m50", "--duration", "2.2", "--json").stdout
+    )
+    assert found["metrics"]["overshoot"] <= 0.02 and found["controller"] == str(out)
+    call("export", "vud_lathe", "-c", out, "-t", "c99", "--out", tmp_path / "c", "--duration", "0.1")
+    assert "vud_lathe" in call("list", out).stdout
+    again = strict_json(call(*SMALL[:3], out, *SMALL[4:], "--json").stdout)
+    assert again["present"]["controller.tau"] == file["set"]["tau"]
+
+
+def test_json_has_everything_and_is_the_same_on_one_and_two_threads(call):
+    found = [strict_json(call(*SMALL, "--threads", n, "--json").stdout) for n in (1, 2)]
+    for f in found:
+        del f["wall_s"], f["crew"]
+    assert found[0] == found[1]
+    assert {"values", "before", "trained", "held_out", "history", "verdict", "versions"} <= set(found[0])
+
+
+def test_several_goals_give_a_front_as_table_and_picture(call, tmp_path):
+    said = call(*SMALL, "--minimise", "overshoot", "--report", tmp_path / "r").stdout
+    assert " taken" in said and "mean:rms_error, held out" in said
+    assert (tmp_path / "r" / "front.png").stat().st_size > 10_000
+    assert tomllib.loads((tmp_path / "r" / "front_1.toml").read_text())["kind"] == "controller"
+
+
+def test_more_than_the_controller_gives_an_experiment_file_too(call, tmp_path):
+    said = call(*SMALL, "--vary", "sensor.resolution_mm=0.0005:0.001", "-o", tmp_path / "t.toml", code=None).stdout
+    assert "t_experiment.toml: the whole loop, because more than the controller varied" in said
+    call("simulate", tmp_path / "t_experiment.toml")
+
+
+def test_exit_code_1_where_nothing_keeps_the_constraints(call, tmp_path):
+    result = call(*SMALL, "--subject-to", "settling_2um<=0.1", "-o", tmp_path / "t.toml", code=1)
+    assert "NO" in result.stdout
+    assert result.stderr.startswith("leadscrew: no setting of the") and result.stderr.count("\n") == 1
+    assert tomllib.loads((tmp_path / "t.toml").read_text())["tuning"]["feasible"] is False
+
+
+def test_after_a_kill_resume_gives_the_identical_file(tmp_path, call):
+    whole, out = tmp_path / "whole.toml", tmp_path / "t.toml"
+    long = (*LATHE, "--budget", "300", "--threads", "1")
+    call(*long, "-o", whole)
+    running = process(*long, "-o", out)
+    journal = tmp_path / "t.toml.journal"
+    until(running, lambda: len(list(journal.glob("chunk_*"))) > 9)
+    running.send_signal(signal.SIGKILL)
+    running.communicate()
+    assert not out.exists() and journal.exists()
+    first = call(*long, "-o", out, code=2).stderr
+    assert "--resume goes on with them" in first
+    call(*long, "-o", out, "--resume")
+    assert out.read_text() == whole.read_text()
+    assert not journal.exists()
+
+
+def test_ctrl_c_keeps_what_is_done_and_says_how_to_go_on(tmp_path):
+    running = process(*LATHE, "--budget", "100000", "-o", tmp_path / "t.toml")
+    journal = tmp_path / "t.toml.journal"
+    until(running, lambda: len(list(journal.glob("chunk_*"))) > 5)
+    running.send_signal(signal.SIGINT)
+    _, stderr = running.communicate(timeout=30)
+    assert running.returncode == 130
+    assert stderr.splitlines() == [f"leadscrew: interrupted; {journal} keeps what is done: the same command with "
+                                   "--resume goes on"]  # fmt: skip
+    assert len(list(journal.glob("chunk_*.npz"))) > 5
+
+
+@pytest.mark.parametrize(
+    ("more", "words"),
+    [
+        (("--vary", "controller.floor=2:1"), ("controller.floor", "2:1 is empty")),
+        (("--vary", "controller.florr=1:2"), ("'controller.florr'", "did you mean")),
+        (("--minimise", "speed"), ("there is no metric 'speed'",)),
+        (("--subject-to", "overshoot<0.1"), ("METRIC<=VALUE",)),
+        (("--subject-to", "overshoot>=1"), ("contradict each other",)),
+        (("--cluster", "tcp://127.0.0.1:9"), ("no Dask scheduler answers at tcp://127.0.0.1:9",)),
+        (("--cluster", "here"), ("local:N or tcp://HOST:PORT",)),
+        (("--optimiser", "cma", "--minimise", "overshoot"), ("takes one goal, not 2",)),
+        (("--resume",), ("--resume needs the journal",)),
+        (("-o", "x.txt"), ("ends in .toml",)),
+        (("-o", "/proc/none/t.toml"), ("/proc/none/t.toml", "cannot be written")),
+        (("-s", "fig12"), ("no scenario 'fig12'",)),
+    ],
+)  # fmt: skip
+def test_what_cannot_be_is_one_sentence(refused, more, words, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    said = refused(*SMALL, *more)
+    for word in words:
+        assert word in said
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_file_that_is_there_is_not_overwritten(refused, tmp_path):
+    (tmp_path / "t.toml").write_text("mine")
+    assert "exists already" in refused(*SMALL, "-o", tmp_path / "t.toml")
+
+
+def test_a_controller_is_asked_for(refused):
+    assert "controller is missing" in refused("tune", "vud_lathe", *VARY, *WANTED)
+
+
+def test_compare_prints_ranking_and_sentence(call, tmp_path):
+    asked = (
+        "compare", "vud_lathe", "-c", "corrected.vud_beta_e", "-c", "ours.pd", *STEPS, *OVER[:4], *WANTED, "--budget",
+        "30", "--unseen", "20", "--vary", "ours.pd:controller.kp=0.01:1:log",
+    )  # fmt: skip
+    said = call(*asked, "--report", tmp_path / "r").stdout
+    assert "rank" in said and "20 simulated plants that no tuning saw" in said
+    names = {p.name for p in (tmp_path / "r").iterdir()}
+    assert {"report.html", "compare.json", "compare.png"} <= names
+    assert [n for n in names if n.endswith("ours.pd.toml")]
+    kept = json.loads((tmp_path / "r" / "compare.json").read_text())
+    found = strict_json(call(*asked, "--json").stdout)
+    assert found["ranking"] == kept["ranking"] and found["pairs"] == kept["pairs"]
+    assert sorted(p.name for p in tmp_path.iterdir()) == ["r"]
+
+
+def test_compare_refuses(refused):
+    base = ("compare", "vud_lathe", "-c", "ours.pd", *STEPS, *OVER[:2], *WANTED)
+    assert "two controllers or more" in refused(*base)
+    assert "expected NAME:KEY" in refused(*base, "-c", "paper.vud", "--vary", "controller.kp=0:1")

@@ -1,0 +1,112 @@
+"""What the tests of many runs share."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from leadscrew.experiment import Experiment
+from leadscrew.tune.job import Job
+from leadscrew.tune.measure import Samples
+from tests.tune.noisy_loop import NAME
+
+PROGRAM = """
+import sys
+from leadscrew import cli
+from leadscrew.cli import app, montecarlo
+if not any(c.name == "montecarlo" for c in app.registered_commands):
+    app.command("montecarlo")(montecarlo.montecarlo)
+cli.main()
+"""
+"""The command line, whether or not it has the command already."""
+
+
+def registered() -> Any:
+    """The command line in this process, with the command."""
+    from leadscrew.cli import app, montecarlo
+
+    if not any(c.name == "montecarlo" for c in app.registered_commands):
+        app.command("montecarlo")(montecarlo.montecarlo)
+    return app
+
+
+def job(*scenarios: str, duration: float | None = None, controller: str = "p", **more: Any) -> Job:
+    """A job on the noisy loop."""
+    return Job(Experiment(NAME, controller, **more), scenarios or ("small",), duration)
+
+
+def lathe(duration: float = 0.2) -> Job:
+    """A job on the lathe's servo."""
+    return Job(Experiment("vud_lathe", "corrected.vud_beta_e"), ("fig11a_step_m50",), duration)
+
+
+def same(a: Samples, b: Samples) -> bool:
+    """Whether two samples have the same bits."""
+
+    def bits(s: Samples) -> dict[str, bytes]:
+        return {k: np.asarray(v).tobytes() for k, v in s.as_columns().items() if k != "scenario"}
+
+    return bits(a) == bits(b) and a.scenarios == b.scenarios
+
+
+def process(*args: str) -> subprocess.Popen[bytes]:
+    """The command line as a process."""
+    return subprocess.Popen(
+        [sys.executable, "-c", PROGRAM, *args], stdout=subprocess.PIPE, stderr=subprocess.PIPE, env=environment()
+    )
+
+
+def environment() -> dict[str, str]:
+    """The environment for a process that must find these tests' files and this program."""
+    return {**os.environ, "PYTHONPATH": os.pathsep.join(p for p in sys.path if p)}
+
+
+def waited(what: Callable[[], Any], seconds: float = 30.0) -> Any:
+    """What ``what`` gives as soon as it gives something."""
+    end = time.monotonic() + seconds
+    while time.monotonic() < end:
+        if found := what():
+            return found
+        time.sleep(0.005)
+    raise AssertionError("waited too long")
+
+
+@contextmanager
+def dask(folder: Path, workers: int) -> Iterator[tuple[str, list[subprocess.Popen[bytes]]]]:
+    """A scheduler and workers as processes on loopback; gives the address and the workers."""
+    import json
+
+    started: list[subprocess.Popen[bytes]] = []
+
+    def start(module: str, *args: str) -> subprocess.Popen[bytes]:
+        with (folder / f"{len(started)}.log").open("wb") as log:
+            command = [sys.executable, "-m", f"distributed.cli.{module}", *args]
+            started.append(subprocess.Popen(command, stdout=log, stderr=log, env=environment(), cwd=folder))
+        return started[-1]
+
+    told = folder / "scheduler.json"
+    try:
+        start("dask_scheduler", "--host", "127.0.0.1", "--port", "0", "--no-dashboard", "--scheduler-file", str(told))
+
+        def address() -> str:
+            try:
+                return str(json.loads(told.read_text())["address"])
+            except (OSError, ValueError, KeyError):
+                return ""
+
+        found = waited(address)
+        options = ("--nthreads", "1", "--no-nanny", "--no-dashboard", "--host", "127.0.0.1", "--memory-limit", "0")
+        made = [start("dask_worker", found, *options) for _ in range(workers)]
+        yield found, made
+    finally:
+        for process in reversed(started):
+            process.kill()
+            process.wait(30)

@@ -1,0 +1,123 @@
+"""Comparison: the same effort, the same unseen plants, paired intervals, and a sentence that claims no more."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from leadscrew.experiment import Experiment
+from leadscrew.kernel.errors import NameUnknown, ValueRefused
+from leadscrew.tune.compare import compare, contest
+from leadscrew.tune.compare_statistics import paired, resamples, standing
+from leadscrew.tune.compare_words import worse_than_seen
+from leadscrew.tune.crew import crew
+from leadscrew.tune.job import Job
+from leadscrew.tune.journal import Journal
+
+JOB = Job(Experiment("vud_lathe"), ("fig11a_step_m50",), 2.2)
+OVER = {"plant.full_duty_speed_mm_s": (259.0, 334.0)}
+A, B, C = "corrected.vud_beta_e", "ours.pd", "paper.vud"
+VARY = {A: ["controller.output_gain=0.5:4:log", "controller.tau=0.3:1.5"], B: ["controller.kp=0.01:1:log"]}
+ASKED = {"vary": VARY, "over": OVER, "plants": 4, "unseen": 30, "budget": 40, "seed": 2}
+
+
+def done(workers=None, journal=None, names=(A, B, C)):
+    return compare(JOB, names, ["settling_2um"], ["overshoot<=0.02"], crew=workers, journal=journal, **ASKED)
+
+
+@pytest.fixture(scope="module")
+def found():
+    with crew(threads=1) as one:
+        return done(one)
+
+
+def plain(result):
+    said = result.as_dict()
+    for r in (said, *(r["tuned"] for r in said["results"] if r["tuned"])):
+        del r["wall_s"], r["crew"]
+    return said
+
+
+def test_ranks_on_plants_that_no_tuning_saw(found):
+    assert [r.name for r in found.results][-1] == C, "it never comes within 2 um"
+    assert found.results[-1].bad == 30 and found.results[0].bad <= found.results[1].bad
+    seen = {v for r in found.results for v in r.samples.columns["plant.full_duty_speed_mm_s"]}
+    assert len(seen) == 30, "all on the same plants"
+    for r in found.results[:2]:
+        assert r.tuned is not None and r.tuned.budget == 40
+        assert not seen & set(r.tuned.samples["tuned"].columns["plant.full_duty_speed_mm_s"])
+    assert found.results[-1].tuned is None
+
+
+def test_it_is_the_same_on_two_threads_and_after_an_interruption(found, tmp_path):
+    with crew(threads=2) as two:
+        asked = contest(JOB, (A, B, C), ["settling_2um"], ["overshoot<=0.02"], **ASKED)
+        journal = Journal(tmp_path / "j", asked.question())
+        assert str(plain(done(two, journal))) == str(plain(found))
+        chunks = sorted((tmp_path / "j").glob("chunk_*"))
+        for chunk in chunks[3::2]:
+            chunk.unlink()
+        assert str(plain(done(two, Journal(tmp_path / "j", asked.question(), resume=True)))) == str(plain(found))
+
+
+def test_the_sentence_says_effort_plants_difference_and_what_is_not_shown(found):
+    text = found.sentence()
+    pair = found.pairs[0]
+    for words in ("30 simulated plants that no tuning saw", "plant.full_duty_speed_mm_s in 259:334", "95 % interval",
+                  "40 evaluations at most", "by cma on 4 other plants, seed 2", f"{C} was taken without tuning",
+                  "nothing is shown about", f"{pair.difference.value:.6g} s"):  # fmt: skip
+        assert words in text, words
+
+
+def test_what_is_not_different_is_not_called_so():
+    rng = np.random.default_rng(0)
+    a = rng.normal(1.0, 0.1, 50)
+    good = np.zeros(50, dtype=bool)
+    same = paired("a", "b", a, a + rng.normal(0.0, 0.1, 50), good, good, 0)
+    assert same.difference.low < 0 < same.difference.high and not same.shown
+    less = paired("a", "b", a, a + 0.01 + rng.normal(0.0, 0.001, 50), good, good, 0)
+    assert less.shown and less.difference.high < 0, "pairing finds what is a tenth of the spread"
+
+
+def test_intervals_hold_what_they_promise():
+    """Of 95 % intervals of a mean about 95 % hold it: against a known normal distribution."""
+    rng = np.random.default_rng(1)
+    held = 0
+    for k in range(200):
+        s = standing(rng.normal(3.0, 1.0, 60), k)
+        held += s.mean.low <= 3.0 <= s.mean.high
+    assert 0.89 <= held / 200 <= 0.99
+    assert worse_than_seen(200) == pytest.approx(1 - 0.05 ** (1 / 200))
+
+
+def test_failed_plants_rank_before_the_goal():
+    a, b = np.full(40, 1.0), np.full(40, 2.0)
+    bad, good = np.zeros(40, dtype=bool), np.zeros(40, dtype=bool)
+    bad[:20] = True
+    assert paired("b", "a", b, a, good, bad, 0).order == 1.0
+    lost = np.where(bad, np.nan, a)
+    pair = paired("b", "a", b, lost, good, bad, 0)
+    assert pair.judged == 20 and pair.difference.value == 1.0
+    assert standing(lost, 0).judged == 20 and standing(np.full(3, np.nan), 0).judged == 0
+    assert resamples(0, 5).max() == 4
+
+
+@pytest.mark.parametrize(
+    ("names", "change", "error", "words"),
+    [
+        ((A,), {}, ValueRefused, "two controllers or more"),
+        ((A, A), {}, ValueRefused, f"{A}: given twice"),
+        ((A, "nothing"), {}, NameUnknown, "no controller 'nothing'"),
+        ((A, B), {"vary": {"x": ["k=0:1"]}}, NameUnknown, "--vary: no contender is called 'x'"),
+        ((A, B), {"vary": {B: ["controller.kq=0:1"]}}, NameUnknown, f"{B}: --vary: there is no parameter"),
+        ((A, B), {"goals": []}, ValueRefused, "--minimise is missing"),
+        ((A, B), {"goals": ["speed"]}, NameUnknown, "there is no metric 'speed'"),
+        ((A, B), {"unseen": 1}, ValueRefused, "unseen"),
+        ((A, B), {"constraints": ["overshoot<=1", "overshoot>=2"]}, ValueRefused, "contradict"),
+    ],
+)  # fmt: skip
+def test_what_cannot_be_is_refused_in_one_sentence(names, change, error, words):
+    asked = {"goals": ["overshoot"], "constraints": [], "over": OVER, **change}
+    with pytest.raises(error) as caught:
+        contest(JOB, names, asked.pop("goals"), asked.pop("constraints"), **asked)
+    assert words in str(caught.value)

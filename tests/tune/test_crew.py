@@ -1,0 +1,110 @@
+"""Who does the work: the same bits by one thread, two, or a cluster, and whoever dies."""
+
+from __future__ import annotations
+
+import os
+import signal
+import socket
+import time
+
+import numpy as np
+import pytest
+
+from leadscrew.kernel.errors import LeadscrewError, ValueRefused
+from leadscrew.tune.crew import Threads, crew
+from leadscrew.tune.montecarlo import montecarlo
+from leadscrew.tune.space import Space
+from tests.tools import needed
+from tests.tune.shared import dask, job, lathe, same
+
+SPACE = Space.of(["plant.full_duty_speed_mm_s=259:334", "plant.mechanical_lag_s=normal:0.017:0.002"])
+NOISY = Space.of(["plant.lag_s=0.02:0.08"])
+
+
+def test_one_thread_and_two_give_the_same_bits():
+    for j, space, runs in ((lathe(2.0), SPACE, 2500), (job("small", "large", duration=1.0), NOISY, 5000)):
+        one, two, five = (montecarlo(j, space, runs, crew=Threads(n)).samples for n in (1, 2, 5))
+        assert same(one, two) and same(one, five)
+        assert len(np.unique(one.metrics[j.where[0]]["rms_error"])) > runs / 2
+
+
+def test_a_killed_worker_loses_nothing(tmp_path):
+    needed("distributed", "cluster")
+    j, runs = lathe(2.0), 15_000
+    alone = montecarlo(j, SPACE, runs, crew=Threads(2)).samples
+    with dask(tmp_path, 2) as (address, workers), crew(address) as cluster:
+        cluster.client.wait_for_workers(2, timeout=30)
+        seen: list[int] = []
+
+        def progress(done: int, total: int) -> None:
+            seen.append(done)
+            if len(seen) == 4:
+                os.kill(workers[0].pid, signal.SIGKILL)
+
+        found = montecarlo(j, SPACE, runs, crew=cluster, progress=progress).samples
+        assert workers[0].wait(10) == -signal.SIGKILL and workers[1].poll() is None
+        assert len(cluster.client.scheduler_info()["workers"]) == 1
+    assert len(seen) > 4 and seen[-1] == runs and seen == sorted(seen)
+    assert same(alone, found)
+
+
+def test_a_cluster_of_this_machine_gives_the_same_bits_and_the_same_refusals(tmp_path):
+    needed("distributed", "cluster")
+    j = job("small", "large", duration=1.0, changes={"controller.kp": 15.0})
+    with crew("local:2") as cluster:
+        assert cluster.name == "local:2"
+        found = montecarlo(j, NOISY, 4000, crew=cluster).samples
+        chunk = (0, type("Chunk", (), {})())
+        from leadscrew.tune.job import Chunk
+
+        chunk = (0, Chunk("small", {"plant.lag_s": np.array([-1.0])}, 0))
+        with pytest.raises(ValueRefused, match=r"plant\.lag_s = -1\.0"):
+            list(cluster.results(j, [chunk]))
+    assert same(found, montecarlo(j, NOISY, 4000, crew=Threads(1)).samples)
+
+
+def test_a_scheduler_that_is_not_there_is_said_at_once():
+    needed("distributed", "cluster")
+    with socket.socket() as closed:
+        closed.bind(("127.0.0.1", 0))
+        address = f"tcp://127.0.0.1:{closed.getsockname()[1]}"
+    began = time.monotonic()
+    with pytest.raises(LeadscrewError, match=f"no Dask scheduler answers at {address}"), crew(address):
+        pass
+    assert time.monotonic() - began < 5.0
+    with pytest.raises(LeadscrewError, match="no Dask scheduler answers"), crew("tcp://no.such.host.invalid:8786"):
+        pass
+
+
+def test_something_else_at_the_address_is_no_scheduler(monkeypatch):
+    needed("distributed", "cluster")
+    monkeypatch.setattr("leadscrew.tune.crew.PATIENCE_S", 0.5)
+    with socket.socket() as mute:
+        mute.bind(("127.0.0.1", 0))
+        mute.listen()
+        address = f"tcp://127.0.0.1:{mute.getsockname()[1]}"
+        with pytest.raises(LeadscrewError, match="no Dask scheduler answers"), crew(address):
+            pass
+
+
+def test_a_scheduler_without_workers_is_said(tmp_path, monkeypatch):
+    needed("distributed", "cluster")
+    with dask(tmp_path, 0) as (address, _):
+        monkeypatch.setattr("leadscrew.tune.crew.PATIENCE_S", 2.0)
+        with pytest.raises(LeadscrewError, match="has no workers"), crew(address):
+            pass
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        ({"cluster": "local"}, "expected local:N or tcp://HOST:PORT"),
+        ({"cluster": "local:0"}, "1 to 1024 workers"),
+        ({"cluster": "http://host:1"}, "expected local:N"),
+        ({"cluster": "local:2", "threads": 2}, "exclude each other"),
+        ({"threads": 0}, "threads"),
+    ],
+)
+def test_what_is_no_crew_is_refused(options, words):
+    with pytest.raises(ValueRefused, match=words), crew(**options):
+        pass

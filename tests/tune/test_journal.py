@@ -1,0 +1,113 @@
+"""A journal: whole or not there, of one question, and what it refuses."""
+
+from __future__ import annotations
+
+import errno
+import os
+
+import numpy as np
+import pytest
+
+from leadscrew import newfile
+from leadscrew.kernel.errors import DataError, ValueRefused
+from leadscrew.tune.crew import Threads
+from leadscrew.tune.journal import Journal
+from leadscrew.tune.montecarlo import montecarlo, question
+from leadscrew.tune.space import Space
+from tests.tune.shared import job, same
+
+SPACE = Space.of(["plant.lag_s=0.02:0.08"])
+ASKED = {"kind": "test", "runs": 3, "over": ["a=1:2"]}
+
+
+def test_what_is_put_is_got(tmp_path):
+    journal = Journal(tmp_path / "j", ASKED)
+    result = {"m": np.array([1.0, np.nan]), "diverged_at": np.array([np.nan, 0.1])}
+    assert journal.get(0) is None
+    journal.put(0, result)
+    again = Journal(tmp_path / "j", ASKED, resume=True).get(0)
+    assert all(again[k].tobytes() == v.tobytes() for k, v in result.items())
+
+
+def test_another_question_is_refused_and_named(tmp_path):
+    Journal(tmp_path / "j", ASKED)
+    for resume in (True, False):
+        with pytest.raises(ValueRefused, match=r"another question \(different: runs\)"):
+            Journal(tmp_path / "j", {**ASKED, "runs": 4}, resume)
+    with pytest.raises(ValueRefused, match="--resume"):
+        Journal(tmp_path / "j", ASKED)
+
+
+def test_a_folder_of_something_else_is_left_alone(tmp_path):
+    (tmp_path / "mine.txt").write_text("mine")
+    with pytest.raises(ValueRefused, match="holds something else"):
+        Journal(tmp_path, ASKED, resume=True)
+    assert [p.name for p in tmp_path.iterdir()] == ["mine.txt"]
+
+
+def test_a_damaged_file_is_named(tmp_path):
+    journal = Journal(tmp_path / "j", ASKED)
+    journal.put(0, {"m": np.arange(100.0)})
+    whole = journal.path(0).read_bytes()
+    for damaged in (whole[:50], whole[:-60], b"", b"x" * 100):
+        journal.path(0).write_bytes(damaged)
+        with pytest.raises(DataError, match=r"chunk_0000000\.npz cannot be read"):
+            journal.get(0)
+    (tmp_path / "j" / "question.json").write_text("{")
+    with pytest.raises(DataError, match=r"question\.json cannot be read"):
+        Journal(tmp_path / "j", ASKED, resume=True)
+
+
+def test_what_a_killed_process_left_is_cleared(tmp_path):
+    Journal(tmp_path / "j", ASKED)
+    (tmp_path / "j" / ".chunk_0000000.npz-abc.tmp").write_bytes(b"half")
+    Journal(tmp_path / "j", ASKED, resume=True)
+    assert [p.name for p in (tmp_path / "j").iterdir()] == ["question.json"]
+
+
+def test_a_full_disk_is_one_sentence_and_what_was_kept_goes_on(tmp_path, monkeypatch):
+    j = job(duration=2.0)
+    asked = question(j, SPACE, 4000, 0, "lhs")
+    whole = montecarlo(j, SPACE, 4000, crew=Threads(1)).samples
+    real, left = os.fdopen, [2]
+
+    class Full:
+        def __init__(self, handle: int) -> None:
+            os.close(handle)
+
+        def __enter__(self):
+            return self
+
+        def __exit__(self, *_):
+            return None
+
+        def write(self, data: bytes) -> int:
+            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    def fdopen(handle, *args, **kwargs):
+        left[0] -= 1
+        return real(handle, *args, **kwargs) if left[0] >= 0 else Full(handle)
+
+    journal = Journal(tmp_path / "j", asked)
+    with monkeypatch.context() as patch:
+        patch.setattr(newfile.os, "fdopen", fdopen)
+        with pytest.raises(DataError, match="No space left on device") as said:
+            montecarlo(j, SPACE, 4000, crew=Threads(1), journal=journal)
+    assert "\n" not in str(said.value)
+    assert sorted(p.name for p in (tmp_path / "j").iterdir()) == [
+        "chunk_0000000.npz", "chunk_0000001.npz", "question.json",
+    ]  # fmt: skip
+    again = montecarlo(j, SPACE, 4000, crew=Threads(2), journal=Journal(tmp_path / "j", asked, resume=True)).samples
+    assert same(whole, again)
+
+
+def test_only_what_is_missing_is_done_again(tmp_path):
+    j = job(duration=2.0)
+    journal = Journal(tmp_path / "j", question(j, SPACE, 4000, 0, "lhs"))
+    seen: list[tuple[int, int]] = []
+    first = montecarlo(j, SPACE, 4000, crew=Threads(2), journal=journal, progress=lambda *a: seen.append(a)).samples
+    assert seen[0] == (0, 4000) and seen[-1] == (4000, 4000) and seen == sorted(seen)
+    journal.path(2).unlink()
+    seen.clear()
+    again = montecarlo(j, SPACE, 4000, crew=Threads(1), journal=journal, progress=lambda *a: seen.append(a)).samples
+    assert seen == [(2976, 4000), (4000, 4000)] and same(first, again)
