@@ -14,6 +14,7 @@ __version__ = "0.1.0"
 
 if TYPE_CHECKING:
     from leadscrew.catalogue import block, study
+    from leadscrew.experiment import Experiment
     from leadscrew.kernel.batch import Batch
     from leadscrew.kernel.block import Block, actuator, controller, disturbance, metric, plant, reference, sensor
     from leadscrew.kernel.errors import (
@@ -30,6 +31,10 @@ if TYPE_CHECKING:
     from leadscrew.kernel.noise import normal, uniform
     from leadscrew.kernel.run import Run, load
     from leadscrew.kernel.sheet import Doc, Ge, Gt, Le, Lt, Unit
+    from leadscrew.tune.compare import compare
+    from leadscrew.tune.job import Job
+    from leadscrew.tune.montecarlo import montecarlo
+    from leadscrew.tune.space import Space
 
 __all__ = [
     "Batch",
@@ -39,8 +44,10 @@ __all__ = [
     "Diverged",
     "DivergenceWarning",
     "Doc",
+    "Experiment",
     "Ge",
     "Gt",
+    "Job",
     "Le",
     "LeadscrewError",
     "Live",
@@ -48,15 +55,18 @@ __all__ = [
     "Lt",
     "NameUnknown",
     "Run",
+    "Space",
     "SubsetError",
     "Unit",
     "ValueRefused",
     "actuator",
     "block",
+    "compare",
     "controller",
     "disturbance",
     "load",
     "metric",
+    "montecarlo",
     "normal",
     "plant",
     "reference",
@@ -67,6 +77,7 @@ __all__ = [
 
 _HOMES = {
     "catalogue": "block study",
+    "experiment": "Experiment",
     "kernel.batch": "Batch",
     "kernel.block": "Block actuator controller disturbance metric plant reference sensor",
     "kernel.errors": "BlockError DataError Diverged LeadscrewError NameUnknown SubsetError ValueRefused",
@@ -75,8 +86,12 @@ _HOMES = {
     "kernel.noise": "normal uniform",
     "kernel.run": "Run load",
     "kernel.sheet": "Doc Ge Gt Le Lt Unit",
+    "tune.compare": "compare",
+    "tune.job": "Job",
+    "tune.montecarlo": "montecarlo",
+    "tune.space": "Space",
 }
-"""The module of each public name."""
+"""The module of each public name. The function ``tune`` is in the package that has its name here."""
 
 
 __getattr__, __dir__ = doors(globals(), _HOMES)

@@ -115,7 +115,7 @@ def validated(table: Mapping[str, Any], where: Path) -> ControllerFile:
     beside = where.resolve().parent
     return ControllerFile(
         userfile.absolute(table["study"], beside), userfile.absolute(table["controller"], beside),
-        dict(_flat(table.get("set", {}))), table.get("tuning", {}),
+        dict(flat(table.get("set", {}))), table.get("tuning", {}),
     )  # fmt: skip
 
 
@@ -136,10 +136,11 @@ def block(path: str | Path, study: Study | None = None) -> Block:
     return replace(base, params=params)
 
 
-def _flat(table: Mapping[str, Any], prefix: str = "") -> list[tuple[str, Any]]:
+def flat(table: Mapping[str, Any], prefix: str = "") -> list[tuple[str, Any]]:
+    """Dotted keys and values of nested tables."""
     found: list[tuple[str, Any]] = []
     for key, value in table.items():
-        found += _flat(value, f"{prefix}{key}.") if isinstance(value, Mapping) else [(f"{prefix}{key}", value)]
+        found += flat(value, f"{prefix}{key}.") if isinstance(value, Mapping) else [(f"{prefix}{key}", value)]
     return found
 
 

@@ -13,6 +13,9 @@
     [set]
     scenario.target_mm = -120
     plant.full_duty_speed_mm_s = 300
+
+    [files]                             # SHA-256 of files that it needs; refused where one has changed
+    "lathe.toml" = "9f2b..."
 """
 
 from __future__ import annotations
@@ -52,6 +55,8 @@ class Experiment:
     seed: int | None = None
     run: int = 0
     """Number of the run in the noise: run ``k`` of a batch is the experiment with ``run=k``."""
+    files: Mapping[str, str] = field(default_factory=dict)
+    """SHA-256, by path, of controller files that must be as they were; of others nothing is asked."""
     source: str = ""
     """The file that it was read from, for error texts."""
 
@@ -81,6 +86,7 @@ class Experiment:
         unknown = [k for k in self.changes if k not in (sheet := self.settable())]
         if unknown:
             raise NameUnknown(f"there is no parameter {unknown[0]!r}{nearest(unknown[0], list(sheet))}")
+        self._check_files()
         found = self._subject()
         if isinstance(found, _Loop()):
             loop = found.using(self.changes)
@@ -94,6 +100,14 @@ class Experiment:
             loop = loop.using(seed=self.seed)
         loop.origin = self.origin
         return loop
+
+    def _check_files(self) -> None:
+        for path, now in userfile.digests(self.controller).items():
+            if now and self.files.get(path, now) != now:
+                raise ValueRefused(
+                    f"{path} has changed since these numbers were computed: put the old file back, or remove its line "
+                    "under [files] to run with the new one"
+                )
 
     @property
     def origin(self) -> dict[str, Any]:
@@ -271,4 +285,5 @@ def read(path: str | Path) -> Experiment:
         found,
         study=userfile.absolute(found.study, beside),
         controller=None if found.controller is None else userfile.absolute(found.controller, beside),
+        files={userfile.absolute(k, beside): v for k, v in found.files.items()},
     )

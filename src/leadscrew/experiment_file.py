@@ -27,6 +27,7 @@ class ExperimentFile(BaseModel):
     record: list[str] | None = None
     seed: Annotated[int, Field(ge=0)] | None = None
     run: Annotated[int, Field(ge=0, lt=2**31)] = 0
+    files: dict[str, str] = {}
     changes: Annotated[dict[str, Any], Field(alias="set")] = {}
 
 
@@ -58,6 +59,7 @@ def validated(table: Mapping[str, Any], where: str) -> Experiment:
         record=None if file.record is None else tuple(file.record),
         seed=file.seed,
         run=file.run,
+        files=file.files,
         source=where,
     )
 

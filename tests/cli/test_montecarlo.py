@@ -3,7 +3,11 @@
 from __future__ import annotations
 
 import json
+import os
 import shlex
+import signal
+import subprocess
+import sys
 
 import numpy as np
 import pyarrow.parquet as pq
@@ -32,14 +36,26 @@ def test_a_report_with_everything(call, asked, tmp_path):
         "overshoot<=0.1", "--sobol", "16", "--wear", "plant.lag_s=x1:x2", "--life", "3", "--worst", "2", "-o", "out",
     )  # fmt: skip
     out = call(*asked, *more).stdout
-    for words in ("rms_error@small<=0.3", "all together", "rank correlation", "Sobol", "of the life", "runs/s", "MiB"):
+    for words in (
+        "rms_error@small<=0.3",
+        "all together",
+        "which runs fail",
+        "rank correlation",
+        "Sobol",
+        "of the life",
+        "runs/s",
+        "MiB",
+    ):
         assert words in out, words
     shown = {p.name for p in (tmp_path / "out").iterdir()}
     assert {"report.html", "samples.parquet", "summary.json", "worst", "sensitivity.png", "sobol.png"} <= shown
     assert {"rms_error.png", "life_rms_error.png", "life_yield.png"} <= shown
     assert not (tmp_path / "out.journal").exists()
     page = (tmp_path / "out" / "report.html").read_text()
-    assert page.count("data:image/") == 4 + 2 + 5 and "<script" not in page and "http" not in page.split("<body>")[1]
+    assert (tmp_path / "out" / "fails_rms_error_small_at_most_0.3.png").exists()
+    assert (
+        page.count("data:image/") == 4 + 1 + 2 + 5 and "<script" not in page and "http" not in page.split("<body>")[1]
+    )
     table = pq.read_table(tmp_path / "out" / "samples.parquet")
     assert table.num_rows == 400 and {"run", "scenario", "plant.lag_s", "rms_error", "diverged_at"} <= {
         *table.column_names
@@ -48,6 +64,12 @@ def test_a_report_with_everything(call, asked, tmp_path):
     assert said["runs"] == 200 and said["metrics"][0]["unit"] == "mm" and len(said["sobol"]) == 2 * 2 * 4
     values = table.column("rms_error").to_numpy()[:200]
     assert said["yields"][0]["passed"] == (values <= 0.3).sum()
+    failed, lag = values > 0.3, table.column("plant.lag_s").to_numpy()[:200]
+    (row,) = [f for f in said["failures"] if f["key"] == "plant.lag_s"]
+    assert (row["failed"], row["low"]) == (failed.sum(), lag[failed].min()) and "Which runs fail" in page
+    assert f"{row['failed']} of {row['inside']} fail" in page and f"{row['failed']} of {row['inside']} fail" in out
+    assert "Latin hypercube" in said["notes"][0] and page.count("derived for independent runs") == 3
+    assert {s["total_known"] for s in said["sobol"]} <= {True, False}
     for row in said["worst"]:
         assert row["command"] in out
         again = call(*shlex.split(row["command"])[1:], "--json", code=None)
@@ -59,6 +81,78 @@ def test_json_is_strict_and_the_same_for_any_crew(call, asked):
     assert one.pop("cost")["crew"] == "1 thread" and two.pop("cost")["crew"] == "2 threads"
     assert one == two and one["joint"]["value"] == 1.0 and one["report"].endswith("noisy.py:STUDY") is False
     assert one["report"] == "report/STUDY_montecarlo/report.html"
+
+
+def test_runs_that_are_one_run_are_said_to_be(call, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    quiet = ("montecarlo", NAME, "-c", "p", "-s", "small", "--set", "sensor.noise_mm=0", "--runs", "20")
+    done = call(*quiet, "--tolerance", "rms_error<=10", "--wear", "plant.lag_s=x1:x100", "--life", "2", "-o", "out")
+    assert "all 20 runs are the same run" in done.stderr and done.stderr.count("\n") == 1
+    assert "100 %   –" in done.stdout and "95 %:" not in done.stdout and "20 of 20" in done.stdout
+    page = (tmp_path / "out" / "report.html").read_text()
+    assert "All 20 runs are the same run" in page and "95 %:" not in page
+    said = json.loads((tmp_path / "out" / "summary.json").read_text())
+    assert "the same run" in said["notes"][0] and said["joint"]["low"] is None
+    assert call(*quiet[:-1], "1", "-o", "one").stderr == ""
+
+
+def test_sobol_indices_that_nobody_can_know_are_not_shown(call, tmp_path, monkeypatch):
+    needed("SALib", "tune")
+    monkeypatch.chdir(tmp_path)
+    # At the shortest lags the error grows a hundredfold, yet nothing diverges.
+    wild = ("--over", "plant.lag_s=0.0016:0.08:log", "--over", "controller.kp=3:4", "--duration", "0.05")
+    done = call("montecarlo", NAME, "-c", "p", *wild, "--runs", "50", "--sobol", "8", "-o", "out")
+    said = json.loads((tmp_path / "out" / "summary.json").read_text())
+    lost = [s for s in said["sobol"] if not s["total_known"]]
+    assert lost and all(s["total_width"] > 1 for s in lost) and "take a larger N than 8" in done.stdout
+    assert "not known" in done.stdout and "take a larger N than 8" in (tmp_path / "out" / "report.html").read_text()
+
+
+def test_a_worst_run_knows_its_controller_file(call, refused, asked, tmp_path):
+    file = tmp_path / "tuned.toml"
+    text = f'schema_version = 1\nkind = "controller"\nstudy = "{NAME}"\ncontroller = "p"\n[set]\nkp = 4.5\n'
+    file.write_text(text)
+    call("montecarlo", NAME, "-c", "tuned.toml", *asked[4:], "-o", "out", "--no-figures", "--worst", "1")
+    row = json.loads((tmp_path / "out" / "summary.json").read_text())["worst"][0]
+    again = ("simulate", "out/" + row["file"])
+    assert strict_json(call(*again, "--json", "--out", "run").stdout)["metrics"][row["of"]] == row["value"]
+    file.write_text(text.replace("4.5", "4.6"))
+    said = refused(*again)
+    assert f"{file} has changed since" in said and "put the old file back" in said and "[files]" in said
+    assert "has changed since" in refused("montecarlo", "out/" + row["file"], "--runs", "2", "-o", "more")
+    # A run folder holds every parameter: it is the same run still, and would say so if it were not.
+    assert "identical" in call("replay", "run").stdout
+    assert call(*again, "-c", "p").stderr == ""
+    file.write_text(text)
+    assert strict_json(call(*again, "--json").stdout)["metrics"][row["of"]] == row["value"]
+    file.unlink()
+    assert "tuned.toml" in refused(*again)
+
+
+def test_what_a_killed_process_left_is_cleared_and_nothing_else(call, asked, tmp_path):
+    (tmp_path / "reports").mkdir()
+    dead = subprocess.Popen([sys.executable, "-c", ""])
+    dead.wait()
+    kill = """
+import os, signal, sys
+from leadscrew.tune.montecarlo_folder import placed
+with placed(sys.argv[1]) as beside:
+    (beside / "half.txt").write_text("half")
+    os.kill(os.getpid(), signal.SIGKILL)
+"""
+    out = tmp_path / "reports" / "out"
+    assert subprocess.run([sys.executable, "-c", kill, out], check=False).returncode == -signal.SIGKILL
+    (left,) = out.parent.iterdir()
+    machine = left.name.removeprefix(".out-").split("-")[0]
+    kept = {
+        f".out-{machine}-{os.getpid()}-alive.partial", f".out-elsewhere-{dead.pid}-x.partial", ".out-mine.partial",
+        f".output-{machine}-{dead.pid}-x.partial", f".out-{machine}-{dead.pid}-x.txt",
+    }  # fmt: skip
+    for name in kept:
+        (out.parent / name).mkdir()
+    (out.parent / f".out-{machine}-{dead.pid}-x.old").mkdir()
+    call(*asked, "-o", out, "--no-figures")
+    assert {p.name for p in out.parent.iterdir()} == {"out", *kept}
 
 
 def test_an_older_report_is_replaced_and_other_folders_are_not(call, refused, asked, tmp_path):

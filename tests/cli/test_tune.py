@@ -16,6 +16,8 @@ from leadscrew.cli import app
 from leadscrew.cli import compare as compare_command
 from leadscrew.cli import tune as tune_command
 from tests.cli.conftest import strict_json
+from tests.tools import needed
+from tests.tune.shared import dask
 
 STEPS = ("-s", "fig11a_step_m50", "-s", "fig11b_step_m170", "--duration", "2.2")
 VARY = ("--vary", "controller.output_gain=0.5:4:log", "--vary", "controller.tau=0.3:1.5")
@@ -72,7 +74,13 @@ def test_tunes_writes_and_the_file_is_a_controller(call, tmp_path):
     )
     assert found["metrics"]["overshoot"] <= 0.02 and found["controller"] == str(out)
     call("export", "vud_lathe", "-c", out, "-t", "c99", "--out", tmp_path / "c", "--duration", "0.1")
-    assert "vud_lathe" in call("list", out).stdout
+    shown = call("list", out).stdout
+    assert f"{out}: a controller of vud_lathe, corrected.vud_beta_e with these settings" in shown
+    assert "output_gain" in shown and "floor" not in shown, "what is set, not what is not"
+    assert "40 evaluations by cma, seed 3" in shown and "keeps the constraint on the 4 plants" in shown
+    listed = strict_json(call("list", out, "--json").stdout)
+    assert {p["key"]: p["value"] for p in listed["parameters"] if p["set"]} == file["set"]
+    assert listed["tuning"]["held_out"] == file["tuning"]["held_out"]
     again = strict_json(call(*SMALL[:3], out, *SMALL[4:], "--json").stdout)
     assert again["present"]["controller.tau"] == file["set"]["tau"]
 
@@ -83,6 +91,23 @@ def test_json_has_everything_and_is_the_same_on_one_and_two_threads(call):
         del f["wall_s"], f["crew"]
     assert found[0] == found[1]
     assert {"values", "before", "trained", "held_out", "history", "verdict", "versions"} <= set(found[0])
+
+
+def test_values_at_the_ends_of_their_ranges_are_noted_everywhere(call, tmp_path):
+    narrow = ("--vary", "controller.output_gain=0.5:0.6", "--minimise", "rms_error", "--budget", "20", "--seed", "1")
+    asked = ("tune", "vud_lathe", "-c", "corrected.vud_beta_e", *STEPS, *narrow)
+    words = "is at the upper end of its range 0.5:0.6: the best may lie beyond it"
+    done = call(*asked, "-o", tmp_path / "t.toml", "--report", tmp_path / "r")
+    assert done.stderr.startswith("leadscrew: note: controller.output_gain = ") and done.stderr.endswith(f"{words}\n")
+    assert words in tomllib.loads((tmp_path / "t.toml").read_text())["tuning"]["notes"][0]
+    assert words in json.loads((tmp_path / "r" / "tune.json").read_text())["notes"][0]
+    assert words in (tmp_path / "r" / "report.html").read_text()
+    named = ("-c", "ours.pd", *STEPS, "--vary", "corrected.vud_beta_e:controller.output_gain=0.5:0.6", *narrow[2:])
+    compared = (*asked[:1], *asked[1:4], *named, "--unseen", "3")
+    done = call("compare", *compared[1:], "--report", tmp_path / "c")
+    assert done.stderr.startswith("leadscrew: note: corrected.vud_beta_e: controller.output_gain = ")
+    assert words in json.loads((tmp_path / "c" / "compare.json").read_text())["notes"][0]
+    assert words in (tmp_path / "c" / "report.html").read_text()
 
 
 def test_several_goals_give_a_front_as_table_and_picture(call, tmp_path):
@@ -120,6 +145,80 @@ def test_after_a_kill_resume_gives_the_identical_file(tmp_path, call):
     call(*long, "-o", out, "--resume")
     assert out.read_text() == whole.read_text()
     assert not journal.exists()
+
+
+BAD = (*SMALL[:4], *STEPS[:2], "--duration", "0.05", *VARY, *OVER, "--minimise", "settling_2um", "--budget", "10")
+"""Of no run can settling be judged."""
+
+
+def test_a_question_that_has_no_answer_leaves_nothing_in_the_way_of_a_better_one(call, refused, tmp_path):
+    out = tmp_path / "t.toml"
+    assert "could be judged" in refused(*BAD, "-o", out)
+    assert list(tmp_path.iterdir()) == [], "the default journal is gone, though it had chunks"
+    assert "could be judged" in refused(*BAD, "-o", out, "--journal", tmp_path / "mine")
+    assert list((tmp_path / "mine").glob("chunk_*")), "one that was named stays"
+    call(*SMALL, "-o", out)
+
+
+def test_a_command_that_ends_before_a_chunk_is_done_leaves_no_journal(refused, tmp_path, monkeypatch):
+    from leadscrew.kernel.errors import ValueRefused
+    from leadscrew.tune import job as jobs
+
+    def refuse(self, chunk, threads=1):
+        raise ValueRefused("no such plant")
+
+    monkeypatch.setattr(jobs.Job, "run", refuse)
+    compared = ("compare", "vud_lathe", "-c", "ours.pd", "-c", "corrected.vud_beta_e", *STEPS, *WANTED)
+    for asked in ((*SMALL, "-o", tmp_path / "t.toml"), (*compared, "--report", tmp_path / "c1")):
+        for journal in ((), ("--journal", tmp_path / "mine")):
+            assert refused(*asked, *journal).endswith("no such plant\n")
+            assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("place", ["chunk", "file", "report"])
+def test_a_full_disk_keeps_what_is_done_and_says_how_to_go_on(call, refused, tmp_path, monkeypatch, place):
+    from leadscrew import newfile
+    from leadscrew.kernel.errors import DataError
+    from leadscrew.tune import journal, tuned_files, tuned_report
+
+    out, report, count = tmp_path / "t.toml", tmp_path / "report", iter(range(1000))
+
+    def full(*args, **kwargs):
+        if place != "chunk" or next(count) > 3:
+            raise DataError("it cannot be written: No space left on device")
+        newfile.save(*args, **kwargs)
+
+    with monkeypatch.context() as patch:
+        module, name = {"chunk": (journal, "save"), "file": (tuned_files, "save"), "report": (tuned_report, "write")}[
+            place
+        ]
+        patch.setattr(module, name, full)
+        said = refused(*SMALL, "-o", out, "--report", report)
+    kept = tmp_path / "t.toml.journal"
+    assert said.endswith(
+        f"No space left on device; {kept} keeps what is done: the same command with --resume goes on\n"
+    )
+    assert [p.name for p in tmp_path.iterdir()] == [kept.name], "no half of the answer"
+    call(*SMALL, "-o", out, "--report", report, "--resume")
+    assert sorted(p.name for p in tmp_path.iterdir()) == ["report", "t.toml"]
+
+
+def test_a_lost_cluster_keeps_what_is_done(refused, call, tmp_path):
+    needed("distributed", "cluster")
+    out = tmp_path / "t.toml"
+    with dask(tmp_path, 1) as (address, workers):
+        running = process(*LATHE, "--budget", "100000", "-o", out, "--cluster", address)
+        until(running, lambda: len(list(tmp_path.glob("t.toml.journal/chunk_*"))) > 3)
+        from distributed import Client
+
+        with Client(address) as client:
+            scheduler = client.run_on_scheduler(os.getpid)
+            os.kill(scheduler, signal.SIGKILL)
+            _, stderr = running.communicate(timeout=60)
+    assert running.returncode == 2
+    assert stderr.splitlines()[-1].startswith(f"leadscrew: the Dask scheduler at {address} is gone")
+    assert stderr.endswith(f"{out}.journal keeps what is done: the same command with --resume goes on\n")
+    assert workers
 
 
 def test_ctrl_c_keeps_what_is_done_and_says_how_to_go_on(tmp_path):

@@ -57,32 +57,50 @@ def files_of(page: Path) -> dict[str, str]:
     return found
 
 
-def prepare(page: Path, folder: Path, tools: dict[str, str]) -> Path:
-    """Writes the files of a page and its commands as a script; ``tools`` come before the machine's programs."""
+def apart(steps: list[Step]) -> tuple[list[Step], list[Step]]:
+    """Commands that build on each other, and those that neither write nor read anything that the others write."""
+    written = [w for s in steps for w in re.findall(r"(?:-o|--out|--report|--journal) (\S+)", s.command)]
+
+    def alone(step: Step) -> bool:
+        return step.command.startswith("leadscrew ") and not any(
+            re.search(rf"(?<![\w.-]){re.escape(w)}(?![\w-])", step.command) for w in written
+        )
+
+    return [s for s in steps if not alone(s)], [s for s in steps if alone(s)]
+
+
+def prepare(page: Path, folder: Path, tools: dict[str, str], steps: list[Step] | None = None, name: str = "") -> Path:
+    """Writes the files of a page and its commands, or some of them, as a script ``session{name}.sh``.
+
+    ``tools`` come before the machine's programs.
+    """
     programs = folder / "programs"
-    programs.mkdir()
+    programs.mkdir(exist_ok=True)
     ours = f'exec {shlex.quote(sys.executable)} -c "from leadscrew.cli import main; main()" "$@"'
-    for name, text in {"leadscrew": ours, **tools}.items():
-        (programs / name).write_text(f"#!/bin/sh\n{text}\n", encoding="utf-8")
-        (programs / name).chmod(0o755)
-    for name, text in files_of(page).items():
-        (folder / name).write_text(text, encoding="utf-8")
+    for tool, text in {"leadscrew": ours, **tools}.items():
+        (programs / tool).write_text(f"#!/bin/sh\n{text}\n", encoding="utf-8")
+        (programs / tool).chmod(0o755)
+    for file, text in files_of(page).items():
+        (folder / file).write_text(text, encoding="utf-8")
     lines = [f"export PATH={shlex.quote(str(programs))}:$PATH"]
-    for step in steps_of(page):
+    for step in steps_of(page) if steps is None else steps:
         given = "".join(f"{x}\n" for x in step.given)
         lines += [f"printf '\\n{MARK}\\n'", f"{step.command} <<'END'\n{given}END", f"printf '\\n{MARK} %s\\n' $?"]
-    script = folder / "session.sh"
+    script = folder / f"session{name}.sh"
     script.write_text("\n".join(lines) + "\n", encoding="utf-8")
     return script
 
 
-def compare(page: Path, printed: str) -> None:
-    """Asserts that what is shown came out, ``...`` being any lines; only what shows a refusal may fail, and must."""
+def compare(page: Path, printed: str, steps: list[Step] | None = None) -> None:
+    """Asserts that what is shown came out, ``...`` being any lines; only what shows a refusal may fail, and must.
+
+    ``steps`` are the commands that were typed, where these are not all of the page.
+    """
     said = re.findall(rf"{MARK}\n(.*?)\n{MARK} (\d+)$", printed, re.DOTALL | re.MULTILINE)
-    steps = steps_of(page)
+    steps = steps_of(page) if steps is None else steps
     assert len(said) == len(steps), printed
     for step, (text, code) in zip(steps, said, strict=True):
-        refused = any(x.startswith("leadscrew: ") for x in step.shown)
+        refused = any(re.match("leadscrew: (?!note: )", x) for x in step.shown)
         assert (code != "0") == refused, f"{step.command} ended with {code}:\n{text}"
         assert_shown(step, text)
 

@@ -40,3 +40,33 @@ def commands_of(page: Path) -> list[str]:
     """The lines of ``console`` and ``sh`` blocks that call the command line."""
     lines = [line.strip().removeprefix("$ ") for _, body in blocks(page, ("console", "sh", "bash")) for line in body]
     return [line.split("  #")[0].strip() for line in lines if line.startswith("leadscrew ")]
+
+
+MARK = "@@@ end of block"
+
+
+def with_marks(page: Path) -> str:
+    """The page's Python, with the same line numbers; a mark is printed where each block ends."""
+    lines = python_of(page).splitlines()
+    for first, body in blocks(page, ("python",)):
+        lines[first + len(body)] = f"print({MARK!r})"
+    return "\n".join(lines) + "\n"
+
+
+def shown(page: Path) -> list[str]:
+    """What the page shows of each Python block: the ``text`` block right behind it, or nothing."""
+    lines = page.read_text(encoding="utf-8").splitlines()
+    texts = dict(blocks(page, ("text",)))
+    found = []
+    for first, body in blocks(page, ("python",)):
+        end = first + len(body) + 1
+        after = next((i for i in range(end, len(lines)) if lines[i].strip()), end)
+        found.append("\n".join(texts.get(after + 1, [])))
+    return found
+
+
+def assert_printed(page: Path, said: str) -> None:
+    """Asserts that the Python with its marks printed what the page shows of each block."""
+    printed = said.split(f"{MARK}\n")
+    assert printed.pop() == "", said
+    assert [text.rstrip("\n") for text in printed] == shown(page)

@@ -8,39 +8,18 @@ import pytest
 
 from leadscrew.export.folder import compiler_path
 from tests.docs import sessions
-from tests.docs.snippets import ROOT, blocks, python_of
+from tests.docs.snippets import ROOT, assert_printed, shown, with_marks
 from tests.tools import missing
 
 PAGE = ROOT / "docs" / "fuzzy.md"
 EXAMPLES = ROOT / "examples"
-MARK = "@@@ end of block"
-
-
-def with_marks():
-    """The page's Python, with the same line numbers; a mark is printed where each block ends."""
-    lines = python_of(PAGE).splitlines()
-    for first, body in blocks(PAGE, ("python",)):
-        lines[first + len(body)] = f"print({MARK!r})"
-    return "\n".join(lines) + "\n"
-
-
-def shown():
-    """What the page shows of each Python block: the ``text`` block right behind it, or nothing."""
-    page = PAGE.read_text(encoding="utf-8").splitlines()
-    texts = dict(blocks(PAGE, ("text",)))
-    found = []
-    for first, body in blocks(PAGE, ("python",)):
-        end = first + len(body) + 1
-        after = next((i for i in range(end, len(page)) if page[i].strip()), end)
-        found.append("\n".join(texts.get(after + 1, [])))
-    return found
 
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
     """A folder in which the Python of the page ran, and then every command was typed."""
     place = tmp_path_factory.mktemp("fuzzy")
-    (place / "page.py").write_text(with_marks(), encoding="utf-8")
+    (place / "page.py").write_text(with_marks(PAGE), encoding="utf-8")
     done = subprocess.run(
         [sys.executable, "page.py"], cwd=place, env={**os.environ, "MPLBACKEND": "Agg"}, capture_output=True, text=True
     )
@@ -53,9 +32,8 @@ def folder(tmp_path_factory):
 
 
 def test_the_python_of_the_page_prints_what_it_shows(folder):
-    printed = (folder / "python.txt").read_text(encoding="utf-8").split(f"{MARK}\n")[:-1]
-    assert [text.rstrip("\n") for text in printed] == shown()
-    assert sum(map(bool, shown())) >= 9
+    assert_printed(PAGE, (folder / "python.txt").read_text(encoding="utf-8"))
+    assert sum(map(bool, shown(PAGE))) >= 9
 
 
 def test_every_command_does_what_it_shows(folder):

@@ -79,6 +79,30 @@ def waited(what: Callable[[], Any], seconds: float = 30.0) -> Any:
     raise AssertionError("waited too long")
 
 
+KERNEL = """
+import threadpoolctl
+print(*{i["architecture"] for i in threadpoolctl.threadpool_info() if i["internal_api"] == "openblas"})
+"""
+
+
+def on_kernels(program: str, *options: str) -> dict[str, str]:
+    """What a program prints, by the kernel of OpenBLAS that does the linear algebra of NumPy and SciPy."""
+    import pytest
+
+    found = {}
+    for kernel in ("Haswell", "Prescott", "SkylakeX"):
+        done = subprocess.run(
+            [sys.executable, "-c", program + KERNEL, *options], capture_output=True, text=True, timeout=120,
+            env={**environment(), "OPENBLAS_CORETYPE": kernel},
+        )  # fmt: skip
+        *said, name = done.stdout.strip().splitlines() or [""]
+        if done.returncode == 0 and name and " " not in name:  # one that this processor lacks is killed
+            found[name] = "\n".join(said)
+    if len(found) < 2:
+        pytest.skip("needs a processor and a NumPy with several kernels of OpenBLAS")
+    return found
+
+
 @contextmanager
 def dask(folder: Path, workers: int) -> Iterator[tuple[str, list[subprocess.Popen[bytes]]]]:
     """A scheduler and workers as processes on loopback; gives the address and the workers."""

@@ -5,17 +5,19 @@ from __future__ import annotations
 import os
 import signal
 import socket
+import subprocess
+import sys
 import time
 
 import numpy as np
 import pytest
 
 from leadscrew.kernel.errors import LeadscrewError, ValueRefused
-from leadscrew.tune.crew import Threads, crew
+from leadscrew.tune.crew import CrewLost, Threads, crew
 from leadscrew.tune.montecarlo import montecarlo
 from leadscrew.tune.space import Space
 from tests.tools import needed
-from tests.tune.shared import dask, job, lathe, same
+from tests.tune.shared import dask, environment, job, lathe, same, waited
 
 SPACE = Space.of(["plant.full_duty_speed_mm_s=259:334", "plant.mechanical_lag_s=normal:0.017:0.002"])
 NOISY = Space.of(["plant.lag_s=0.02:0.08"])
@@ -107,4 +109,70 @@ def test_a_scheduler_without_workers_is_said(tmp_path, monkeypatch):
 )
 def test_what_is_no_crew_is_refused(options, words):
     with pytest.raises(ValueRefused, match=words), crew(**options):
+        pass
+
+
+def test_a_scheduler_that_dies_is_said_and_not_waited_for(tmp_path):
+    needed("distributed", "cluster")
+    with dask(tmp_path, 1) as (address, _), crew(address) as cluster:
+        scheduler = cluster.client.run_on_scheduler(os.getpid)
+        began = time.monotonic()
+        with pytest.raises(CrewLost, match=f"the Dask scheduler at {address} is gone"):
+            montecarlo(lathe(2.0), SPACE, 15_000, crew=cluster, progress=lambda *_: os.kill(scheduler, signal.SIGKILL))
+    assert time.monotonic() - began < 40.0
+
+
+@pytest.mark.parametrize(("stopped", "words"), [("scheduler", "is gone"), ("worker", "has lost all of its workers")])
+def test_a_silent_cluster_is_not_waited_for(tmp_path, monkeypatch, stopped, words):
+    needed("distributed", "cluster")
+    monkeypatch.setattr("leadscrew.tune.crew.LOOK_S", 0.2)
+    monkeypatch.setattr("leadscrew.tune.crew.LOST_S", 2.0)
+    with dask(tmp_path, 1) as (address, workers), crew(address) as cluster:
+        pid = workers[0].pid
+        if stopped == "scheduler":
+            pid = cluster.client.run_on_scheduler(os.getpid)
+        with pytest.raises(CrewLost, match=words):
+            how = signal.SIGSTOP if stopped == "scheduler" else signal.SIGKILL
+            montecarlo(lathe(2.0), SPACE, 15_000, crew=cluster, progress=lambda *_: os.kill(pid, how))
+
+
+SCRIPT = """
+from leadscrew.experiment import Experiment
+from leadscrew.tune.crew import crew
+from leadscrew.tune.job import Job
+from leadscrew.tune.montecarlo import montecarlo
+from leadscrew.tune.space import Space
+
+print("once")
+job = Job(Experiment("vud_lathe", "corrected.vud_beta_e"), ("fig11a_step_m50",), 0.2)
+with crew("local:2") as workers:
+    found = montecarlo(job, Space.of(["plant.full_duty_speed_mm_s=259:334"]), 100, crew=workers)
+    print(len(found.samples), "runs")
+    DIE
+"""
+
+
+def test_a_script_without_a_main_guard_may_take_workers_of_this_machine(tmp_path):
+    needed("distributed", "cluster")
+    (tmp_path / "script.py").write_text(SCRIPT.replace("DIE", ""))
+    done = subprocess.run([sys.executable, "script.py"], cwd=tmp_path, capture_output=True, text=True, timeout=120,
+                          env=environment())  # fmt: skip
+    assert (done.returncode, done.stdout, done.stderr) == (0, "once\n100 runs\n", "")
+
+
+def test_workers_of_this_machine_leave_when_their_script_is_killed(tmp_path):
+    needed("distributed", "cluster")
+    killed = "import os; print(workers.client.cluster.scheduler_address, flush=True); os.kill(os.getpid(), 9)"
+    (tmp_path / "script.py").write_text(SCRIPT.replace("DIE", killed))
+    done = subprocess.run([sys.executable, "script.py"], cwd=tmp_path, capture_output=True, text=True, timeout=120,
+                          env=environment())  # fmt: skip
+    assert done.returncode == -signal.SIGKILL, done.stderr
+    address = done.stdout.split()[-1]
+    waited(lambda: not subprocess.run(["pgrep", "-f", address], capture_output=True, check=False).stdout, 60.0)
+
+
+def test_workers_that_do_not_start_are_said(monkeypatch):
+    needed("distributed", "cluster")
+    monkeypatch.setattr(sys, "executable", "/bin/false")
+    with pytest.raises(LeadscrewError, match="the 2 workers on this machine did not start"), crew("local:2"):
         pass

@@ -30,11 +30,22 @@ def test_what_is_put_is_got(tmp_path):
 
 
 def test_another_question_is_refused_and_named(tmp_path):
-    Journal(tmp_path / "j", ASKED)
+    Journal(tmp_path / "j", ASKED).put(0, {"m": np.arange(3.0)})
     for resume in (True, False):
-        with pytest.raises(ValueRefused, match=r"another question \(different: runs\)"):
+        with pytest.raises(ValueRefused, match=r"another question \(different: runs\); remove it, or choose another"):
             Journal(tmp_path / "j", {**ASKED, "runs": 4}, resume)
     with pytest.raises(ValueRefused, match="--resume"):
+        Journal(tmp_path / "j", ASKED)
+
+
+def test_a_journal_without_any_chunk_is_in_nobodys_way(tmp_path):
+    Journal(tmp_path / "j", ASKED)
+    (tmp_path / "j" / "question.json").write_text("{")
+    journal = Journal(tmp_path / "j", {**ASKED, "runs": 4})
+    assert journal.chunks == 0
+    journal.put(0, {"m": np.arange(3.0)})
+    assert Journal(tmp_path / "j", {**ASKED, "runs": 4}, resume=True).chunks == 1
+    with pytest.raises(ValueRefused, match="another question"):
         Journal(tmp_path / "j", ASKED)
 
 
@@ -45,17 +56,40 @@ def test_a_folder_of_something_else_is_left_alone(tmp_path):
     assert [p.name for p in tmp_path.iterdir()] == ["mine.txt"]
 
 
-def test_a_damaged_file_is_named(tmp_path):
+def test_a_chunk_that_a_power_cut_tore_counts_as_none(tmp_path):
     journal = Journal(tmp_path / "j", ASKED)
     journal.put(0, {"m": np.arange(100.0)})
     whole = journal.path(0).read_bytes()
-    for damaged in (whole[:50], whole[:-60], b"", b"x" * 100):
-        journal.path(0).write_bytes(damaged)
-        with pytest.raises(DataError, match=r"chunk_0000000\.npz cannot be read"):
-            journal.get(0)
+    assert journal.get(0) is not None
+    flipped = whole[:300] + bytes([whole[300] ^ 1]) + whole[301:]
+    for torn in (whole[:50], whole[:-60], b"", b"x" * 100, b"\0" * len(whole), flipped, whole[:200] + b"\0" * 500):
+        journal.path(0).write_bytes(torn)
+        assert journal.get(0) is None
     (tmp_path / "j" / "question.json").write_text("{")
     with pytest.raises(DataError, match=r"question\.json cannot be read"):
         Journal(tmp_path / "j", ASKED, resume=True)
+
+
+def test_a_job_with_torn_chunks_gives_the_identical_result(tmp_path):
+    j = job(duration=2.0)
+    asked = question(j, SPACE, 4000, 0, "lhs")
+    whole = montecarlo(j, SPACE, 4000, crew=Threads(1), journal=Journal(tmp_path / "j", asked)).samples
+    for n, keep in ((0, 0), (2, 1000)):
+        path = tmp_path / "j" / f"chunk_{n:07d}.npz"
+        path.write_bytes(path.read_bytes()[:keep])
+    journal = Journal(tmp_path / "j", asked, resume=True)
+    assert same(whole, montecarlo(j, SPACE, 4000, crew=Threads(1), journal=journal).samples)
+    assert journal.get(0) is not None and journal.get(2) is not None
+
+
+def test_files_are_on_the_disk_before_they_have_their_name(tmp_path, monkeypatch):
+    synced: list[bool] = []
+    monkeypatch.setattr(newfile.os, "fsync", lambda handle: synced.append((tmp_path / "t.toml").exists()))
+    newfile.save("x", tmp_path / "t.toml")
+    assert synced == [False, True], "the file before it is renamed, its folder after"
+    synced.clear()
+    Journal(tmp_path / "j", ASKED).put(0, {"m": np.arange(3.0)})
+    assert len(synced) == 2, "the question; a chunk may be done again"
 
 
 def test_what_a_killed_process_left_is_cleared(tmp_path):

@@ -13,8 +13,10 @@ from leadscrew.kernel.errors import LeadscrewError, NameUnknown, ValueRefused
 from leadscrew.kernel.loop import DivergenceWarning
 from leadscrew.tune.crew import Threads
 from leadscrew.tune.montecarlo import montecarlo
+from leadscrew.tune.montecarlo_notes import alike, independence
 from leadscrew.tune.montecarlo_sobol import sobol_indices
 from leadscrew.tune.space import Space
+from leadscrew.tune.wear import envelope
 from leadscrew.tune.worst import worst, write
 from tests.tools import needed
 from tests.tune.noisy_loop import DIVERGING
@@ -78,6 +80,53 @@ def test_without_a_space_the_noise_alone_differs():
     alone = job().loop("small").run(0.1, every=0, run=17)
     assert alone.metrics["rms_error"] == m.samples.metrics["small"]["rms_error"][17]
     assert m.correlations == ()
+
+
+def test_what_is_given_plainly_is_the_same_question(tmp_path):
+    plain = {"plant.lag_s": (0.02, 0.08), "controller.kp": "normal:4:0.5", "controller.stages": "1:3:int"}
+    asked = {"seed": 3, "tolerances": ["rms_error<=0.3"]}
+    want = montecarlo(job(), SPACE, 100, crew=CREW, **asked)
+    assert same(want.samples, montecarlo(job(), plain, 100, **asked).samples)
+    assert montecarlo(job(), None, 3).samples.columns == {} == montecarlo(job(), (), 3).samples.columns
+    kept = montecarlo(job(), plain, 100, journal=tmp_path / "runs", **asked)
+    with pytest.raises(ValueRefused, match="--resume goes on"):
+        montecarlo(job(), plain, 100, journal=tmp_path / "runs", **asked)
+    with pytest.raises(ValueRefused, match="different: runs"):
+        montecarlo(job(), plain, 99, journal=tmp_path / "runs", resume=True, **asked)
+    told = []
+    again = montecarlo(
+        job(), plain, 100, journal=tmp_path / "runs", resume=True, progress=lambda *x: told.append(x), **asked
+    )
+    assert same(kept.samples, again.samples) and told == [(100, 100)]
+    needed("SALib", "tune")
+    for more in ({}, {"resume": True}):
+        rows = sobol_indices(kept, 16, journal=tmp_path / "sobol", **more)
+        assert rows == sobol_indices(want, 16, crew=CREW)
+
+
+def test_runs_that_are_all_the_same_run_have_no_intervals():
+    quiet = job(changes={"sensor.noise_mm": 0.0})
+    found = montecarlo(quiet, None, 20, tolerances=["rms_error<=10"], crew=CREW)
+    assert found.alike and (found.joint.passed, found.joint.value) == (20, 1.0)
+    ends = [(y.low, y.high) for y in (found.joint, *found.yields.values())]
+    ends += [(q.low, q.high) for s in found.spreads for q in s.quantiles]
+    assert np.isnan(ends).all() and "all 20 runs are the same run" in alike(found)
+    life = envelope(found, {"plant.lag_s": "x1:x2"}, steps=2)
+    assert all(np.isnan(y.low) and y.value == 1.0 for y in life.yields)
+    # One draw, one bit of noise, or one run alone: an interval again.
+    for other in (
+        montecarlo(job(), None, 20),
+        montecarlo(quiet, {"plant.lag_s": (0.02, 0.08)}, 20),
+        montecarlo(quiet, None, 1),
+    ):
+        assert not other.alike and alike(other) == "" and other.joint.low == other.joint.low
+
+
+def test_intervals_say_what_they_rest_on():
+    space = {"plant.lag_s": (0.02, 0.08)}
+    said = {m: independence(montecarlo(job(), space, 4, method=m)) for m in ("lhs", "sobol", "random")}
+    assert "Latin hypercube" in said["lhs"] and "Sobol points" in said["sobol"] and not said["random"]
+    assert independence(montecarlo(job(), None, 4)) == ""
 
 
 def test_every_file_of_the_worst_gives_the_very_run_again(found, tmp_path):

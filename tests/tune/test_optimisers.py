@@ -10,6 +10,7 @@ import pytest
 from leadscrew.kernel.errors import LeadscrewError, NameUnknown, ValueRefused
 from leadscrew.tune import optimisers
 from leadscrew.tune.optimisers import OPTIMISERS, Answer, Search
+from tests.tune.shared import on_kernels
 
 
 def search(name, function, d, budget, seed=1, goals=1, constraints=0, start=None, **more):
@@ -92,15 +93,52 @@ def test_the_same_seed_asks_for_the_same_points_and_another_for_others(name):
 @pytest.mark.parametrize("budget", [8, 9, 50, 333])
 def test_the_budget_is_kept_and_used(name, budget):
     points, _, sizes = search(name, sphere, 3, budget)
-    assert budget / 2.5 <= len(points) <= budget
-    assert np.array_equal(points[0], np.full(3, 0.9)), "the present setting is in the first population"
-    assert min(sizes) >= 2, "whole populations"
+    assert len(points) == budget, "to the last evaluation"
+    assert np.array_equal(points[0], np.full(3, 0.9)), "the present setting is the first"
+    assert min(sizes[:-1]) >= 2, "whole populations but for the last"
     assert points.min() >= 0.0 and points.max() <= 1.0
+
+
+@pytest.mark.parametrize("name", OPTIMISERS)
+def test_a_larger_budget_of_the_same_population_goes_on_from_a_smaller_one(name):
+    few, _, _ = search(name, sphere, 3, 301)
+    more, _, _ = search(name, sphere, 3, 333)
+    assert np.array_equal(more[:301], few)
 
 
 def test_cma_starts_again_where_it_has_converged():
     _, answer, sizes = search("cma", sphere, 2, 4000)
     assert len(set(sizes[1:])) > 1 and best(answer) < 1e-12
+
+
+ASKED = """
+import hashlib, sys
+import numpy as np
+from leadscrew.tune import optimisers
+from leadscrew.tune.optimisers import Answer, Search
+
+if "--without-grid" in sys.argv:
+    optimisers.laid = lambda points, start: np.clip(points, 0.0, 1.0)
+seen = hashlib.sha256()
+
+def evaluate(u):
+    seen.update(np.ascontiguousarray(u).tobytes())
+    x, y, z = 4.0 * u.T - 2.0
+    return Answer(((1 - x) ** 2 + 100 * (y - x**2) ** 2 + 30 * (z - y) ** 2)[:, None], np.zeros((len(u), 0)))
+
+for seed in range(3):
+    optimisers.cma(Search(evaluate, np.full(3, 0.9), 400, seed))
+print(seen.hexdigest())
+"""
+
+
+def test_the_kernel_of_linear_algebra_does_not_matter():
+    assert len(set(on_kernels(ASKED).values())) == 1
+
+
+@pytest.mark.slow
+def test_without_the_grid_it_would():
+    assert len(set(on_kernels(ASKED, "--without-grid").values())) > 1
 
 
 def test_cma_goes_on_over_steps():

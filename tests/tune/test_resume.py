@@ -109,7 +109,7 @@ def test_ctrl_c_keeps_what_is_done_and_says_how_to_go_on(tmp_path, whole):
         _, said = p.communicate(timeout=60)
         assert p.returncode == 130
     lines = said.decode().splitlines()
-    assert len(lines) == 1 and re.match(r"interrupted: [1-9]\d* runs are kept in ", lines[0]), lines
+    assert len(lines) == 1 and re.match(r"leadscrew: interrupted; [1-9]\d* runs are kept in ", lines[0]), lines
     assert "go on with: leadscrew montecarlo" in lines[0] and lines[0].endswith("--resume")
     assert finished(tmp_path, "--resume") == whole[0]
 

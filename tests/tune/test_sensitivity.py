@@ -92,6 +92,20 @@ def test_sobol_indices_need_every_value():
     assert all(np.isnan(r.total) and r.without == 0 for r in sensitivity.indices(np.ones(256), ("a", "b")))
 
 
+def test_indices_with_intervals_wider_than_what_they_can_be_are_not_known():
+    needed("SALib", "tune")
+    rng = np.random.default_rng(2)
+    wild = rng.random(64 * 4)
+    wild[5] = 1e6
+    rows = sensitivity.indices(wild, ("a", "b"))
+    assert any(r.total_width > 1.0 for r in rows)
+    for r in rows:
+        assert r.first_known == (r.first_width <= 1.0) and r.total_known == (r.total_width <= 1.0)
+    row = rows[0]._replace(first_width=np.inf, total_width=np.nan)
+    assert not row.first_known and not row.total_known
+    assert all(r.first_known and r.total_known for r in sensitivity.sobol(ishigami, ("x1", "x2", "x3"), 256))
+
+
 def test_sobol_refusals(monkeypatch):
     with pytest.raises(ValueRefused, match="powers of two, for example 1024"):
         sensitivity.points(3, 1000)

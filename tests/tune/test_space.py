@@ -8,7 +8,8 @@ from scipy import stats
 
 from leadscrew.kernel.errors import NameUnknown, ValueRefused
 from leadscrew.kernel.sheet import Entry
-from leadscrew.tune.space import CUT, Choice, Normal, Range, Space, cube, distribution
+from leadscrew.tune.distributions import CUT, Choice, Normal, Range, distribution
+from leadscrew.tune.space import Space, cube
 
 U = np.linspace(0.0, 1.0, 1001)
 THEIRS = {

@@ -16,7 +16,8 @@ from leadscrew.tune.front import compromise, front, thinned
 from leadscrew.tune.job import Job
 from leadscrew.tune.space import Space
 from leadscrew.tune.tuner import tune
-from leadscrew.tune.tuner_plan import held_out_plants, plan, training
+from leadscrew.tune.tuner_plan import at_ends, held_out_plants, plan, training
+from tests.tune.shared import on_kernels
 
 PLAIN = f"{Path(__file__).parents[1] / 'cli' / 'plain_study.py'}:STUDY"
 STEPS = ("fig11a_step_m50", "fig11b_step_m170")
@@ -82,6 +83,27 @@ def test_two_workers_of_a_cluster_find_the_same_as_two_threads():
     assert here.same(there) and there.holds
 
 
+TUNED = """
+from leadscrew.experiment import Experiment
+from leadscrew.tune.crew import Threads
+from leadscrew.tune.job import Job
+from leadscrew.tune.tuner import tune
+
+lathe = Job(Experiment("vud_lathe", "corrected.vud_beta_e"), ("fig11a_step_m50", "fig11b_step_m170"), 2.2)
+found = tune(
+    lathe, ["controller.output_gain=0.5:4:log", "controller.tau=0.3:1.5"], ["mean:rms_error"], ["overshoot<=0.02"],
+    over=["plant.full_duty_speed_mm_s=259:334", "plant.mechanical_lag_s=0.013:0.023"], plants=4, held_out=5,
+    budget=120, seed=3, crew=Threads(1),
+)
+print({k: v for k, v in found.as_dict().items() if k not in ("wall_s", "crew")})
+"""
+
+
+@pytest.mark.slow
+def test_the_kernel_of_linear_algebra_does_not_change_a_tuning():
+    assert len(set(on_kernels(TUNED).values())) == 1
+
+
 @pytest.mark.parametrize("missing", [range(1), range(1, 8, 3), range(5, 1000)])
 def test_a_journal_that_lacks_chunks_gives_the_identical_result(tmp_path, reference, missing):
     kept = tmp_path / "journal"
@@ -132,7 +154,7 @@ def test_progress_goes_up_to_all_runs():
 def test_the_present_setting_is_in_the_first_population_and_scored(reference):
     assert reference.present == {"controller.output_gain": 1.5, "controller.output_tau": 0.6, "controller.tau": 0.9}
     assert reference.trained.values["mean:rms_error"] <= reference.before.values["mean:rms_error"]
-    assert reference.used <= reference.budget == 60
+    assert reference.used == reference.budget == 60
     assert reference.runs == (reference.used * 4 + 2 * (4 + 5)) * 2
 
 
@@ -218,13 +240,28 @@ def test_what_cannot_be_is_refused_in_one_sentence(change, error, words):
 
 
 def test_all_runs_diverging_is_one_sentence():
-    with pytest.raises(Diverged, match="every run of all 5 settings diverged: vary other parameters, or less far"):
+    with pytest.raises(Diverged, match="every run of all 8 settings diverged: vary other parameters, or less far"):
         tune(Job(Experiment(PLAIN, "p", "small")), {"controller.kp": (1e4, 2e4)}, ["rms_error"], budget=8)
 
 
 def test_nothing_judged_is_one_sentence():
     with pytest.raises(LeadscrewError, match=r"not one run of .* settings could be judged \(settling_2um\)"):
         tune(job(0.05), VARY, ["settling_2um"], budget=10)
+
+
+def test_a_value_at_the_end_of_its_range_is_noted():
+    space = Space.of(["a=0:1", "b=1:100:log", "c=1:4:int", "d=1|2|3", "e=normal:5:1", "f=1:2:int"])
+    inside = {"a": 0.5, "b": 90.0, "c": 2.0, "d": 1.0, "e": 1.0, "f": 2.0}
+    assert at_ends(space, inside) == ()
+    near = at_ends(space, {**inside, "a": 0.019, "b": 92.0, "c": 4.0})
+    assert [n.split(" is at the ") for n in near] == [
+        ["a = 0.019", "lower end of its range 0:1: the best may lie beyond it"],
+        ["b = 92", "upper end of its range 1:100:log: the best may lie beyond it"],
+        ["c = 4", "upper end of its range 1:4:int: the best may lie beyond it"],
+    ]
+    found = tune(job(), {"controller.output_gain": (0.5, 0.6)}, ["rms_error"], budget=30)
+    assert found.as_dict()["notes"] == list(found.notes) and len(found.notes) == 1
+    assert "upper end of its range 0.5:0.6" in found.notes[0]
 
 
 def test_fronts():

@@ -94,6 +94,20 @@ def test_a_factor_on_a_parameter_that_is_not_drawn_is_of_the_loops_own():
     )
 
 
+def test_drifts_are_given_as_a_mapping_too(tmp_path):
+    found = montecarlo(job(), SPACE, 50, crew=CREW)
+    texts = envelope(found, ["plant.lag_s=0.05:0.1", "controller.kp=x1:x0.8"], steps=2, crew=CREW)
+    for more in ({}, {"resume": True}):
+        given = {"plant.lag_s": (0.05, 0.1), "controller.kp": "x1:x0.8"}
+        plain = envelope(found, given, steps=2, journal=tmp_path / "wear", **more)
+        assert plain.wears == texts.wears and plain.yields == texts.yields
+        assert np.array_equal(plain.band("small", "rms_error"), texts.band("small", "rms_error"))
+    with pytest.raises(ValueRefused, match="different: life"):
+        envelope(found, given, steps=3, journal=tmp_path / "wear", resume=True)
+    with pytest.raises(ValueRefused, match="expected KEY=START:END"):
+        envelope(found, {"plant.lag_s": "soon"}, steps=2)
+
+
 def test_where_the_yield_falls_below_a_level():
     life = np.linspace(0, 1, 5)
     assert falls_below(life, np.array([1.0, 1.0, 0.8, 0.4, 0.0]), 0.9) == pytest.approx(0.375)

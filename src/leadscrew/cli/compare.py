@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-import shutil
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
+from leadscrew.cli.door import say
+from leadscrew.cli.keeping import Keeping
 from leadscrew.cli.montecarlo_progress import counting
 from leadscrew.cli.output import Json, emit, print_table
-from leadscrew.cli.tune import free, interruptible, job_of, journal_at, opened
+from leadscrew.cli.tune import free, job_of
 from leadscrew.kernel.errors import ValueRefused
 
 SCHEMA_VERSION = 1
@@ -82,16 +83,11 @@ def compare(
         unseen=unseen, budget=budget, optimiser=optimiser, seed=seed,
     )  # fmt: skip
     free([report])
-    at = journal_at(report, journal)
-    if resume and at is None:
-        raise ValueRefused("--resume needs the journal that it goes on with: give --report as before, or --journal")
-    with interruptible(at, "--report"), crew(cluster, threads) as workers, counting() as stage:
-        kept = opened(at, asked.question(), resume)
-        found = comparing.run(asked, workers, kept, stage(f"{len(names)} contenders"))
-    if report is not None:
-        compare_report.write(found, asked, report)
-    if at is not None and journal is None:
-        shutil.rmtree(at, ignore_errors=True)
+    keeping = Keeping(report, journal, resume, "--report")
+    with keeping, crew(cluster, threads) as workers, counting() as stage:
+        found = comparing.run(asked, workers, keeping.open(asked.question()), stage(f"{len(names)} contenders"))
+        if report is not None:
+            compare_report.write(found, asked, report)
     if as_json:
         emit({"schema_version": SCHEMA_VERSION, **found.as_dict(), "report": None if report is None else str(report)})
         return
@@ -104,6 +100,8 @@ def compare(
     most = 100.0 * worse_than_seen(found.unseen)
     typer.echo(f"\n{found.sentence()}")
     typer.echo(f"With 95 % confidence at most {most:.2g} % of all plants are worse than the worst one seen.")
+    for note in found.notes:
+        say(f"leadscrew: note: {note}")
     if report is not None:
         typer.echo(f"\n{report}: report.html, compare.json, compare.png, runs, tuned controllers")
 

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from leadscrew.cli import listing_controller
 from leadscrew.cli.output import Json, emit, print_table, width
 from leadscrew.cli.subject import study_of
 
@@ -33,6 +34,9 @@ def list_(
     """List blocks and studies; with a name, everything that can be set in it."""
     if name is None:
         _everything(as_json)
+        return
+    if listing_controller.is_controller(name):
+        listing_controller.show(name, as_json)
         return
     found = _found(name)
     from leadscrew.studies.study import Study

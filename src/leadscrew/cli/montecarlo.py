@@ -17,7 +17,10 @@ def montecarlo(
     controller: Annotated[
         str | None,
         typer.Option(
-            "--controller", "-c", help="Of the study, of the catalogue, path/file.py:NAME, or a fuzzy system's file."
+            "--controller",
+            "-c",
+            help="Of the study, of the catalogue, path/file.py:NAME, a fuzzy system's file, "
+            "or a controller file (.toml).",
         ),
     ] = None,
     scenario: Annotated[
@@ -75,6 +78,7 @@ def montecarlo(
     Exit code 3 when every run diverges.
     """
     from leadscrew.cli import montecarlo_print, montecarlo_work
+    from leadscrew.tune.montecarlo_notes import alike
     from leadscrew.tune.montecarlo_report import summary
 
     given = montecarlo_work.Asked(
@@ -86,13 +90,15 @@ def montecarlo(
     try:
         findings = asked.done()
     except KeyboardInterrupt:
-        say(f"interrupted: {asked.kept()}")
+        say(f"leadscrew: interrupted; {asked.kept()}")
         raise typer.Exit(INTERRUPTED) from None
     if as_json:
         emit({**summary(findings, asked.out), "report": str(asked.out / "report.html")})
     else:
         montecarlo_print.print_findings(findings, asked.out)
     found = findings.found
+    if note := alike(found):
+        say(f"warning: {note}")
     if found.diverged.all():
         first = min(float(at.min()) for at in (v[v == v] for v in found.samples.diverged_at.values()) if len(at))
         say(f"leadscrew: all {len(found)} runs diverged, the first at {first:g} s")

@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING
 import typer
 
 from leadscrew.cli.output import print_table
-from leadscrew.report.tables import number
+from leadscrew.report.tables import NOTHING, number
+from leadscrew.tune.montecarlo_notes import missing, unknown
 from leadscrew.tune.worst import DIVERGED
 
 if TYPE_CHECKING:
@@ -35,6 +36,7 @@ def print_findings(findings: Findings, out: Path) -> None:
     rows.append(["all together" if rows else "did not diverge", *_yield(found.joint)])
     typer.echo("")
     print_table(["tolerance", "passed", "yield", "95 % interval"], rows, right=("passed", "yield"))
+    _failures(findings)
     _sensitivities(findings, several)
     _life(findings)
     if findings.worst:
@@ -53,7 +55,20 @@ def print_findings(findings: Findings, out: Path) -> None:
 
 def _yield(found: Yield) -> list[str]:
     part = [f"{100.0 * x:.4g} %" for x in (found.value, found.low, found.high)]
-    return [f"{found.passed} of {found.runs}", part[0], f"{part[1]} to {part[2]}"]
+    ends = f"{part[1]} to {part[2]}" if found.low == found.low else NOTHING
+    return [f"{found.passed} of {found.runs}", part[0], ends]
+
+
+def _failures(findings: Findings) -> None:
+    rows = [
+        [f.tolerance, f.key, f"{f.larger:.3f}", f"{f.larger_low:.3f} to {f.larger_high:.3f}",
+         f"{f.low:.4g} to {f.high:.4g}", f"{f.failed} of {f.inside} fail"]
+        for f in findings.found.failures
+    ]  # fmt: skip
+    if rows:
+        typer.echo("")
+        columns = ["which runs fail", "parameter", "larger in failed", "95 % interval", "all failures within", "there"]
+        print_table(columns, rows, right=("larger in failed",))
 
 
 def _sensitivities(findings: Findings, several: bool) -> None:
@@ -69,18 +84,18 @@ def _sensitivities(findings: Findings, several: bool) -> None:
         columns = ["metric", *where, "parameter", "rank correlation", "95 % interval", "partial"]
         print_table(columns, rows, right=("rank correlation", "partial"))
     rows = [
-        [s.metric, *([s.scenario] if several else []), s.key, f"{s.first:.3f} ± {s.first_width:.3f}",
-         f"{s.total:.3f} ± {s.total_width:.3f}"]
+        [s.metric, *([s.scenario] if several else []), s.key,
+         f"{s.first:.3f} ± {s.first_width:.3f}" if s.first_known else "not known",
+         f"{s.total:.3f} ± {s.total_width:.3f}" if s.total_known else "not known"]
         for s in findings.sobol
         if s.first == s.first
     ]  # fmt: skip
     if rows:
         typer.echo("")
         print_table(["metric", *where, "parameter", "Sobol, first order", "total"], rows)
-    missing = {s.metric: s.without for s in findings.sobol if s.without}
-    if missing:
-        said = ", ".join(f"{m} ({n})" for m, n in missing.items())
-        typer.echo(f"\nNo Sobol indices where runs gave no value: {said}")
+    for note in (unknown(findings), missing(findings)):
+        if note:
+            typer.echo(f"\n{note}")
 
 
 def _life(findings: Findings) -> None:
@@ -95,5 +110,5 @@ def _life(findings: Findings) -> None:
         typer.echo(f"the yield does not fall below {level} within this life")
     else:
         late = "beyond this life" if end.high != end.high else number(end.high)
-        span = f"(95 %: {number(end.low)} to {late})"
-        typer.echo(f"the yield falls below {level} at {number(end.life)} of the life {span}")
+        span = "" if end.low != end.low else f" (95 %: {number(end.low)} to {late})"
+        typer.echo(f"the yield falls below {level} at {number(end.life)} of the life{span}")

@@ -8,7 +8,7 @@ import sys
 import time
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, cast
+from typing import TYPE_CHECKING, Any
 
 from leadscrew.cli.montecarlo_progress import Report, Stage, counting
 from leadscrew.cli.subject import experiment_of
@@ -22,7 +22,7 @@ from leadscrew.tune.journal import Journal
 from leadscrew.tune.montecarlo_folder import claimable
 from leadscrew.tune.montecarlo_report import Findings, write_report
 from leadscrew.tune.montecarlo_sobol import sobol_indices
-from leadscrew.tune.space import METHODS, Method, Space, cube
+from leadscrew.tune.space import Space, check_method
 from leadscrew.tune.wear import Envelope, envelope, wears
 from leadscrew.tune.worst import worst
 
@@ -108,9 +108,7 @@ class Work:
         self.job = Job(experiment, asked.scenarios, asked.duration)
         self.space = Space.of(asked.over)
         self.seed = experiment.seed or 0
-        if asked.sampling not in METHODS:
-            cube(1, 1, 0, cast(Method, asked.sampling))
-        self.method = cast(Method, asked.sampling)
+        self.method = check_method(asked.sampling)
         self.tolerances = montecarlo.check(self.job, self.space, asked.runs, asked.tolerances)
         self.wears = wears(asked.wears, self.job, self.space)
         door.whole("--life", asked.life, 2, 10_000)
@@ -185,8 +183,8 @@ class Work:
                 found, self.wears, steps=asked.life, crew=workers, journal=journal, start=start, progress=report
             )
         return Findings(
-            found, worst(found, asked.worst), indices, life, asked.level / 100.0, command=asked.command()
-        )  # fmt: skip
+            found, worst(found, asked.worst), indices, asked.sobol, life, asked.level / 100.0, command=asked.command()
+        )
 
     def kept(self) -> str:
         """What an interrupted job leaves, and how it goes on."""

@@ -2,22 +2,22 @@
 
 from __future__ import annotations
 
-import shutil
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from leadscrew.cli.door import INTERRUPTED, MISSED, say
+from leadscrew.cli.door import MISSED, say
+from leadscrew.cli.keeping import Keeping, undone
 from leadscrew.cli.montecarlo_progress import counting
 from leadscrew.cli.output import Json, emit, print_table
 from leadscrew.cli.subject import experiment_of
 from leadscrew.cli.values import parse
+from leadscrew.kernel.errors import LeadscrewError, ValueRefused
 
 if TYPE_CHECKING:
     from leadscrew.tune.job import Job
-    from leadscrew.tune.journal import Journal
     from leadscrew.tune.tuned import Tuned
 
 SCHEMA_VERSION = 1
@@ -91,8 +91,7 @@ def tune(
 
     Exit code 1 where no setting keeps the constraints, on the plants of the search and on held-out ones.
     """
-    from leadscrew.kernel.errors import ValueRefused
-    from leadscrew.tune import tuned_files, tuned_report, tuner, tuner_plan
+    from leadscrew.tune import tuned_files, tuner, tuner_plan
     from leadscrew.tune.crew import crew
 
     job = job_of(study, controller, scenario or [], changes or [], duration)
@@ -104,17 +103,11 @@ def tune(
         job.experiment, dict(asked.vary.items)) else []))  # fmt: skip
     if out is not None and out.suffix != ".toml":
         raise ValueRefused(f"--out {out}: a controller file ends in .toml")
-    at = journal_at(out, journal)
-    if resume and at is None:
-        raise ValueRefused("--resume needs the journal that it goes on with: give -o as before, or --journal")
-    with interruptible(at), crew(cluster, threads) as workers, counting() as stage:
-        kept = opened(at, asked.question(), resume)
+    keeping = Keeping(out, journal, resume, "-o")
+    with keeping, crew(cluster, threads) as workers, counting() as stage:
+        kept = keeping.open(asked.question())
         found = tuner.run(asked, workers, kept, stage(f"{job.experiment.controller or study}: {asked.optimiser}"))
-    files = tuned_files.save(job, found, out) if out else []
-    if report is not None:
-        tuned_report.write(job, found, report)
-    if at is not None and journal is None:
-        shutil.rmtree(at, ignore_errors=True)
+        files = _saved(job, found, out, report)
     if as_json:
         emit({"schema_version": SCHEMA_VERSION, **found.as_dict(), "files": [str(f) for f in files],
               "report": None if report is None else str(report)})  # fmt: skip
@@ -122,6 +115,8 @@ def tune(
         print_tuned(job, found)
         for line in written(files, report):
             typer.echo(line)
+        for note in found.notes:
+            say(f"leadscrew: note: {note}")
     if not (found.feasible and found.holds):
         say(f"leadscrew: {found.verdict()}")
         raise typer.Exit(MISSED)
@@ -169,37 +164,21 @@ def free(paths: list[Path | None]) -> None:
             raise DataError(f"{path} cannot be written: {error.strerror or error}") from None
 
 
-def journal_at(out: Path | None, journal: Path | None) -> Path | None:
-    """Where results are kept as they come; nowhere without a place."""
-    if journal is not None or out is None:
-        return journal
-    return out.with_name(f"{out.name}.journal")
+def _saved(job: Job, found: Tuned, out: Path | None, report: Path | None) -> list[Path]:
+    """Writes what was asked for, all of it or nothing.
 
+    Raises:
+        DataError: it cannot be written.
+    """
+    from leadscrew.tune import tuned_files, tuned_report
 
-def opened(at: Path | None, question: dict[str, Any], resume: bool) -> Journal | None:
-    """The journal, if there is to be one."""
-    from leadscrew.tune.journal import Journal
-
-    return None if at is None else Journal(at, question, resume)
-
-
-class interruptible:  # noqa: N801
-    """Ctrl-C inside ends the command with one line that says what is kept."""
-
-    def __init__(self, at: Path | None, place: str = "-o") -> None:
-        self.at, self.place = at, place
-
-    def __enter__(self) -> None:
-        return None
-
-    def __exit__(self, kind: Any, *_: Any) -> None:
-        if kind is not None and issubclass(kind, KeyboardInterrupt):
-            say(
-                f"leadscrew: interrupted; {self.at} keeps what is done: the same command with --resume goes on"
-                if self.at
-                else f"leadscrew: interrupted; nothing is kept without {self.place} or --journal"
-            )
-            raise typer.Exit(INTERRUPTED) from None
+    if report is not None:
+        tuned_report.write(job, found, report)
+    try:
+        return tuned_files.save(job, found, out) if out else []
+    except LeadscrewError:
+        undone(report)
+        raise
 
 
 def print_tuned(job: Job, found: Tuned) -> None:

@@ -196,11 +196,12 @@ def judged(
     ]
     one = asked.contenders[0]
     loop = one.job.loop(one.job.where[0])
-    unit = metric_unit(loop, loop.metrics[asked.goals[0].metric])
+    units = {plain(w): metric_unit(loop, loop.metrics[w.metric]) for w in (*asked.goals, *asked.constraints)}
+    units = {k: "" if u == "1" else u for k, u in units.items()}
     return Comparison(
         tuple(results), tuple(pairs), asked.goals, asked.constraints, {k: str(d) for k, d in asked.over.items},
-        one.job.where, asked.unseen, asked.seed, "" if unit == "1" else unit, asked.budget, asked.plants,
-        asked.optimiser, crew, wall_s,
+        one.job.where, asked.unseen, asked.seed, units[first], asked.budget, asked.plants,
+        asked.optimiser, crew, wall_s, units,
     )  # fmt: skip
 
 

@@ -90,6 +90,7 @@ def write(found: Comparison, asked: Contest, folder: str | Path) -> None:
                 controller_file.write(beside / f"{stem}.toml", tuned_files.controller_of(jobs[r.name], r.tuned))
         most = 100.0 * worse_than_seen(found.unseen)
         note = f"With 95 % confidence at most {most:.2g} % of all plants are worse than the worst one seen"
+        noted = [f"note: {n}" for n in found.notes]
         tables = [("Ranking", RANKING, ranking_rows(found)), ("Metrics", METRICS, metric_rows(found))]
-        html = page("Comparison", [found.sentence().rstrip("."), note], tables, drawn)
+        html = page("Comparison", [found.sentence().rstrip("."), note, *noted], tables, drawn)
         (beside / "report.html").write_text(html, "utf-8")

@@ -53,12 +53,19 @@ class Comparison:
     optimiser: str
     crew: str = ""
     wall_s: float = 0.0
+    units: dict[str, str] = field(default_factory=dict)
+    """Of each metric, by its text in the standings; empty for a mere number."""
 
     def sentence(self) -> str:
         """What may be said of it."""
         from leadscrew.tune.compare_words import sentence
 
         return sentence(self)
+
+    @property
+    def notes(self) -> list[str]:
+        """What is to be known of the settings besides, each with the contender whose it is."""
+        return [f"{r.name}: {n}" for r in self.results if r.tuned for n in r.tuned.notes]
 
     def as_dict(self) -> dict[str, Any]:
         """For JSON."""
@@ -72,5 +79,6 @@ class Comparison:
             "goals": [str(g) for g in self.goals], "constraints": [str(c) for c in self.constraints],
             "over": self.over, "scenarios": list(self.scenarios), "unseen": self.unseen, "seed": self.seed,
             "budget": self.budget, "plants": self.plants, "optimiser": self.optimiser, "sentence": self.sentence(),
+            "notes": self.notes, "units": self.units,
             "crew": self.crew, "wall_s": self.wall_s,
         }  # fmt: skip

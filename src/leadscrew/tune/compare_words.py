@@ -84,13 +84,21 @@ def ranking_rows(found: Comparison) -> list[list[str]]:
     return rows
 
 
-METRICS = ("metric", "controller", "mean [95 %]", "95th percentile [95 %]", "worst seen", "judged")
+METRICS = ("metric", "unit", "controller", "mean [95 %]", "95th percentile [95 %]", "worst seen", "judged")
 
 
 def metric_rows(found: Comparison) -> list[list[str]]:
     """Every metric of every contender."""
     return [
-        [key, r.name, spread(s.mean), spread(s.p95), number(s.worst), f"{s.judged} of {found.unseen}"]
+        [
+            key,
+            found.units.get(key, ""),
+            r.name,
+            spread(s.mean),
+            spread(s.p95),
+            number(s.worst),
+            f"{s.judged} of {found.unseen}",
+        ]
         for key in found.results[0].standings
         for r, s in ((r, r.standings[key]) for r in found.results)
     ]

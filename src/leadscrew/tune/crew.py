@@ -7,10 +7,12 @@ whose worker dies is done again by another.
 
 from __future__ import annotations
 
+import contextlib
 import os
+import queue
 import re
-import signal
 import socket
+import time
 from collections.abc import Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor, as_completed
 from contextlib import contextmanager
@@ -20,13 +22,22 @@ import numpy as np
 
 from leadscrew.kernel import door
 from leadscrew.kernel.errors import LeadscrewError, ValueRefused
+from leadscrew.tune import workers as local_workers
 from leadscrew.tune.job import Chunk, Job
 
 Result = dict[str, np.ndarray]
 DEATHS = 5
 """Workers that may die under the same chunk before it is given up."""
 PATIENCE_S = 10.0
-"""How long a scheduler may take to answer."""
+"""How long a scheduler may take to answer when it is met first."""
+LOST_S = 60.0
+"""How long it may be silent, or without any worker, while work is waited for."""
+LOOK_S = 5.0
+"""Without a result for so long, the scheduler is asked whether it is still there."""
+
+
+class CrewLost(LeadscrewError):
+    """Who did the work is gone; what was done is not."""
 
 
 class Crew(Protocol):
@@ -68,24 +79,70 @@ class Cluster:
 
     def __init__(self, client: Any, name: str) -> None:
         self.client, self.name = client, name
+        self.alone_since: float | None = None
 
     def results(self, job: Job, chunks: Sequence[tuple[int, Chunk]]) -> Iterator[tuple[int, Result]]:
-        """The results as they come; what a worker refuses is raised here."""
-        from distributed import as_completed as completed
-        from distributed.scheduler import KilledWorker
+        """The results as they come; what a worker refuses is raised here.
 
-        futures = [self.client.submit(work, job, number, chunk, pure=False, retries=0) for number, chunk in chunks]
+        Raises:
+            CrewLost: the scheduler or all workers are gone.
+        """
+        ready: queue.SimpleQueue[Any] = queue.SimpleQueue()
+        futures: list[Any] = []
         try:
-            for done in completed(futures):
-                number, result, refused = done.result()
-                done.release()
+            with self._lost():
+                for number, chunk in chunks:
+                    futures.append(self.client.submit(work, job, number, chunk, pure=False, retries=0))
+                    futures[-1].add_done_callback(ready.put)
+            for _ in chunks:
+                done = self._next(ready)
+                if done.status == "error":
+                    raise _refusal(done.exception(timeout=LOST_S))
+                with self._lost():
+                    number, result, refused = done.result(timeout=LOST_S)
+                    done.release()
                 if refused is not None:
                     raise refused
                 yield number, result
-        except KilledWorker as error:
-            raise LeadscrewError(f"{DEATHS + 1} workers died under one piece of work: {error}") from None
         finally:
-            self.client.cancel(futures)
+            with contextlib.suppress(Exception):
+                self.client.cancel(futures)
+
+    def _next(self, ready: queue.SimpleQueue[Any]) -> Any:
+        """The next future that is done."""
+        while True:
+            try:
+                return ready.get(timeout=LOOK_S)
+            except queue.Empty:
+                self._look()
+
+    def _look(self) -> None:
+        """Refuses to wait on where nobody works."""
+        with self._lost():
+            known = self.client.sync(self.client.scheduler.identity, callback_timeout=LOST_S)
+        now = time.monotonic()
+        self.alone_since = None if known["workers"] else self.alone_since or now
+        if self.alone_since is not None and now - self.alone_since >= LOST_S:
+            raise CrewLost(f"the Dask scheduler at {self.name} has lost all of its workers")
+
+    @contextmanager
+    def _lost(self) -> Iterator[None]:
+        """What Dask raises when something is gone, as one sentence."""
+        from distributed.client import CancelledError, ClosedClientError
+
+        try:
+            yield
+        except (OSError, AttributeError, CancelledError, ClosedClientError) as error:
+            raise CrewLost(f"the Dask scheduler at {self.name} is gone ({type(error).__name__})") from None
+
+
+def _refusal(error: BaseException) -> BaseException:
+    """What a worker could not do."""
+    from distributed.scheduler import KilledWorker
+
+    if isinstance(error, KilledWorker):
+        return CrewLost(f"{DEATHS + 1} workers died under one piece of work: {error}")
+    return error
 
 
 def work(job: Job, number: int, chunk: Chunk) -> tuple[int, Result | None, LeadscrewError | None]:
@@ -155,24 +212,19 @@ def _client(address: str, workers: int) -> Iterator[Any]:
             try:
                 yield client
             finally:
-                client.close()
+                with contextlib.suppress(OSError):
+                    client.close(timeout=PATIENCE_S)
             return
         with (
             distributed.LocalCluster(
-                n_workers=workers,
-                threads_per_worker=1,
-                processes=True,
+                n_workers=0,
+                processes=False,
+                protocol="tcp://",
                 host="127.0.0.1",
                 dashboard_address="127.0.0.1:0",  # with None it takes port 8787, and warns where that is taken
                 silence_logs=40,
-                worker_class="distributed.Nanny",
             ) as cluster,
             distributed.Client(cluster) as client,
+            local_workers.started(client, cluster.scheduler_address, workers),
         ):
-            client.run(_deaf)
             yield client
-
-
-def _deaf() -> None:
-    """A worker on this machine leaves Ctrl-C to the process that started it."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)

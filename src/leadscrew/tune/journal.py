@@ -1,7 +1,9 @@
 """Results on disk as they come, so that a job that was killed goes on where it was.
 
 A folder with ``question.json`` (what is asked, and its hash) and one file a chunk. Every file is written beside and
-renamed: one that is there is whole. Another question in the same folder is refused.
+renamed: whatever ends the process, one that is there is whole. Chunks are not forced to the disk: one that a power cut
+tore is as good as none, and is done again. Another question in the same folder is refused, unless no chunk of it is
+done: a journal without any is in nobody's way.
 """
 
 from __future__ import annotations
@@ -9,7 +11,9 @@ from __future__ import annotations
 import hashlib
 import io
 import json
+import shutil
 import zipfile
+import zlib
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -39,24 +43,35 @@ class Journal:
         """
         self.folder = Path(folder)
         at = self.folder / QUESTION
-        if at.exists():
-            kept = self._read(at)
-            if kept.get("hash") != mark(question):
-                other = ", ".join(k for k in question if kept.get("question", {}).get(k) != _plain(question[k]))
-                raise ValueRefused(
-                    f"{self.folder} holds the results of another question"
-                    f"{f' (different: {other})' if other else ''}; choose another folder"
-                )
-            if not resume:
-                raise ValueRefused(f"{self.folder} holds results of this question already: --resume goes on with them")
-            # What a killed process was writing; nobody else writes here.
-            for left in self.folder.glob(".*.tmp"):
-                left.unlink(missing_ok=True)
+        if at.exists() and self.chunks:
+            self._check(self._read(at), question, resume)
+        elif self.folder.exists() and any(p.name != QUESTION and p.name[0] != "." for p in self.folder.iterdir()):
+            raise ValueRefused(f"{self.folder} is there already and holds something else; choose another folder")
         else:
-            if self.folder.exists() and any(p for p in self.folder.iterdir() if not p.name.startswith(".")):
-                raise ValueRefused(f"{self.folder} is there already and holds something else; choose another folder")
             said = {"schema_version": 1, "hash": mark(question), "question": _plain(dict(question))}
             save(json.dumps(said, indent=1) + "\n", at)
+        # What a killed process was writing; nobody else writes here.
+        for left in self.folder.glob(".*.tmp"):
+            left.unlink(missing_ok=True)
+
+    def _check(self, kept: Mapping[str, Any], question: Mapping[str, Any], resume: bool) -> None:
+        if kept.get("hash") != mark(question):
+            other = ", ".join(k for k in question if kept.get("question", {}).get(k) != _plain(question[k]))
+            raise ValueRefused(
+                f"{self.folder} holds the results of another question"
+                f"{f' (different: {other})' if other else ''}; remove it, or choose another folder"
+            )
+        if not resume:
+            raise ValueRefused(f"{self.folder} holds results of this question already: --resume goes on with them")
+
+    @property
+    def chunks(self) -> int:
+        """How many are done."""
+        return sum(1 for _ in self.folder.glob("chunk_*.npz"))
+
+    def remove(self) -> None:
+        """Takes the folder away."""
+        shutil.rmtree(self.folder, ignore_errors=True)
 
     @staticmethod
     def _read(path: Path) -> dict[str, Any]:
@@ -71,14 +86,18 @@ class Journal:
         return self.folder / f"chunk_{number:07d}.npz"
 
     def get(self, number: int) -> dict[str, np.ndarray] | None:
-        """The result of a chunk, if it is there."""
+        """The result of a chunk, if it is there; a file that is torn counts as none.
+
+        Raises:
+            DataError: it is there and may not be read.
+        """
         try:
             with np.load(self.path(number)) as found:
                 return {k: found[k] for k in found.files}
-        except FileNotFoundError:
+        except (FileNotFoundError, ValueError, EOFError, KeyError, AttributeError, zipfile.BadZipFile, zlib.error):
             return None
-        except (OSError, ValueError, EOFError, zipfile.BadZipFile) as error:
-            raise DataError(f"{self.path(number)} cannot be read: {error}") from None
+        except OSError as error:
+            raise DataError(f"{self.path(number)} cannot be read: {error.strerror or error}") from None
 
     def put(self, number: int, result: Mapping[str, np.ndarray]) -> None:
         """Keeps the result of a chunk.
@@ -89,7 +108,7 @@ class Journal:
         held = io.BytesIO()
         columns: dict[str, Any] = dict(result)
         np.savez(held, **columns)
-        save(held.getvalue(), self.path(number))
+        save(held.getvalue(), self.path(number), durable=False)
 
 
 def _plain(value: Any) -> Any:

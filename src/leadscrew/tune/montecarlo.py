@@ -10,20 +10,22 @@ import time
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from leadscrew.kernel import door
 from leadscrew.kernel.errors import ValueRefused
-from leadscrew.tune.crew import Crew
+from leadscrew.tune.crew import Crew, Threads
+from leadscrew.tune.failures import Separation, separations
 from leadscrew.tune.job import Job, chunks_of
 from leadscrew.tune.journal import Journal
 from leadscrew.tune.measure import Progress, Samples, measure
 from leadscrew.tune.montecarlo_tolerances import Tolerance, tolerances
 from leadscrew.tune.sensitivity import RankCorrelation, rank_correlations
-from leadscrew.tune.space import Method, Space
-from leadscrew.tune.statistics import Spread, Yield, spread, yielded
+from leadscrew.tune.space import Given, Method, Space, check_method
+from leadscrew.tune.statistics import Spread, Yield, spread, without_intervals, yielded
 
 LARGEST = 2**31 - 1
 """Most runs: the noise has no more numbers."""
@@ -48,8 +50,8 @@ class MonteCarlo:
     @cached_property
     def spreads(self) -> tuple[Spread, ...]:
         """Percentiles of every metric in every scenario, metric by metric."""
-        metrics, lost = self.samples.metrics, self.samples.diverged_at
-        return tuple(spread(s, m, metrics[s][m], lost[s]) for m in self.metrics for s in self.samples.scenarios)
+        rows = spreads(self.samples, self.metrics)
+        return tuple(map(without_intervals, rows)) if self.alike else rows
 
     @property
     def metrics(self) -> tuple[str, ...]:
@@ -59,7 +61,7 @@ class MonteCarlo:
     @cached_property
     def yields(self) -> dict[str, Yield]:
         """The yield of each tolerance by its text."""
-        return {str(t): yielded(t.passes(self.samples)) for t in self.tolerances}
+        return {str(t): yielded(t.passes(self.samples), alike=self.alike) for t in self.tolerances}
 
     @cached_property
     def passes(self) -> np.ndarray:
@@ -69,7 +71,12 @@ class MonteCarlo:
     @cached_property
     def joint(self) -> Yield:
         """The yield against all tolerances together; without any, of runs that did not diverge."""
-        return yielded(self.passes)
+        return yielded(self.passes, alike=self.alike)
+
+    @cached_property
+    def alike(self) -> bool:
+        """Whether all runs are the same run: nothing was drawn, and no noise made one bit of a difference."""
+        return not len(self.space) and len(self) > 1 and identical(self.samples)
 
     @cached_property
     def diverged(self) -> np.ndarray:
@@ -87,6 +94,23 @@ class MonteCarlo:
             for row in rank_correlations(columns, self.samples.metrics[s][m], m, s)
         )
 
+    @cached_property
+    def failures(self) -> tuple[Separation, ...]:
+        """How each parameter separates failed from passed runs, tolerance by tolerance."""
+        return separations(self)
+
+
+def identical(samples: Samples) -> bool:
+    """Whether all runs gave the same bits in every scenario."""
+    columns = [*samples.diverged_at.values(), *(v for found in samples.metrics.values() for v in found.values())]
+    return all(bool((bits == bits[0]).all()) for bits in (np.asarray(c, np.float64).view(np.uint64) for c in columns))
+
+
+def spreads(samples: Samples, metrics: Sequence[str]) -> tuple[Spread, ...]:
+    """Percentiles of metrics in every scenario, metric by metric."""
+    found, lost = samples.metrics, samples.diverged_at
+    return tuple(spread(s, m, found[s][m], lost[s]) for m in metrics for s in samples.scenarios)
+
 
 def kept_on(samples: Samples) -> np.ndarray:
     """Which runs diverged in no scenario."""
@@ -100,37 +124,48 @@ def passes(samples: Samples, wanted: Sequence[Tolerance]) -> np.ndarray:
 
 def montecarlo(
     job: Job,
-    space: Space,
+    over: Given | Space | None,
     runs: int,
     *,
     seed: int = 0,
     method: Method = "lhs",
     tolerances: Sequence[str | Tolerance] = (),
-    crew: Crew,
-    journal: Journal | None = None,
+    crew: Crew | None = None,
+    journal: Journal | str | Path | None = None,
+    resume: bool = False,
     progress: Progress | None = None,
 ) -> MonteCarlo:
-    """Runs of a job with its parameters drawn from a space; of the noise alone where the space is empty.
+    """Runs of a job with its parameters drawn from distributions; of the noise alone where none is given.
 
     Args:
         job: what runs.
-        space: what varies.
+        over: what varies: ``{key: (low, high)}``, distributions, or texts as on the command line.
         runs: how many, in every scenario.
         seed: of the samples; the noise has the seed of the job's experiment.
         method: ``lhs``, ``sobol`` or ``random``.
         tolerances: what a run must keep, see :func:`~leadscrew.tune.montecarlo_tolerances.tolerance`.
-        crew: who does it.
-        journal: keeps what is done; made with :func:`question`.
+        crew: who does the work; all cores unless given.
+        journal: a folder for results as they come.
+        resume: what the journal holds is not done again.
         progress: takes the runs that are done and all of them.
 
     Raises:
         LeadscrewError: a name that does not exist, a value that is refused, tolerances that contradict each other.
     """
+    space = Space.of(over)
     wanted = check(job, space, runs, tolerances)
+    check_method(method)
+    kept = opened(journal, question(job, space, runs, seed, method), resume)
     began = time.perf_counter()
-    samples = measure(job, drawn(job, space, runs, seed, method), crew, journal=journal, progress=progress)
+    columns = drawn(job, space, runs, seed, method)
+    samples = measure(job, columns, crew or Threads(), journal=kept, progress=progress)
     samples.columns = {k: samples.columns[k] for k in space.keys}
     return MonteCarlo(job, space, method, seed, wanted, samples, time.perf_counter() - began)
+
+
+def opened(journal: Journal | str | Path | None, asked: dict[str, Any], resume: bool) -> Journal | None:
+    """The journal of a question, where a folder is given for it."""
+    return Journal(journal, asked, resume) if isinstance(journal, str | Path) else journal
 
 
 def check(job: Job, space: Space, runs: int, given: Sequence[str | Tolerance] = ()) -> tuple[Tolerance, ...]:
@@ -164,6 +199,11 @@ def question(job: Job, space: Space, runs: int, seed: int, method: Method, **mor
     """What a journal of a Monte Carlo is about."""
     asked = {"kind": "montecarlo", "job": job.mark, "runs": runs, "seed": seed, "sampling": method}
     return {**asked, "over": [f"{k}={d!r}" for k, d in space.items], **more}
+
+
+def asked_of(found: MonteCarlo, **more: Any) -> dict[str, Any]:
+    """What a journal of further runs of a Monte Carlo is about."""
+    return question(found.job, found.space, len(found), found.seed, found.method, **more)
 
 
 def pieces(job: Job, columns: dict[str, np.ndarray]) -> int:

@@ -1,9 +1,16 @@
-"""The folder of a Monte Carlo report: there when it is complete; an older one of ours is replaced at once."""
+"""The folder of a Monte Carlo report: there when it is complete; an older one of ours is replaced at once.
+
+It is written in ``.NAME-MACHINE-PID-*.partial`` beside its place. What a killed process left there is cleared by the
+next one that writes to the same place on the same machine.
+"""
 
 from __future__ import annotations
 
 import json
+import os
+import re
 import shutil
+import socket
 import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -52,13 +59,15 @@ def placed(folder: str | Path) -> Iterator[Path]:
         DataError: see :func:`claimable`; or the disk refuses.
     """
     target = claimable(folder)
+    prefix = f".{target.name}-{_machine()}-{os.getpid()}-"
     beside = ""
     try:
-        beside = tempfile.mkdtemp(prefix=f".{target.name}-", suffix=".partial", dir=target.parent)
+        clear(target, ".partial")
+        beside = tempfile.mkdtemp(prefix=prefix, suffix=".partial", dir=target.parent)
         yield Path(beside)
         Path(beside).chmod(0o755)
         if target.exists():
-            aside = tempfile.mkdtemp(prefix=f".{target.name}-", suffix=".old", dir=target.parent)
+            aside = tempfile.mkdtemp(prefix=prefix, suffix=".old", dir=target.parent)
             target.rename(Path(aside) / "report")
             try:
                 Path(beside).rename(target)
@@ -69,8 +78,35 @@ def placed(folder: str | Path) -> Iterator[Path]:
                 shutil.rmtree(aside, ignore_errors=True)
         else:
             Path(beside).rename(target)
+        # An older report that was set aside is worth keeping until a new one stands.
+        clear(target, ".old")
     except OSError as error:
         raise DataError(f"{target} cannot be written: {error.strerror or error}") from None
     finally:
         if beside:
             shutil.rmtree(beside, ignore_errors=True)
+
+
+def _machine() -> str:
+    return re.sub(r"[^\w.]+", "_", socket.gethostname()) or "machine"
+
+
+def clear(target: Path, suffix: str) -> None:
+    """Removes what processes of this machine that are dead left beside a place."""
+    form = re.compile(rf"\.{re.escape(target.name)}-{re.escape(_machine())}-(\d+)-[^-]*{re.escape(suffix)}")
+    for left in target.parent.iterdir():
+        named = form.fullmatch(left.name)
+        if named and left.is_dir() and not left.is_symlink() and _dead(int(named[1])):
+            shutil.rmtree(left, ignore_errors=True)
+
+
+def _dead(process: int) -> bool:
+    if os.name != "posix":
+        return False  # there signal 0 is no question
+    try:
+        os.kill(process, 0)
+    except (ProcessLookupError, OverflowError):
+        return True
+    except PermissionError:
+        return False
+    return False

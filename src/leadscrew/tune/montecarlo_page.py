@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from leadscrew.report.tables import number
+from leadscrew.tune.montecarlo_notes import alike, independence, missing, unknown
 
 if TYPE_CHECKING:
     from leadscrew.tune.montecarlo_report import Findings
@@ -41,9 +42,13 @@ def render(findings: Findings, said: Mapping[str, Any], folder: Path, drawn: Seq
         several=len(said["scenarios"]) > 1,
         groups=[
             ("Distributions", [d for d in drawn if d[0] in findings.shown]),
+            ("Which runs fail", [d for d in drawn if d[0].startswith("fails_")]),
             ("Sensitivity", [d for d in drawn if d[0] in ("sensitivity", "sobol")]),
             ("Wear", [d for d in drawn if d[0].startswith("life_") and d[0] not in findings.shown]),
         ],
+        independence=independence(findings.found),
+        alike=alike(findings.found),
+        sobol_notes=[s for s in (unknown(findings), missing(findings)) if s],
         keys=list(findings.found.space.keys),
         folder=folder,
         command=findings.command,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import shlex
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -13,6 +14,7 @@ from leadscrew.report.strict import strict
 from leadscrew.report.tables import first_line, metric_unit
 from leadscrew.tune.montecarlo import MonteCarlo
 from leadscrew.tune.montecarlo_folder import KIND, SUMMARY, placed
+from leadscrew.tune.montecarlo_notes import notes, unknown
 from leadscrew.tune.sensitivity import SobolIndex
 from leadscrew.tune.wear import Crossing, Envelope
 from leadscrew.tune.worst import Worst, write
@@ -30,6 +32,8 @@ class Findings:
     found: MonteCarlo
     worst: tuple[Worst, ...] = ()
     sobol: tuple[SobolIndex, ...] = ()
+    points: int = 0
+    """N of the Sobol indices."""
     envelope: Envelope | None = None
     level: float = 0.9
     """The yield below which a life ends."""
@@ -69,6 +73,7 @@ def summary(findings: Findings, folder: str | Path | None = None) -> dict[str, A
     made = {
         "schema_version": SCHEMA_VERSION,
         "kind": KIND,
+        "notes": notes(findings),
         **origin,
         "scenarios": list(found.job.where),
         "duration_s": [found.job.seconds(s) for s in found.job.where],
@@ -85,7 +90,10 @@ def summary(findings: Findings, folder: str | Path | None = None) -> dict[str, A
         "yields": [{"tolerance": t, **y._asdict()} for t, y in found.yields.items()],
         "joint": found.joint._asdict(),
         "correlations": [c._asdict() for c in found.correlations],
-        "sobol": [s._asdict() for s in findings.sobol],
+        "failures": [s._asdict() for s in found.failures],
+        "sobol": [
+            {**s._asdict(), "first_known": s.first_known, "total_known": s.total_known} for s in findings.sobol
+        ],
         "wear": None if findings.envelope is None else _life(findings, findings.envelope),
         "worst": [
             {**w._asdict(), "file": f"worst/{w.file}", "command": folder and findings.replay(w, folder)}
@@ -155,6 +163,7 @@ def pictures(findings: Findings) -> list[Picture]:
     from functools import partial
 
     from leadscrew.tune import montecarlo_figures as draw
+    from leadscrew.tune.failures_figure import failure_pictures
 
     found, made = findings.found, []
     for m in findings.shown:
@@ -165,12 +174,18 @@ def pictures(findings: Findings) -> list[Picture]:
         arguments = (rows, "rank correlation", "partial", (-1.05, 1.05))
         made.append(draw.Picture("sensitivity", caption, partial(draw.bars, *arguments)))
 
+    for name, caption, drawn in failure_pictures(found):
+        made.append(draw.Picture(name, caption, drawn))
+
     def index(s: SobolIndex) -> Bar:
-        return (s.total, s.total - s.total_width, s.total + s.total_width, s.first)
+        total = (s.total, s.total - s.total_width, s.total + s.total_width) if s.total_known else (math.nan,) * 3
+        return (*total, s.first if s.first_known else math.nan)
 
     if rows := _bars(findings, findings.sobol, index):
-        caption = "Sobol indices: the part of the variance that a parameter explains."
-        high = max(b[2] for by_scenario in rows.values() for keys in by_scenario.values() for b in keys.values())
+        left_out = " What is not known is not drawn." if unknown(findings) else ""
+        caption = f"Sobol indices: the part of the variance that a parameter explains.{left_out}"
+        ends = [b[2] for by_scenario in rows.values() for keys in by_scenario.values() for b in keys.values()]
+        high = max(x for x in ends if x == x)
         arguments = (rows, "total index", "first order", (-0.08, min(1.5, max(1.1, 1.02 * high))))
         made.append(draw.Picture("sobol", caption, partial(draw.bars, *arguments)))
     if findings.envelope is not None:
@@ -203,8 +218,6 @@ def _life_pictures(findings: Findings, envelope: Envelope) -> list[Picture]:
 
 def _bars(findings: Findings, rows: Any, numbers: Any) -> dict[str, dict[str, dict[str, Bar]]]:
     """Rows by metric, scenario and parameter; metrics without any number are left out."""
-    import math
-
     made: dict[str, dict[str, dict[str, Bar]]] = {}
     for row in rows:
         made.setdefault(row.metric, {}).setdefault(row.scenario, {})[row.key] = numbers(row)

@@ -1,9 +1,10 @@
 """Searches in the unit cube: CMA-ES, differential evolution, NSGA-II; each from a library, each by whole populations.
 
 Every search takes ``evaluate(points [n, d]) -> Answer(objectives [n, m], violations [n, c])``, a number of evaluations
-that it never exceeds, and a seed; the same seed asks for the same points, and no clock decides anything. What is missed
-comes before the goal (Deb, *An efficient constraint handling method for genetic algorithms*, 2000): of two points the
-one with the smaller sum of violations is better, and only among those without any the goal decides.
+that it uses up and never exceeds, and a seed; the same seed asks for the same points, and no clock decides anything. Of
+the last population as many points are evaluated as the budget reaches for. What is missed comes before the goal (Deb,
+*An efficient constraint handling method for genetic algorithms*, 2000): of two points the one with the smaller sum of
+violations is better, and only among those without any the goal decides.
 
 ==========  ============================================  ========================================================
 ``cma``     CMA-ES with restarts of twice the population   https://pypi.org/project/cma (Hansen); one goal
@@ -62,7 +63,19 @@ class Search:
 
 
 class Spent(BaseException):
-    """The budget does not reach for another population; leaves a library that would ask on."""
+    """The budget is used up; leaves a library that would ask on."""
+
+
+GRID = 2.0**-24
+"""Width of the grid of the unit cube on which asked points lie: far below what any setting needs, and far above the
+rounding of linear algebra, whose last bits depend on the processor. Of 162 searches of 400 evaluations (four kernels of
+OpenBLAS) all differ without a grid, 41 at 2^-40, none at 2^-30."""
+
+
+def laid(points: np.ndarray, start: np.ndarray) -> np.ndarray:
+    """Points on the grid, so that rounding does not grow from one population to the next; the start stays as it is."""
+    kept = (points == start).all(axis=1, keepdims=True)
+    return np.asarray(np.where(kept, points, np.round(np.clip(points, 0.0, 1.0) / GRID) * GRID))
 
 
 def population(dimensions: int, budget: int) -> int:
@@ -83,15 +96,18 @@ class Counted:
         self.search, self.left, self.scale = search, search.budget, 0.0
 
     def __call__(self, points: np.ndarray) -> Answer:
-        """Answers of whole populations.
+        """Answers of a whole population; of one that does not fit its first points are evaluated and count.
 
         Raises:
-            Spent: the budget does not reach.
+            Spent: the budget does not reach for all of it.
         """
-        if len(points) > self.left:
+        fits = points[: self.left]
+        if not len(fits):
             raise Spent
-        self.left -= len(points)
-        answer = self.search.evaluate(np.clip(points, 0.0, 1.0))
+        self.left -= len(fits)
+        answer = self.search.evaluate(np.clip(fits, 0.0, 1.0))
+        if len(fits) < len(points):
+            raise Spent
         if not self.scale:
             self.scale = float(np.median(np.abs(answer.objectives[:, 0]))) or 1.0
         return answer
@@ -103,36 +119,44 @@ class Counted:
 
 def cma(search: Search) -> None:
     """CMA-ES from the present setting; where it has converged, again from elsewhere with twice the population."""
+    rng = np.random.default_rng(search.seed)
+    counted = Counted(search)
+    d, real = max(2, search.dimensions), search.dimensions  # the library wants two dimensions at least
+    start = np.full(d, 0.5)
+    start[:real] = search.start
+    size = population(real, search.budget)
+    try:
+        while True:
+            _descent(counted, start, size, rng)
+            start, size = rng.random(d), 2 * size
+    except Spent:
+        return
+
+
+def _descent(counted: Counted, start: np.ndarray, size: int, rng: np.random.Generator) -> None:
+    """One start of CMA-ES, until it has converged."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         import cma as library
 
-    rng = np.random.default_rng(search.seed)
-    counted = Counted(search)
-    d, real = max(2, search.dimensions), search.dimensions  # the library wants two dimensions at least
-    size = population(real, search.budget)
-    least = np.zeros(d)
-    if search.grain is not None:
-        least[:real] = 0.3 * search.grain
-    start = np.full(d, 0.5)
-    start[:real] = search.start
-    first = True
-    while counted.left >= size + first:
+        search = counted.search
+        real, least = search.dimensions, np.zeros(len(start))
+        if search.grain is not None:
+            least[:real] = 0.3 * search.grain
         options = {
             "bounds": [0.0, 1.0], "popsize": size, "seed": math.nan, "verbose": -9, "minstd": least.tolist(),
-            "randn": lambda *shape: rng.standard_normal(shape), "tolx": 1e-9, "tolfun": 1e-11, "verb_log": 0,
+            "randn": lambda *shape: rng.standard_normal(shape), "tolx": GRID, "tolfun": 1e-11, "verb_log": 0,
             "tolflatfitness": 20, "tolfunhist": 0.0,
         }  # fmt: skip
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")
-            es = library.CMAEvolutionStrategy(start, 0.25, options)
-            while not es.stop() and counted.left >= size + first:
-                asked = np.array(es.ask())
-                points = asked[:, :real]
-                values = counted.worth(np.vstack([search.start, points]) if first else points)[int(first) :]
-                first = False
-                es.tell(list(asked), values.tolist())
-        start, size = rng.random(d), 2 * size
+        es = library.CMAEvolutionStrategy(start, 0.25, options)
+        while not es.stop():
+            asked = laid(np.array(es.ask()), start)
+            points = asked[:, :real]
+            if counted.left == search.budget:
+                values = counted.worth(np.vstack([search.start, points]))[1:]
+            else:
+                values = counted.worth(points)
+            es.tell(list(asked), values.tolist())
 
 
 def _pymoo() -> Any:
@@ -161,8 +185,9 @@ def _ask_and_tell(search: Search, algorithm: Any) -> None:
         infills = algorithm.ask()
         if infills is None or not len(infills):
             return
+        infills.set("X", laid(np.asarray(infills.get("X"), dtype=float), search.start))
         try:
-            answer = counted(np.asarray(infills.get("X"), dtype=float))
+            answer = counted(infills.get("X"))
         except Spent:
             return
         told = {"F": answer.objectives} | ({"G": answer.violations} if search.constraints else {})

@@ -26,6 +26,10 @@ Z95 = 1.959963984540054
 """Quantile 97.5 % of the normal distribution."""
 
 
+UNKNOWN = 1.0
+"""A Sobol index lies between 0 and 1: where the half width of its interval is larger, nothing is known of it."""
+
+
 class RankCorrelation(NamedTuple):
     """Of one parameter with one metric in one scenario; NaN where one of the two does not vary."""
 
@@ -54,6 +58,16 @@ class SobolIndex(NamedTuple):
     total_width: float
     without: int
     """Runs that gave no value; one is enough for there to be no index."""
+
+    @property
+    def first_known(self) -> bool:
+        """Whether the runs tell the first-order index; True where there is none at all."""
+        return math.isnan(self.first) or self.first_width <= UNKNOWN
+
+    @property
+    def total_known(self) -> bool:
+        """Whether the runs tell the total index; True where there is none at all."""
+        return math.isnan(self.total) or self.total_width <= UNKNOWN
 
 
 def rank_correlations(

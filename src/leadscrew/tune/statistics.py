@@ -99,7 +99,13 @@ def clopper_pearson(passed: int, runs: int, confidence: float = CONFIDENCE) -> t
     return low, high
 
 
-def yielded(passes: np.ndarray, confidence: float = CONFIDENCE) -> Yield:
-    """The yield of runs that passed or did not."""
+def yielded(passes: np.ndarray, confidence: float = CONFIDENCE, alike: bool = False) -> Yield:
+    """The yield of runs that passed or did not; without an interval where all are the same run (``alike``)."""
     runs, passed = len(passes), int(np.count_nonzero(passes))
-    return Yield(passed, runs, passed / runs, *clopper_pearson(passed, runs, confidence))
+    ends = (np.nan, np.nan) if alike else clopper_pearson(passed, runs, confidence)
+    return Yield(passed, runs, passed / runs, *ends)
+
+
+def without_intervals(row: Spread) -> Spread:
+    """The same percentiles without their intervals, for runs that are all the same run."""
+    return row._replace(quantiles=tuple(q._replace(low=np.nan, high=np.nan) for q in row.quantiles))

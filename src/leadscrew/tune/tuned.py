@@ -112,6 +112,8 @@ class Tuned:
     optimiser: str
     seed: int
     versions: dict[str, str]
+    notes: tuple[str, ...] = ()
+    """What is to be known of the setting besides: values at the ends of their ranges."""
     crew: str = ""
     wall_s: float = 0.0
     runs: int = 0
@@ -167,7 +169,7 @@ class Tuned:
             "study": self.study, "controller": self.controller, "scenarios": list(self.scenarios), "vary": self.vary,
             "over": self.over, "goals": [str(g) for g in self.goals], "constraints": [str(c) for c in self.constraints],
             "values": self.values, "present": self.present, "feasible": self.feasible, "holds": self.holds,
-            "verdict": self.verdict(), "before": self.before.as_dict(),
+            "verdict": self.verdict(), "notes": list(self.notes), "before": self.before.as_dict(),
             "before_held_out": self.before_held_out.as_dict(), "trained": self.trained.as_dict(),
             "held_out": self.held_out.as_dict(), "front": [m.as_dict() for m in self.front],
             "history": [g._asdict() for g in self.history], "plants": self.plants,

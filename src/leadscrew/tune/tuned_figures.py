@@ -62,8 +62,8 @@ def held_out(tuned: Tuned, units: dict[str, str]) -> Figure:
         for scenario in tuned.scenarios:
             if wanted.scenario in ("", scenario) and (wanted.metric, scenario) not in shown:
                 shown.append((wanted.metric, scenario))
-    columns = min(3, len(shown))
-    rows = -(-len(shown) // columns)
+    rows = -(-len(shown) // 3)
+    columns = -(-len(shown) // rows)  # as even as it goes: four are two and two, not three and one
     figure = Figure(figsize=(1.0 + 2.9 * columns, 0.6 + 2.9 * rows), layout="constrained")
     axes = figure.subplots(rows, columns, squeeze=False).ravel()
     for ax, (metric, scenario) in zip(axes, shown, strict=False):
@@ -82,7 +82,7 @@ def held_out(tuned: Tuned, units: dict[str, str]) -> Figure:
         _plain(ax)
     for ax in axes[len(shown) :]:
         ax.set_visible(False)
-    figure.suptitle(f"{tuned.held_out_plants} held-out plant{'s' if tuned.held_out_plants > 1 else ''}",
+    figure.suptitle(f"{tuned.held_out_plants} held-out plant{'s' if tuned.held_out_plants > 1 else ''}; bar: median",
                     fontsize="medium")  # fmt: skip
     return figure
 
@@ -100,7 +100,7 @@ def strip(ax: Axes, at: float, values: np.ndarray, colour: Any, width: float = 0
     if len(known):
         across = at + width * (2.0 * (np.arange(len(known)) * 0.618034 % 1.0) - 1.0)
         middle, bar = [np.median(known)] * 2, [at - width, at + width]
-        ax.plot(*((known, across) if flat else (across, known)), "o", color=colour, markersize=3.0, alpha=0.55,
+        ax.plot(*((known, across) if flat else (across, known)), "o", color=colour, markersize=3.2, alpha=0.7,
                 markeredgewidth=0.0)  # fmt: skip
         ax.plot(*((middle, bar) if flat else (bar, middle)), color=BLACK, linewidth=1.4)
     if len(known) < len(values):

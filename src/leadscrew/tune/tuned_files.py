@@ -42,7 +42,8 @@ def tuning(job: Job, tuned: Tuned) -> dict[str, Any]:
     from leadscrew import __version__
 
     return {
-        "verdict": tuned.verdict(), "feasible": tuned.feasible, "holds": tuned.holds, "optimiser": tuned.optimiser,
+        "verdict": tuned.verdict(), "notes": list(tuned.notes) or None, "feasible": tuned.feasible,
+        "holds": tuned.holds, "optimiser": tuned.optimiser,
         "budget": tuned.budget, "evaluations": tuned.used, "seed": tuned.seed, "plants": tuned.plants,
         "held_out_plants": tuned.held_out_plants, "scenarios": [s for s in tuned.scenarios if s],
         "duration_s": [job.seconds(s) for s in tuned.scenarios], "minimise": [str(g) for g in tuned.goals],

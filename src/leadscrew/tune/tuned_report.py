@@ -23,7 +23,8 @@ if TYPE_CHECKING:
 
 STYLE = """body{font:16px/1.5 system-ui,sans-serif;color:#1b1f24;max-width:1100px;margin:2rem auto;padding:0 1.25rem}
 table{border-collapse:collapse;margin:1rem 0}th,td{text-align:left;padding:.35rem .7rem;border-bottom:1px solid #e3e7eb}
-th{background:#f5f7f9}td.n{text-align:right;font-variant-numeric:tabular-nums}figure{margin:1.2rem 0}
+th{background:#f5f7f9}td{white-space:nowrap}
+td.n,th.n{text-align:right;font-variant-numeric:tabular-nums}figure{margin:1.2rem 0}
 img{max-width:100%}.quiet{color:#57606a}.wide{overflow-x:auto}"""
 
 Table = tuple[str, Sequence[str], Sequence[Sequence[str]]]
@@ -103,7 +104,8 @@ def write(job: Job, tuned: Tuned, folder: str | Path) -> None:
             f"{tuned.used} of {tuned.budget} evaluations by {tuned.optimiser}, seed {tuned.seed}; "
             f"{', '.join(s for s in tuned.scenarios if s)}"
         )
-        text = page(f"{tuned.controller or tuned.study}: tuning", [tuned.verdict(), said], tables, drawn)
+        noted = [f"note: {n}" for n in tuned.notes]
+        text = page(f"{tuned.controller or tuned.study}: tuning", [tuned.verdict(), *noted, said], tables, drawn)
         (beside / "report.html").write_text(text, "utf-8")
 
 
@@ -127,8 +129,12 @@ def page(title: str, sentences: Sequence[str], tables: Sequence[Table], drawn: M
 
     parts = [f"<h1>{escape(title)}</h1>", *(f"<p>{escape(s[:1].upper() + s[1:])}.</p>" for s in sentences)]
     for name, columns, lines in tables:
-        head = "".join(f"<th>{escape(c)}</th>" for c in columns)
-        body = "".join(f"<tr>{''.join(map(_cell, line))}</tr>" for line in lines)
+        numbers = [_numbers([line[i] for line in lines]) for i in range(len(columns))]
+        head = "".join(_cell("th", c, right) for c, right in zip(columns, numbers, strict=True))
+        body = "".join(
+            f"<tr>{''.join(_cell('td', c, right) for c, right in zip(line, numbers, strict=True))}</tr>"
+            for line in lines
+        )
         parts.append(f'<h2>{escape(name)}</h2><div class="wide"><table><tr>{head}</tr>{body}</table></div>')
     for name, figure in drawn.items():
         parts.append(f'<figure><img alt="{escape(name)}" src="{embedded(figure, name)}"></figure>')
@@ -138,9 +144,14 @@ def page(title: str, sentences: Sequence[str], tables: Sequence[Table], drawn: M
     )
 
 
-def _cell(text: str) -> str:
+def _numbers(texts: Sequence[str]) -> bool:
+    """Whether a column holds numbers; it stands to the right then, its title too."""
     try:
-        float(text)
+        return bool([float(t) for t in texts if t])
     except ValueError:
-        return f"<td>{escape(text)}</td>"
-    return f'<td class="n">{escape(text)}</td>'
+        return False
+
+
+def _cell(tag: str, text: str, right: bool) -> str:
+    kind = ' class="n"' if right else ""
+    return f"<{tag}{kind}>{escape(text)}</{tag}>"

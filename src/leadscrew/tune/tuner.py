@@ -23,7 +23,7 @@ from leadscrew.tune.measure import Progress, Samples, measure
 from leadscrew.tune.objective import Constraint, Goal, score
 from leadscrew.tune.space import Choice, Distribution, Range
 from leadscrew.tune.tuned import Generation, Marks, Member, Tuned, marks
-from leadscrew.tune.tuner_plan import BUDGET, Given, Plan, held_out_plants, plan, training
+from leadscrew.tune.tuner_plan import BUDGET, Given, Plan, at_ends, held_out_plants, plan, training
 
 HELD_OUT_NOISE = 1_000_000
 """Number of the first held-out run: its noise."""
@@ -152,7 +152,8 @@ def done(asked: Plan, rounds: Rounds) -> Tuned:
         subject.study, subject.controller or "", job.where, {k: str(d) for k, d in vary.items},
         {k: str(d) for k, d in asked.over.items}, asked.goals, asked.constraints, values_at(best), present, before,
         before_far, trained, far, tuple(seen.history), tuple(members), asked.plants, asked.held_out, asked.budget,
-        len(seen.units), asked.optimiser, asked.seed, optimisers.versions(asked.optimiser), rounds.crew.name,
+        len(seen.units), asked.optimiser, asked.seed, optimisers.versions(asked.optimiser),
+        at_ends(vary, values_at(best)), rounds.crew.name,
         time.perf_counter() - began, rounds.finished - before_runs, {"before": before_samples, "tuned": far_samples},
     )  # fmt: skip
 

@@ -21,6 +21,9 @@ PLANTS, HELD_OUT, BUDGET = 16, 64, 400
 CORNERS = 3
 """Ranges up to which the corners of their box are training plants."""
 
+END = 0.02
+"""Part of a range that counts as its end."""
+
 Given = Mapping[str, Distribution | str | tuple[float, float]] | Sequence[str]
 
 
@@ -42,6 +45,22 @@ def training(over: Space, count: int, seed: int) -> dict[str, np.ndarray]:
 def held_out_plants(over: Space, count: int, seed: int, part: int = 2) -> dict[str, np.ndarray]:
     """Plants that no search sees: a Latin hypercube of another seed."""
     return over.values(cube(count, len(over), seed_of(seed, part)))
+
+
+def at_ends(vary: Space, values: Mapping[str, float]) -> tuple[str, ...]:
+    """A sentence for each value at an end of its range: there the best may lie beyond. Of a choice there is no end."""
+    found = []
+    for key, dist in vary.items:
+        if not isinstance(dist, Range) or (dist.whole and dist.high - dist.low < 2.0):
+            continue
+        unit = dist.unit(values[key])
+        near = END if not dist.whole else 0.75 / (dist.high - dist.low + 1.0)
+        end = "lower" if unit <= near else "upper" if unit >= 1.0 - near else ""
+        if end:
+            found.append(
+                f"{key} = {values[key]:.6g} is at the {end} end of its range {dist}: the best may lie beyond it"
+            )
+    return tuple(found)
 
 
 @dataclass(frozen=True)

@@ -12,20 +12,32 @@ import math
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
 
 from leadscrew.kernel.errors import NameUnknown, ValueRefused
 from leadscrew.kernel.sheet import nearest
-from leadscrew.tune.crew import Crew
+from leadscrew.tune.crew import Crew, Threads
 from leadscrew.tune.job import Job
 from leadscrew.tune.journal import Journal
-from leadscrew.tune.measure import Progress, Samples, measure
-from leadscrew.tune.montecarlo import MonteCarlo, drawn, passes, pieces
+from leadscrew.tune.measure import Progress, measure
+from leadscrew.tune.montecarlo import (
+    MonteCarlo,
+    asked_of,
+    drawn,
+    identical,
+    opened,
+    passes,
+    pieces,
+    spreads,
+)
 from leadscrew.tune.space import Space
-from leadscrew.tune.statistics import Spread, Yield, spread, yielded
+from leadscrew.tune.statistics import Spread, Yield, without_intervals, yielded
 
+Drifts = Mapping[str, "Wear | str | tuple[float, float]"] | Sequence["str | Wear"]
+"""What drifts: ``{key: (start, end)}``, ``{key: "x1:x0.9"}``, or texts as on the command line."""
 STEPS = 11
 """Steps of a life unless said otherwise."""
 FORM = re.compile(r"\s*([^=\s]+)\s*=\s*(x?)([^:x]+):(x?)([^:x]+?)(:log)?\s*")
@@ -122,14 +134,31 @@ def wear(text: str) -> Wear:
     return Wear(found[1], *ends, log=bool(found[6]), factor=bool(found[2]))
 
 
-def wears(given: Sequence[str | Wear], job: Job, space: Space) -> tuple[Wear, ...]:
+def listed(given: Drifts) -> list[Wear]:
+    """Drifts as they are given, read.
+
+    Raises:
+        ValueRefused: a text that is none.
+    """
+    if not isinstance(given, Mapping):
+        return [w if isinstance(w, Wear) else wear(w) for w in given]
+    made = []
+    for key, value in given.items():
+        if isinstance(value, Wear):
+            made.append(value)
+        else:
+            made.append(wear(f"{key}={value}") if isinstance(value, str) else Wear(key, *value))
+    return made
+
+
+def wears(given: Drifts, job: Job, space: Space) -> tuple[Wear, ...]:
     """Drifts that a job can have.
 
     Raises:
         NameUnknown: no such parameter.
         ValueRefused: a text that is none, a value out of range, a parameter that drifts twice or is drawn as well.
     """
-    made = tuple(w if isinstance(w, Wear) else wear(w) for w in given)
+    made = tuple(listed(given))
     sheet, drawn_keys = job.sheet(), dict(space.items)
     for i, w in enumerate(made):
         if w.key not in sheet:
@@ -175,17 +204,19 @@ def worn(columns: Mapping[str, np.ndarray], drifts: Sequence[Wear], life: float,
 
 def envelope(
     found: MonteCarlo,
-    drifts: Sequence[str | Wear],
+    drifts: Drifts,
     *,
     steps: int = STEPS,
-    crew: Crew,
-    journal: Journal | None = None,
+    crew: Crew | None = None,
+    journal: Journal | str | Path | None = None,
+    resume: bool = False,
     start: int = 0,
     progress: Progress | None = None,
 ) -> Envelope:
     """The samples of a Monte Carlo again at every step of a life.
 
-    ``start`` is the first number in the journal.
+    ``crew``, ``journal`` and ``resume`` are those of :func:`~leadscrew.tune.montecarlo.montecarlo`; ``start`` is the
+    first number in a journal of several rounds.
 
     Raises:
         LeadscrewError: see :func:`wears`; fewer than two steps.
@@ -194,10 +225,12 @@ def envelope(
         raise ValueRefused(f"a life of {steps} steps: allowed are whole numbers from 2 on")
     job = found.job
     drifting = wears(drifts, job, found.space)
+    workers = crew or Threads()
+    kept = opened(journal, asked_of(found, wear=[repr(w) for w in drifting], life=steps), resume)
     columns = drawn(job, found.space, len(found), found.seed, found.method)
     life = np.linspace(0.0, 1.0, steps)
     total = steps * len(found) * len(job.where)
-    spreads, yields = [], []
+    rows, yields = [], []
     for k, at in enumerate(life):
         here = worn(columns, drifting, float(at), job)
 
@@ -205,13 +238,9 @@ def envelope(
             if progress is not None:
                 progress(k * of + done, total)
 
-        samples = measure(job, here, crew, journal=journal, start=start + k * pieces(job, here), progress=report)
-        spreads.append(_spreads(samples, found.metrics))
-        yields.append(yielded(passes(samples, found.tolerances)))
-    return Envelope(drifting, life, tuple(spreads), tuple(yields))
-
-
-def _spreads(samples: Samples, metrics: Sequence[str]) -> tuple[Spread, ...]:
-    return tuple(
-        spread(s, m, samples.metrics[s][m], samples.diverged_at[s]) for m in metrics for s in samples.scenarios
-    )
+        samples = measure(job, here, workers, journal=kept, start=start + k * pieces(job, here), progress=report)
+        alike = found.alike and identical(samples)
+        step = spreads(samples, found.metrics)
+        rows.append(tuple(map(without_intervals, step)) if alike else step)
+        yields.append(yielded(passes(samples, found.tolerances), alike=alike))
+    return Envelope(drifting, life, tuple(rows), tuple(yields))

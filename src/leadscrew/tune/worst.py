@@ -71,12 +71,14 @@ def _largest(values: np.ndarray, count: int) -> list[tuple[int, int]]:
 
 
 def experiment(found: MonteCarlo, run: int, scenario: str) -> Experiment:
-    """The experiment that is this very run."""
+    """The experiment that is this very run; it knows controller files by their contents."""
     sheet = found.job.loop(scenario).sheet
     drawn: dict[str, Any] = {k: float(v[run]) for k, v in found.samples.columns.items()}
     drawn = {k: int(v) if sheet[k].type == "int" else v for k, v in drawn.items()}
     asked = found.job.of(scenario)
-    return replace(asked, changes={**asked.changes, **drawn}, duration_s=found.job.seconds(scenario), run=run)
+    files = found.job.loop(scenario).origin.get("files", {})
+    seconds = found.job.seconds(scenario)
+    return replace(asked, changes={**asked.changes, **drawn}, duration_s=seconds, run=run, files=files)
 
 
 def write(found: MonteCarlo, rows: tuple[Worst, ...], folder: str | Path) -> list[Path]:
@@ -111,6 +113,9 @@ def toml(asked: Experiment, comment: str = "") -> str:
     lines += _lines(head)
     if asked.changes:
         lines += ["", "[set]", *_lines(asked.changes)]
+    if asked.files:
+        # A path is one key, whatever dots it has.
+        lines += ["", "[files]", *(f"{_value(k)} = {_value(v)}" for k, v in asked.files.items())]
     return "\n".join(lines) + "\n"
 
 
