@@ -145,3 +145,18 @@ def test_only_what_is_missing_is_done_again(tmp_path):
     seen.clear()
     again = montecarlo(j, SPACE, 4000, crew=Threads(1), journal=journal, progress=lambda *a: seen.append(a)).samples
     assert seen == [(2976, 4000), (4000, 4000)] and same(first, again)
+
+
+def test_a_journal_that_goes_takes_nothing_with_it_that_is_not_its_own(tmp_path):
+    """A folder that holds hidden files alone may become a journal: a new repository, say."""
+    (tmp_path / ".git").mkdir()
+    (tmp_path / ".mine.tmp").write_text("mine")
+    journal = Journal(tmp_path, ASKED)
+    journal.put(0, {"m": np.arange(3.0)})
+    (tmp_path / ".chunk_0000001.npz-abc.tmp").write_text("torn")
+    assert (tmp_path / ".mine.tmp").exists()
+    journal.remove()
+    assert sorted(p.name for p in tmp_path.iterdir()) == [".git", ".mine.tmp"]
+    own = Journal(tmp_path / "own", ASKED)
+    own.remove()
+    assert not (tmp_path / "own").exists()

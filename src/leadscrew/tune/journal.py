@@ -8,10 +8,10 @@ done: a journal without any is in nobody's way.
 
 from __future__ import annotations
 
+import contextlib
 import hashlib
 import io
 import json
-import shutil
 import zipfile
 import zlib
 from collections.abc import Mapping
@@ -24,6 +24,7 @@ from leadscrew.kernel.errors import DataError, ValueRefused
 from leadscrew.newfile import save
 
 QUESTION = "question.json"
+CHUNKS = "chunk_*.npz"
 
 
 def mark(question: Mapping[str, Any]) -> str:
@@ -50,8 +51,7 @@ class Journal:
         else:
             said = {"schema_version": 1, "hash": mark(question), "question": _plain(dict(question))}
             save(json.dumps(said, indent=1) + "\n", at)
-        # What a killed process was writing; nobody else writes here.
-        for left in self.folder.glob(".*.tmp"):
+        for left in self._torn():
             left.unlink(missing_ok=True)
 
     def _check(self, kept: Mapping[str, Any], question: Mapping[str, Any], resume: bool) -> None:
@@ -67,11 +67,18 @@ class Journal:
     @property
     def chunks(self) -> int:
         """How many are done."""
-        return sum(1 for _ in self.folder.glob("chunk_*.npz"))
+        return sum(1 for _ in self.folder.glob(CHUNKS))
 
     def remove(self) -> None:
-        """Takes the folder away."""
-        shutil.rmtree(self.folder, ignore_errors=True)
+        """Takes away what this journal wrote, and the folder if nothing else is in it."""
+        with contextlib.suppress(OSError):
+            for path in (*self._torn(), *self.folder.glob(CHUNKS), self.folder / QUESTION):
+                path.unlink(missing_ok=True)
+            self.folder.rmdir()
+
+    def _torn(self) -> list[Path]:
+        """What a killed process was writing."""
+        return [path for name in (QUESTION, CHUNKS) for path in self.folder.glob(f".{name}-*.tmp")]
 
     @staticmethod
     def _read(path: Path) -> dict[str, Any]:
