@@ -21,12 +21,6 @@ from leadscrew.tune.tuned import Tuned
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-STYLE = """body{font:16px/1.5 system-ui,sans-serif;color:#1b1f24;max-width:1100px;margin:2rem auto;padding:0 1.25rem}
-table{border-collapse:collapse;margin:1rem 0}th,td{text-align:left;padding:.35rem .7rem;border-bottom:1px solid #e3e7eb}
-th{background:#f5f7f9}td{white-space:nowrap}
-td.n,th.n{text-align:right;font-variant-numeric:tabular-nums}figure{margin:1.2rem 0}
-img{max-width:100%}.quiet{color:#57606a}.wide{overflow-x:auto}"""
-
 Table = tuple[str, Sequence[str], Sequence[Sequence[str]]]
 """A title, names of columns, rows."""
 
@@ -125,8 +119,11 @@ def parquet(samples: Samples, path: Path, more: Mapping[str, Any] | None = None)
 
 def page(title: str, sentences: Sequence[str], tables: Sequence[Table], drawn: Mapping[str, Figure]) -> str:
     """A page that opens anywhere, offline."""
+    from importlib.resources import files
+
     from leadscrew.report.html import embedded
 
+    style = files("leadscrew.report").joinpath("templates", "style.css.j2").read_text(encoding="utf-8")
     parts = [f"<h1>{escape(title)}</h1>", *(f"<p>{escape(s[:1].upper() + s[1:])}.</p>" for s in sentences)]
     for name, columns, lines in tables:
         numbers = [_numbers([line[i] for line in lines]) for i in range(len(columns))]
@@ -140,7 +137,7 @@ def page(title: str, sentences: Sequence[str], tables: Sequence[Table], drawn: M
         parts.append(f'<figure><img alt="{escape(name)}" src="{embedded(figure, name)}"></figure>')
     return (
         f'<!doctype html>\n<html lang="en"><head><meta charset="utf-8"><title>{escape(title)}</title>'
-        f"<style>{STYLE}</style></head>\n<body>\n{chr(10).join(parts)}\n</body></html>\n"
+        f"<style>{style}td {{ white-space: nowrap; }}</style></head>\n<body>\n{chr(10).join(parts)}\n</body></html>\n"
     )
 
 
