@@ -14,6 +14,7 @@ import pyarrow.parquet as pq
 import pytest
 
 from leadscrew.cli.montecarlo_work import Asked, peak_memory
+from leadscrew.kernel.errors import DataError, ValueRefused
 from tests.cli.conftest import strict_json
 from tests.tools import needed
 from tests.tune.noisy_loop import DIVERGING, FILE, NAME
@@ -174,6 +175,29 @@ def test_a_journal_of_ones_own_stays_and_is_gone_on_with(call, refused, asked, t
     assert "(different: over)" in refused(*asked, "--over", "controller.kp=3:4", "--journal", "kept", "-o", "a")
     found = strict_json(call(*asked, "--journal", "kept", "--resume", "--no-figures", "-o", "b", "--json").stdout)
     assert found["cost"]["runs"] == 0
+
+
+def test_what_may_be_mended_keeps_what_is_done_and_what_would_come_again_does_not(
+    call, refused, asked, tmp_path, monkeypatch
+):
+    def raising(error):
+        def fail(*_):
+            raise error
+
+        monkeypatch.setattr("leadscrew.cli.montecarlo_work.write_report", fail)
+
+    raising(DataError("out cannot be written: No space left on device"))
+    said = refused(*asked, "-o", "out")
+    assert "No space left on device; 200 runs are kept in " in said
+    command = shlex.split(said.partition("go on with: leadscrew ")[2])
+    assert (tmp_path / "out.journal" / "chunk_0000000.npz").exists()
+    monkeypatch.undo()
+    monkeypatch.chdir(tmp_path)
+    assert strict_json(call(*command, "--no-figures", "--json").stdout)["cost"]["runs"] == 0
+    assert not (tmp_path / "out.journal").exists()
+    raising(ValueRefused("no"))
+    refused(*asked, "-o", "other")
+    assert not (tmp_path / "other.journal").exists()
 
 
 def test_when_every_run_diverges_the_exit_code_says_so(call, asked, tmp_path):

@@ -1,4 +1,4 @@
-"""What a long command keeps of its work when it ends before its time: the rules of the journal of tune and compare.
+"""What a long command keeps of its work when it ends before its time: the rules of every journal.
 
 ======================================  ============================================================================
 done                                    the default journal goes; one that was named, with ``--journal``, stays
@@ -11,6 +11,7 @@ nothing was done yet                    the journal goes, whatever the end
 from __future__ import annotations
 
 import shutil
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -32,11 +33,16 @@ class Keeping:
         ValueRefused: ``resume`` without a journal to go on with.
     """
 
-    def __init__(self, out: Path | None, named: Path | None, resume: bool, option: str) -> None:
-        """``out`` is what the command makes, given with ``option``; ``named`` what ``--journal`` says."""
+    def __init__(
+        self, out: Path | None, named: Path | None, resume: bool, option: str, kept: Callable[[], str] | None = None
+    ) -> None:
+        """``out`` is what the command makes, given with ``option``; ``named`` what ``--journal`` says; ``kept`` says
+        what stays and how to go on, in the command's own words.
+        """
         self.named, self.resume, self.option = named is not None, resume, option
         self.at = named if named is not None or out is None else out.with_name(f"{out.name}.journal")
         self.journal: Journal | None = None
+        self._kept = kept or (lambda: f"{self.at} {GOES_ON}")
         if resume and self.at is None:
             raise ValueRefused(
                 f"--resume needs the journal that it goes on with: give {option} as before, or --journal"
@@ -62,12 +68,12 @@ class Keeping:
             from leadscrew.tune.crew import CrewLost
 
             if isinstance(error, DataError | CrewLost) and self._leave(True):
-                raise type(error)(f"{error}; {self.at} {GOES_ON}") from None
+                raise type(error)(f"{error}; {self._kept()}") from None
             self._leave(self.named)
 
     def _interrupted(self) -> str:
         if self._leave(True):
-            return f"{self.at} {GOES_ON}"
+            return self._kept()
         return "nothing was done yet" if self.at else f"nothing is kept without {self.option} or --journal"
 
     def _leave(self, keep: bool) -> bool:

@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from leadscrew.cli.door import DIVERGED, INTERRUPTED, say
+from leadscrew.cli.door import DIVERGED, say
 from leadscrew.cli.output import Json, emit
 from leadscrew.cli.subject import StudyName
 
@@ -87,11 +87,7 @@ def montecarlo(
         resume, figures,
     )  # fmt: skip
     asked = montecarlo_work.Work(given)
-    try:
-        findings = asked.done()
-    except KeyboardInterrupt:
-        say(f"leadscrew: interrupted; {asked.kept()}")
-        raise typer.Exit(INTERRUPTED) from None
+    findings = asked.done()
     if as_json:
         emit({**summary(findings, asked.out), "report": str(asked.out / "report.html")})
     else:

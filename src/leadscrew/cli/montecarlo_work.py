@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import shlex
-import shutil
 import sys
 import time
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from leadscrew.cli.keeping import Keeping
 from leadscrew.cli.montecarlo_progress import Report, Stage, counting
 from leadscrew.cli.subject import experiment_of
 from leadscrew.cli.values import parse
@@ -18,7 +18,6 @@ from leadscrew.kernel.errors import ValueRefused
 from leadscrew.tune import montecarlo, sensitivity
 from leadscrew.tune.crew import Crew, crew
 from leadscrew.tune.job import Job
-from leadscrew.tune.journal import Journal
 from leadscrew.tune.montecarlo_folder import claimable
 from leadscrew.tune.montecarlo_report import Findings, write_report
 from leadscrew.tune.montecarlo_sobol import sobol_indices
@@ -103,7 +102,6 @@ class Work:
     def __init__(self, asked: Asked) -> None:
         self.asked = asked
         self.count = Counted()
-        self.journal: Journal | None = None
         experiment = self._experiment()
         self.job = Job(experiment, asked.scenarios, asked.duration)
         self.space = Space.of(asked.over)
@@ -119,7 +117,7 @@ class Work:
             sensitivity.check(len(self.space), asked.sobol)
         name = Path(experiment.study.rpartition(":")[2] or experiment.study).name
         self.out = claimable(asked.out if asked.out is not None else Path("report") / f"{name}_montecarlo")
-        self.beside = asked.journal or self.out.parent / f"{self.out.name}.journal"
+        self.keeping = Keeping(self.out, asked.journal, asked.resume, "-o", self._kept)
 
     def _experiment(self) -> Experiment:
         asked = self.asked
@@ -143,8 +141,8 @@ class Work:
         """Runs everything and writes the report."""
         asked = self.asked
         began = time.perf_counter()
-        with crew(asked.cluster, asked.threads) as workers, counting() as stage:
-            self.journal = Journal(self.beside, self.question(), asked.resume)
+        with self.keeping, crew(asked.cluster, asked.threads) as workers, counting() as stage:
+            self.keeping.open(self.question())
             stage("compiling")
             findings = self._runs(workers, stage)
             seconds = time.perf_counter() - began
@@ -158,12 +156,10 @@ class Work:
                 "peak_memory_mib": peak_memory(),
             }
             write_report(findings, self.out, asked.figures)
-        if asked.journal is None:
-            shutil.rmtree(self.beside, ignore_errors=True)
         return findings
 
     def _runs(self, workers: Crew, stage: Stage) -> Findings:
-        asked, journal = self.asked, self.journal
+        asked, journal = self.asked, self.keeping.journal
         found = montecarlo.montecarlo(
             self.job, self.space, asked.runs, seed=self.seed, method=self.method, tolerances=self.tolerances,
             crew=workers, journal=journal, progress=self.count.through(stage("Monte Carlo")),
@@ -186,11 +182,8 @@ class Work:
             found, worst(found, asked.worst), indices, asked.sobol, life, asked.level / 100.0, command=asked.command()
         )
 
-    def kept(self) -> str:
-        """What an interrupted job leaves, and how it goes on."""
-        if self.journal is None:
-            return "nothing was done yet"
-        return f"{self.count.done} runs are kept in {self.beside}; go on with: {self.asked.command(resume=True)}"
+    def _kept(self) -> str:
+        return f"{self.count.done} runs are kept in {self.keeping.at}; go on with: {self.asked.command(resume=True)}"
 
 
 def peak_memory() -> float | None:

@@ -14,7 +14,7 @@ from leadscrew.kernel.errors import ValueRefused
 from leadscrew.tune import optimisers
 from leadscrew.tune.job import Job
 from leadscrew.tune.objective import Constraint, Goal, constraint, contradiction, goal
-from leadscrew.tune.space import Choice, Distribution, Range, Space, cube
+from leadscrew.tune.space import Choice, Given, Range, Space, cube
 
 PLANTS, HELD_OUT, BUDGET = 16, 64, 400
 """What is taken unless given."""
@@ -23,8 +23,6 @@ CORNERS = 3
 
 END = 0.02
 """Part of a range that counts as its end."""
-
-Given = Mapping[str, Distribution | str | tuple[float, float]] | Sequence[str]
 
 
 def seed_of(seed: int, part: int) -> int:
