@@ -60,6 +60,16 @@ def moves(run) -> bool:
 
 
 @pytest.mark.parametrize("name", catalogue.BLOCKS)
+def test_every_block_of_the_catalogue_on_the_engine_c_is_what_machine_code_computes(name):
+    """At one level and one set of parameters; the next test does the rest."""
+    loop = around(name)
+    expected = recorded(loop, periods=1000)
+    assert moves(expected)
+    assert_same(recorded(loop, engine="c", periods=1000), expected)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", catalogue.BLOCKS)
 def test_every_block_of_the_catalogue_in_c_is_what_machine_code_computes(name, tmp_path):
     loop = around(name)
     entries = {level: entry_at(loop, tmp_path, level) for level in LEVELS}

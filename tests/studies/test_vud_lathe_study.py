@@ -12,6 +12,7 @@ from plain_loop import PERIOD, run_plain
 
 from leadscrew.kernel.errors import DataError, NameUnknown, ValueRefused
 from leadscrew.plants.lathe_servo import lathe_servo
+from leadscrew.sensors.encoder_count import encoder_count
 from leadscrew.sensors.grating_count import grating_count
 from leadscrew.studies.vud_lathe import figures, runs, tables
 from leadscrew.studies.vud_lathe.claims import all_claims
@@ -31,7 +32,7 @@ class PlainRun(SimpleNamespace):
 
 def plain(controller, scenario, seconds, speed=289.0):
     target, block = SCENARIOS[scenario].params.target_mm, runs.CONTROLLERS[controller]
-    sensor = runs.SENSORS.get(block.name, grating_count)
+    sensor = encoder_count if block.name in runs.ON_THE_ENCODER else grating_count
     plant = lathe_servo(full_duty_speed_mm_s=speed)
     run = run_plain(block, plant, sensor, target, round(seconds / PERIOD))
     x = run.signals["actual.position"]

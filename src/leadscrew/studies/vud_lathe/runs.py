@@ -7,14 +7,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from leadscrew.controllers.vud import duty_pd, power_law, vud, vud_beta_e
 from leadscrew.kernel.block import Block
 from leadscrew.kernel.metrics import chatter, overshoot, rms_error, settling_time, steady_state_error
 from leadscrew.kernel.sheet import entries
-from leadscrew.plants.lathe_servo import lathe_servo
-from leadscrew.sensors.encoder_count import encoder_count
-from leadscrew.sensors.grating_count import grating_count
 from leadscrew.studies.study import Scenario
+from leadscrew.studies.vud_lathe.controllers import CONTROLLERS
+from leadscrew.studies.vud_lathe.machines import MACHINES, machine_of
 from leadscrew.studies.vud_lathe.scenarios import SCENARIOS, command
 
 if TYPE_CHECKING:
@@ -23,17 +21,13 @@ if TYPE_CHECKING:
 PERIOD_S = 0.001
 """Sample period of the controller (section IV.b, end)."""
 
-CONTROLLERS: dict[str, Block] = {
-    "paper.vud": vud,
-    "corrected.vud_beta_e": vud_beta_e,
-    "corrected.vud_beta_e_half": vud_beta_e(output_gain=1.0, output_tau=0.5),
-    "ours.original_fit": power_law,
-    "ours.pd": duty_pd,
-}
-"""The printed law; its two corrections; our fit of the servo that it replaced; a plain PD."""
+STEPPED = (
+    "paper.vud", "corrected.vud_beta_e", "corrected.vud_beta_e_half", "ours.original_fit", "ours.pd",
+)  # fmt: skip
+"""Controllers whose steps are drawn and judged one by one."""
 
-SENSORS: dict[str, Block] = {"power_law": encoder_count}
-"""The original servo reads the encoder (Figure 1), every other controller the grating (Figure 2)."""
+ON_THE_ENCODER = ("power_law", "duty_pid")
+"""Controllers of the original servo, which reads the encoder (Figure 1); every other reads the grating (Figure 2)."""
 
 METRICS: dict[str, Block] = {
     "settling_1pct": settling_time(percent=1.0),
@@ -57,15 +51,22 @@ SIGNALS = ("command", "actual.position", "feedback", "output")
 INSIDE = ("controller.e", "controller.ec", "controller.alpha_e", "controller.alpha_ec", "controller.beta")
 
 
-def build(controller: Block, scenario: Scenario) -> Loop:
-    """The loop of a controller in a scenario: the lathe axis, and the sensor that the controller had."""
+def build(controller: Block, scenario: Scenario, machine: str | None = None, sensor: str | None = None) -> Loop:
+    """The loop of a controller in a scenario, on the scenario's machine and the sensor that the controller had.
+
+    ``machine`` (of :data:`leadscrew.studies.vud_lathe.machines.MACHINES`) and ``sensor`` (``grating`` or ``encoder``)
+    take the place of those.
+    """
     from leadscrew.kernel.loop import Loop
 
+    axis = MACHINES[machine or machine_of(scenario.name)]
+    own = "encoder" if controller.name in ON_THE_ENCODER else "grating"
     return Loop(
         reference=command(scenario.params),
         controller=controller,
-        plant=lathe_servo,
-        sensor=SENSORS.get(controller.name, grating_count),
+        plant=axis.plant,
+        sensor=axis.encoder if (sensor or own) == "encoder" else axis.grating,
+        actuator=axis.actuator,
         period=PERIOD_S,
         metrics=METRICS,
     )
@@ -76,7 +77,7 @@ def plan() -> list[tuple[str, str, float]]:
     runs = [
         (scenario, controller, PRINTED_SECONDS if controller == "paper.vud" else 4.0)
         for scenario in STEPS
-        for controller in CONTROLLERS
+        for controller in STEPPED
     ]
     runs += [(scenario, "ours.original_fit", 4.0) for scenario in TABLE_1_STEPS.values() if scenario not in STEPS]
     runs += [(scenario, c, 4.0) for scenario in GENTLE for c in ("corrected.vud_beta_e", "ours.pd")]
@@ -84,22 +85,60 @@ def plan() -> list[tuple[str, str, float]]:
 
 
 class Loops:
-    """Loops of the study; those that differ in parameters alone share one compiled program."""
+    """Loops of the study; those that differ in parameters alone share one compiled program. Runs are kept."""
 
     def __init__(self) -> None:
-        self._kept: dict[tuple[str, str], Loop] = {}
+        self._loops: dict[tuple[str, ...], Loop] = {}
+        self._runs: dict[tuple[Any, ...], Any] = {}
 
-    def get(self, controller: str, scenario: str) -> Loop:
+    def get(
+        self, controller: str | Block, scenario: str, machine: str | None = None, sensor: str | None = None
+    ) -> Loop:
         """The loop of :func:`build` for these names."""
-        block, asked = CONTROLLERS[controller], command(SCENARIOS[scenario].params)
-        family = (block.name, asked.name)
-        if family not in self._kept:
-            self._kept[family] = build(block, SCENARIOS[scenario])
-            _ = self._kept[family].program  # built once here, so that the loops derived from it share it
+        block = CONTROLLERS[controller] if isinstance(controller, str) else controller
+        loop = build(block, SCENARIOS[scenario], machine, sensor)
+        family = tuple("" if found is None else found.name for found in loop.blocks.values())
+        if family not in self._loops:
+            _ = loop.program  # built once here, so that the loops derived from it share it
+            self._loops[family] = loop
         changes = {
-            e.key: e.default for e in (*entries(block.params, "controller."), *entries(asked.params, "reference."))
+            entry.key: entry.default
+            for slot, found in loop.blocks.items()
+            if found is not None and found.params is not None
+            for entry in entries(found.params, f"{slot}.")
         }
-        return self._kept[family].using(changes)
+        return self._loops[family].using(changes)
+
+    def run(
+        self,
+        controller: str | Block,
+        scenario: str,
+        seconds: float = 4.0,
+        machine: str | None = None,
+        sensor: str | None = None,
+        record: tuple[str, ...] = SIGNALS,
+    ) -> Any:
+        """A run of the loop, made once for the same arguments; a block of one's own is run each time."""
+        key = (controller, scenario, seconds, machine, sensor, record)
+        if isinstance(controller, str) and key in self._runs:
+            return self._runs[key]
+        done = self.get(controller, scenario, machine, sensor).run(seconds, record=record)
+        if isinstance(controller, str):
+            self._runs[key] = done
+        return done
+
+    def batch(
+        self,
+        controller: str | Block,
+        scenario: str,
+        changes: Mapping[str, Any],
+        seconds: float = 4.0,
+        machine: str | None = None,
+        sensor: str | None = None,
+        **options: Any,
+    ) -> Any:
+        """A batch of the loop with parameters varied by dotted key."""
+        return self.get(controller, scenario, machine, sensor).batch(seconds, changes, **options)
 
 
 def simulate(progress: Callable[[str, float], None], loops: Loops) -> dict[str, Any]:
@@ -109,14 +148,14 @@ def simulate(progress: Callable[[str, float], None], loops: Loops) -> dict[str, 
     for number, (scenario, controller, seconds) in enumerate(wanted):
         progress(f"{controller} in {scenario}", number / len(wanted))
         inside = INSIDE if "vud" in controller else ()
-        runs[f"{scenario}/{controller}"] = loops.get(controller, scenario).run(seconds, record=(*SIGNALS, *inside))
+        runs[f"{scenario}/{controller}"] = loops.run(controller, scenario, seconds, record=(*SIGNALS, *inside))
     progress("gain sweep", 1.0)
     return runs
 
 
 def sweep_gain(controller: str, scenario: str, loops: Loops) -> Any:
     """The batch of a controller over :data:`GAINS_MM_S`."""
-    return loops.get(controller, scenario).batch(4.0, {"plant.full_duty_speed_mm_s": GAINS_MM_S})
+    return loops.batch(controller, scenario, {"plant.full_duty_speed_mm_s": GAINS_MM_S})
 
 
 def true_error_um(run: Any) -> np.ndarray:
