@@ -53,7 +53,7 @@ def judged(study: str, out: Path | None, figures: bool, as_json: bool) -> tuple[
     if as_json:
         emit(report.summary(found, result, wall, target / "report.html"))
     else:
-        print_claims(result.claims)
+        print_claims(result)
     return result, target, wall
 
 
@@ -65,8 +65,23 @@ def leave(result: StudyResult) -> None:
         raise typer.Exit(MISSED)
 
 
-def print_claims(claims: list[Claim]) -> None:
-    """The table of claims, and what it adds up to."""
+def print_claims(result: StudyResult) -> None:
+    """The tables of claims, one a topic, and what they add up to."""
+    from leadscrew.report import tables
+
+    for title, claims in result.by_topic():
+        if title:
+            typer.echo(f"\n{title}")
+        print_topic(claims)
+    sums = tables.tally(result.claims)
+    typer.echo("\n" + ", ".join(f"{n} {verdict}" for verdict, n in sums.verdicts.items() if n))
+    typer.echo(f"{sums.required_met} of {sums.required} required targets met")
+    for claim in tables.missed(result.claims):
+        typer.echo(f"MISSED {claim.id}: {tables.number(claim.measured)} {claim.unit}, wanted {tables.target(claim)}")
+
+
+def print_topic(claims: list[Claim]) -> None:
+    """One table of claims; below it why, where the terminal is too narrow for a column of reasons."""
     from leadscrew.report import tables
 
     columns = ["claim", "source", "paper", "measured", "unit", "verdict", "met"]
@@ -85,8 +100,3 @@ def print_claims(claims: list[Claim]) -> None:
         for c in claims:
             if c.reason and c.verdict != "reproduced":
                 typer.echo(f"  {c.id}: {c.reason}")
-    sums = tables.tally(claims)
-    typer.echo("\n" + ", ".join(f"{n} {verdict}" for verdict, n in sums.verdicts.items() if n))
-    typer.echo(f"{sums.required_met} of {sums.required} required targets met")
-    for claim in tables.missed(claims):
-        typer.echo(f"MISSED {claim.id}: {tables.number(claim.measured)} {claim.unit}, wanted {tables.target(claim)}")

@@ -50,13 +50,16 @@ def render(
     )  # fmt: skip
     environment.filters["number"] = tables.number
     drawn = [(p.name, p.caption, embedded(p.draw(), p.name)) for p in pictures]
-    rows = [(c, tables.three_columns(c), tables.target(c), tables.met(c)) for c in result.claims]
+    topics = [
+        (title, [(c, tables.three_columns(c), tables.target(c), tables.met(c)) for c in claims])
+        for title, claims in result.by_topic()
+    ]
     runs = [
         (key, folders[key], run.duration, run.diverged, tables.metric_rows(run.loop, run.metrics))
         for key, run in result.runs.items()
         if key in folders
     ]
     return environment.get_template("report.html.j2").render(
-        study=study, result=result, rows=rows, tally=tables.tally(result.claims), missed=tables.missed(result.claims),
-        pictures=drawn, runs=runs, manifest=manifest,
+        study=study, result=result, topics=topics, tally=tables.tally(result.claims),
+        missed=tables.missed(result.claims), pictures=drawn, runs=runs, manifest=manifest,
     )  # fmt: skip

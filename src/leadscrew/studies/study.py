@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from itertools import accumulate
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -51,6 +52,16 @@ class StudyResult:
     """Run results by ``scenario/controller``."""
     notes: list[str] = field(default_factory=list)
     """Findings in words, for the report."""
+    topics: tuple[tuple[str, int], ...] = ()
+    """Headings of the claims, in their order, and how many stand below each; none: all in one table."""
+
+    def by_topic(self) -> list[tuple[str, list[Claim]]]:
+        """The claims below their headings; one group without a heading where the study has none."""
+        if not self.topics:
+            return [("", self.claims)]
+        ends = list(accumulate(count for _, count in self.topics))
+        starts = [0, *ends[:-1]]
+        return [(title, self.claims[a:b]) for (title, _), a, b in zip(self.topics, starts, ends, strict=True)]
 
 
 @dataclass(frozen=True)
