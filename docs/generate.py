@@ -32,14 +32,17 @@ def table(head: Sequence[str], rows: Iterable[Sequence[object]]) -> str:
     return "\n".join(f"| {line} |" for line in lines)
 
 
-def claims_table(result: StudyResult) -> str:
-    """Every claim: what the paper says, what we measured, and the verdict with its reason."""
+def claims_tables(result: StudyResult) -> str:
+    """Every claim below its topic: what the paper says, what we measured, and the verdict with its reason."""
     head = ["claim", "source", "whose", "paper", "measured", "unit", "verdict", "reason"]
-    rows = [
-        (c.statement, c.source, f"{c.group}; {c.basis}", c.paper, c.measured, c.unit, c.verdict, c.reason)
-        for c in result.claims
-    ]
-    return table(head, rows)
+    parts = []
+    for title, claims in result.by_topic():
+        rows = [
+            (c.statement, c.source, f"{c.group}; {c.basis}", c.paper, c.measured, c.unit, c.verdict, c.reason)
+            for c in claims
+        ]
+        parts += [*([f"### {title}"] if title else []), table(head, rows)]
+    return "\n\n".join(parts)
 
 
 def items_table(study: Study) -> str:
@@ -62,15 +65,17 @@ def study_page(study: Study, folder: Path) -> str:
         f"```console\n$ leadscrew run {study.name}\n$ leadscrew list {study.name}\n```",
         "## Findings",
         "\n".join(f"- {note}" for note in result.notes),
-        "## Claims",
-        f"{len(result.claims)} claims: " + ", ".join(f"{n} {verdict}" for verdict, n in verdicts.most_common()) + ".",
-        claims_table(result),
         "## Figures",
     ]
     for picture in result.pictures:
         file = f"{study.name}_{picture.name}.svg"
         picture.draw().savefig(folder / file, metadata={"Date": None})
         parts.append(f":::{{figure}} {file}\n{picture.caption}\n:::")
+    parts += [
+        "## Claims",
+        f"{len(result.claims)} claims: " + ", ".join(f"{n} {verdict}" for verdict, n in verdicts.most_common()) + ".",
+        claims_tables(result),
+    ]
     parts += ["## Controllers", table(["name", "block", "what it is"], (
         (name, block.name, tables.first_line(block.doc)) for name, block in study.controllers.items()
     ))]  # fmt: skip
