@@ -17,6 +17,7 @@ from pathlib import Path
 from leadscrew import catalogue
 from leadscrew.kernel.sheet import entries
 from leadscrew.report import tables
+from leadscrew.report.claim import Claim
 from leadscrew.studies.study import Study, StudyResult
 
 
@@ -32,16 +33,21 @@ def table(head: Sequence[str], rows: Iterable[Sequence[object]]) -> str:
     return "\n".join(f"| {line} |" for line in lines)
 
 
+def row(c: Claim) -> tuple[object, ...]:
+    """A claim as cells."""
+    return (c.statement, c.source, f"{c.group}; {c.basis}", c.paper, c.measured, c.unit, c.verdict, c.reason)
+
+
 def claims_tables(result: StudyResult) -> str:
     """Every claim below its topic: what the paper says, what we measured, and the verdict with its reason."""
     head = ["claim", "source", "whose", "paper", "measured", "unit", "verdict", "reason"]
     parts = []
     for title, claims in result.by_topic():
-        rows = [
-            (c.statement, c.source, f"{c.group}; {c.basis}", c.paper, c.measured, c.unit, c.verdict, c.reason)
-            for c in claims
-        ]
-        parts += [*([f"### {title}"] if title else []), table(head, rows)]
+        shown, ours = tables.of_the_paper(claims)
+        parts += [f"### {title}"] if title else []
+        parts += [table(head, map(row, shown))] if shown else []
+        if ours:
+            parts += [f"On these {len(ours)} the paper says nothing:", table(head, map(row, ours))]
     return "\n\n".join(parts)
 
 

@@ -11,6 +11,7 @@ import numpy as np
 
 from leadscrew import catalogue, experiment, fuzzy
 from leadscrew.experiment import Experiment
+from leadscrew.report import backlash, friction
 from leadscrew.report import fuzzy as pictures
 from leadscrew.tune.job import Job
 from leadscrew.tune.tuned_figures import figures
@@ -51,6 +52,19 @@ def tuning_images(folder: Path) -> None:
     figures(several, units(lathe))["front"].savefig(folder / "tune_front.png", dpi=100)
 
 
+def friction_images(folder: Path) -> None:
+    """The pictures of the page on friction and backlash."""
+    for name, draw in (
+        ("friction_velocity", friction.friction_velocity_figure),
+        ("friction_presliding", friction.presliding_figure),
+        ("friction_break_away", friction.break_away_figure),
+        ("friction_stick_slip", friction.stick_slip_figure),
+        ("backlash_classic", backlash.classic_figure),
+        ("backlash_modern", backlash.modern_figure),
+    ):
+        draw().savefig(folder / f"{name}.png", dpi=90)
+
+
 def main(folder: Path = Path(__file__).parent / "images") -> None:
     """Draws every image."""
     folder.mkdir(exist_ok=True)
@@ -60,6 +74,7 @@ def main(folder: Path = Path(__file__).parent / "images") -> None:
         picture.draw().savefig(folder / f"{image}.png", dpi=110)
     fuzzy_images(folder)
     tuning_images(folder)
+    friction_images(folder)
 
 
 if __name__ == "__main__":

@@ -2,13 +2,15 @@
 
 from dataclasses import replace
 
+from leadscrew.actuators.dead_zone import dead_zone
 from leadscrew.controllers.pid import TUNINGS
 from leadscrew.controllers.sliding import smc_integral
-from leadscrew.controllers.vud import vud_beta_e
+from leadscrew.controllers.vud import vud_beta_e, vud_scaled
 from leadscrew.fuzzy.block import controller
 from leadscrew.kernel.loop import Loop
 from leadscrew.plants.lathe_servo import lathe_servo
 from leadscrew.references.sine import sine
+from leadscrew.references.step import step
 from leadscrew.sensors.grating_count import grating_count
 from tests.controllers.stage_loop import stage_loop
 from tests.controllers.xy_loop import xy_loop
@@ -28,6 +30,19 @@ def lathe_to_and_fro():
     return Loop(
         reference=sine(amplitude=60.0, frequency=0.37),
         controller=vud_beta_e,
+        plant=lathe_servo,
+        sensor=grating_count,
+        period=1e-3,
+        metrics={},
+    )
+
+
+def lathe_with_a_dead_zone():
+    """The lathe axis under the tuned rules, 5 % of the duty lost to friction, integral action and inverse at work."""
+    return Loop(
+        reference=step(target=-50.0),
+        controller=vud_scaled(integral_gain=2.0, dead_zone=0.05),
+        actuator=dead_zone(threshold=0.05, subtract=True),
         plant=lathe_servo,
         sensor=grating_count,
         period=1e-3,

@@ -108,15 +108,6 @@ def test_every_item_of_the_paper_is_covered_or_says_why_not():
     assert numbered | {"table 1", "table 2"} <= items
 
 
-def test_items_point_at_claims_that_exist(claims):
-    with (STUDY.folder / "paper_items.csv").open(newline="") as file:
-        rows = [row for row in csv.DictReader(file) if row["covered_by"] == "claim"]
-    known = set(claims)
-    for row in rows:
-        named = [part.strip() for part in row["where"].split(";") if ".py" not in part]
-        assert set(named) <= known, row["item"]
-
-
 def test_table_1_is_read_whole_with_the_sign_that_its_rates_must_have():
     found = tables.moves()
     assert list(found) == ["r=-190", "r=-50", "r=50", "r=190"]
@@ -161,12 +152,3 @@ def test_a_machine_like_command_ends_at_the_same_target():
     assert run["command"][-1] == -50.0
     assert run["actual.position"][-1] == pytest.approx(-50.0, abs=0.31e-3)
     assert np.abs(run["command"] - run["actual.position"]).max() < 3.0
-
-
-@pytest.mark.slow
-def test_the_whole_study_runs_on_the_default_engine():
-    said = []
-    result = STUDY.evaluate(lambda what, done: said.append(done))
-    assert [c.id for c in result.claims if c.passed is False] == []
-    assert said == sorted(said) and said[-1] == 1.0
-    assert len(result.pictures) == 10 and result.notes

@@ -18,11 +18,13 @@ from leadscrew.cli import (
     cache,
     compare,
     demo,
+    design,
     diff,
     export,
     fuzzy,
     listing,
     montecarlo,
+    positioning,
     replay,
     run,
     simulate,
@@ -67,7 +69,9 @@ app.command("diff")(diff.diff)
 app.command("tune")(tune.tune)
 app.command("compare")(compare.compare)
 app.command("montecarlo")(montecarlo.montecarlo)
+app.command("positioning")(positioning.positioning)
 app.add_typer(fuzzy.app, name="fuzzy")
+app.add_typer(design.app, name="design")
 app.command("bench")(bench.bench)
 app.add_typer(cache.app, name="cache")
 app.command("version")(version.version)

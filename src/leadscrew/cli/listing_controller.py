@@ -71,7 +71,8 @@ def _tuning(tuning: Mapping[str, Any]) -> None:
     parts = [f"{done}{tuning.get('optimiser', '')}".strip()]
     parts += [f"{word} {tuning[key]}" for key, word in (("seed", "seed"), ("date", "on"), ("leadscrew", "Leadscrew"))
               if key in tuning]  # fmt: skip
-    typer.echo(f"\ntuned: {', '.join(p for p in parts if p)}")
+    how = f"made by {tuning['made_by']}" if "made_by" in tuning else "tuned"
+    typer.echo(f"\n{how}: {', '.join(p for p in parts if p)}")
     for word, key in (("varied", "vary"), ("over", "over")):
         if isinstance(tuning.get(key), Mapping):
             typer.echo(f"{word}: {', '.join(f'{k} = {v}' for k, v in flat(tuning[key]))}")

@@ -24,19 +24,24 @@ def run(
     study: StudyName,
     out: Annotated[Path | None, typer.Option(help="Folder of the report; report/STUDY unless given.")] = None,
     figures: Annotated[bool, typer.Option("--figures/--no-figures", help="Draw the figures.")] = True,
+    everything: Annotated[
+        bool, typer.Option("--all", help="Print the claims too on which the paper says nothing.")
+    ] = False,
     as_json: Json = False,
 ) -> None:
     """Judge every claim of a study; write report.html and the runs.
 
     Exit code 1 when a required target is missed.
     """
-    result, folder, wall = judged(study, out, figures, as_json)
+    result, folder, wall = judged(study, out, figures, as_json, everything)
     if not as_json:
         typer.echo(f"\n{folder / 'report.html'}   ({wall:.1f} s)")
     leave(result)
 
 
-def judged(study: str, out: Path | None, figures: bool, as_json: bool) -> tuple[StudyResult, Path, float]:
+def judged(
+    study: str, out: Path | None, figures: bool, as_json: bool, everything: bool = False
+) -> tuple[StudyResult, Path, float]:
     """Runs a study, writes its report, prints its claims; gives result, folder and seconds."""
     from leadscrew.report import folder as report
 
@@ -53,7 +58,7 @@ def judged(study: str, out: Path | None, figures: bool, as_json: bool) -> tuple[
     if as_json:
         emit(report.summary(found, result, wall, target / "report.html"))
     else:
-        print_claims(result)
+        print_claims(result, everything)
     return result, target, wall
 
 
@@ -65,14 +70,18 @@ def leave(result: StudyResult) -> None:
         raise typer.Exit(MISSED)
 
 
-def print_claims(result: StudyResult) -> None:
-    """The tables of claims, one a topic, and what they add up to."""
+def print_claims(result: StudyResult, everything: bool) -> None:
+    """The tables of claims, one a topic, and what they add up to; ours alone only if ``everything`` is asked for."""
     from leadscrew.report import tables
 
     for title, claims in result.by_topic():
         if title:
             typer.echo(f"\n{title}")
-        print_topic(claims)
+        shown, ours = (claims, []) if everything else tables.of_the_paper(claims)
+        if shown:
+            print_topic(shown)
+        if ours:
+            typer.echo(f"{len(ours)} {'more ' if shown else ''}on which the paper says nothing, in the report")
     sums = tables.tally(result.claims)
     typer.echo("\n" + ", ".join(f"{n} {verdict}" for verdict, n in sums.verdicts.items() if n))
     typer.echo(f"{sums.required_met} of {sums.required} required targets met")

@@ -51,9 +51,10 @@ def render(
     environment.filters["number"] = tables.number
     drawn = [(p.name, p.caption, embedded(p.draw(), p.name)) for p in pictures]
     topics = [
-        (title, [(c, tables.three_columns(c), tables.target(c), tables.met(c)) for c in claims])
+        (title, [[(c, tables.three_columns(c), tables.target(c), tables.met(c)) for c in part]
+                 for part in tables.of_the_paper(claims)])
         for title, claims in result.by_topic()
-    ]
+    ]  # fmt: skip
     runs = [
         (key, folders[key], run.duration, run.diverged, tables.metric_rows(run.loop, run.metrics))
         for key, run in result.runs.items()

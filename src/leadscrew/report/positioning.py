@@ -98,6 +98,15 @@ def picture(test: Positioning, title: str = "") -> Figure:
 
     figure = Figure(figsize=(7.0, 4.2), layout="constrained")
     axes = figure.subplots()
+    draw(axes, test)
+    if title:
+        axes.set_title(title, fontsize="medium")
+    figure.legend(loc="outside lower center", ncols=3, frameon=False, fontsize="small")
+    return figure
+
+
+def draw(axes: Any, test: Positioning) -> None:
+    """The picture's lines into axes of a figure."""
     for x, way, name, colour, mark in (
         (test.up_um, test.up, "+", BLUE, "^"),
         (test.down_um, test.down, "-", VERMILION, "v"),
@@ -113,10 +122,6 @@ def picture(test: Positioning, title: str = "") -> Figure:
                   label="mean of both directions")  # fmt: skip
     axes.axhline(0.0, color="0.6", linewidth=0.6, zorder=0)
     axes.set(xlabel="target position (mm)", ylabel="deviation (µm)")
-    if title:
-        axes.set_title(title, fontsize="medium")
-    figure.legend(loc="outside lower center", ncols=3, frameon=False, fontsize="small")
-    return figure
 
 
 def summary(test: Positioning, source: str) -> dict[str, Any]:

@@ -23,6 +23,8 @@ COLOURS = {
     "corrected.vud_beta_e_half": SKY,
     "ours.original_fit": ORANGE,
     "ours.pd": GREEN,
+    "ours.vud_opt": PURPLE,
+    "ours.vud_fast": BLACK,
 }
 """Colour by controller, kept across all figures; others get one of the rest by their name."""
 

@@ -80,6 +80,13 @@ def three_columns(claim: Claim) -> ThreeColumns:
     return ThreeColumns(number(claim.paper), ours if printed else "", "" if printed else ours)
 
 
+def of_the_paper(claims: Iterable[Claim]) -> tuple[list[Claim], list[Claim]]:
+    """Claims on which the paper says something, or whose target is missed; and the others, which are ours alone."""
+    claims = list(claims)
+    shown = [c for c in claims if c.paper is not None or c.passed is False]
+    return shown, [c for c in claims if not (c.paper is not None or c.passed is False)]
+
+
 class Tally(NamedTuple):
     """How a study came out."""
 

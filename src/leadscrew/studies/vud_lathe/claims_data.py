@@ -69,9 +69,9 @@ def _rules(found: Mapping[str, Move]) -> list[Claim]:
                "yes" if missing == 0 else "no", "no", 0, "not reproduced",
                f"{missing} of 36 cells are not in the data; they need symmetry, monotonicity and prior knowledge",
                sense="yes/no"),
-        _claim("table2_agree", "Table 2", "covered cells whose winner is that of Table 2", None, agreeing, 6, 0,
-               "reproduced with change", f"the data disagrees in {names}", "cells"),
-        _claim("table2_conflict_15", "(15)", "the rule of (15) is overruled by a stronger one", None,
+        _claim("table2_agree", "Table 2", "covered cells whose winner is that of Table 2", "all", agreeing, 6, 0,
+               "not reproduced", f"of {learned.covered}; the data disagrees in {names}", "cells"),
+        _claim("table2_conflict_15", "(15)", "the rule of (15) is overruled by a stronger one", "yes",
                "yes" if beaten.winner.output == 4 else "no", "yes", 0, "reproduced",
                f"{learned.say(beaten.winner)} beats {learned.say(beaten.losers[0])}, as Table 2 has it",
                sense="yes/no"),
@@ -92,7 +92,7 @@ def _units(found: Mapping[str, Move]) -> list[Claim]:
     positive = [m for m in found.values() if m.target_mm > 0.0]
     falls = all(np.sum(m.printed_rate) > 0.0 and m.error[-1] < m.error[0] for m in positive)
     return [
-        _claim("ec_unit", "(6), step 1", "way of a move over the sum of its ec times 25.87 mm, mean of four", None,
+        _claim("ec_unit", "(6), step 1", "way of a move over the sum of its ec times 25.87 mm, mean of four", "mm/s",
                float(np.mean(ratio)), 1.0, 0.02, "not reproduced",
                "the printed unit is mm/s; the sums fit the ways only if 25.87 mm is the change per 0.1 s (258.7 mm/s)"),
         _claim("ec_sign", "Table 1", "ec has the sign of de/dt in the columns r = 50 and r = 190", "yes",

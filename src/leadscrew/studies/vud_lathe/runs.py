@@ -13,7 +13,7 @@ from leadscrew.kernel.sheet import entries
 from leadscrew.studies.study import Scenario
 from leadscrew.studies.vud_lathe.controllers import CONTROLLERS
 from leadscrew.studies.vud_lathe.machines import MACHINES, machine_of
-from leadscrew.studies.vud_lathe.scenarios import SCENARIOS, command
+from leadscrew.studies.vud_lathe.scenarios import SCENARIOS, command, last_step_s
 
 if TYPE_CHECKING:
     from leadscrew.kernel.loop import Loop
@@ -38,6 +38,9 @@ METRICS: dict[str, Block] = {
     "chatter": chatter(from_time=2.0),
 }
 """Seconds and millimetres of the true position."""
+
+AFTER_2_S = ("error_after_2s", "chatter")
+"""Of these, what is measured from 2 s after the last step of the command on."""
 
 STEPS = ("fig11a_step_m50", "fig11b_step_m170")
 TABLE_1_STEPS = {"r=-190": "step_m190", "r=-50": "fig11a_step_m50", "r=50": "step_p50", "r=190": "step_p190"}
@@ -68,7 +71,10 @@ def build(controller: Block, scenario: Scenario, machine: str | None = None, sen
         sensor=axis.encoder if (sensor or own) == "encoder" else axis.grating,
         actuator=axis.actuator,
         period=PERIOD_S,
-        metrics=METRICS,
+        metrics={
+            name: metric(from_time=last_step_s(scenario.params) + 2.0) if name in AFTER_2_S else metric
+            for name, metric in METRICS.items()
+        },
     )
 
 

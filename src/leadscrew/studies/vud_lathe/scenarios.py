@@ -7,8 +7,11 @@ from __future__ import annotations
 
 from typing import Annotated, NamedTuple
 
+import numpy as np
+
 from leadscrew.kernel.block import Block
 from leadscrew.kernel.sheet import Doc, Ge, Gt, Le, Unit
+from leadscrew.references.stairs import stairs
 from leadscrew.references.step import step
 from leadscrew.studies.study import Scenario
 from leadscrew.studies.vud_lathe.moves_reference import s_curve_position, trapezoid_position
@@ -42,8 +45,19 @@ class SCurveMove(NamedTuple):
     max_jerk_mm_s3: Jerk = 40000.0
 
 
-def command(params: StepMove | TrapezoidMove | SCurveMove) -> Block:
+class Sequence(NamedTuple):
+    """Steps of the command one after the other, some of them back."""
+
+    positions_mm: Annotated[np.ndarray, Unit("mm"), Ge(-190), Le(190), Doc("targets in turn")] = np.array(
+        [-50.0, -170.0, -160.0, -170.0, 60.0, 0.0]
+    )
+    dwell_s: Annotated[float, Unit("s"), Gt(0), Doc("time from one step to the next")] = 3.0
+
+
+def command(params: StepMove | TrapezoidMove | SCurveMove | Sequence) -> Block:
     """The reference block of a scenario's parameters."""
+    if isinstance(params, Sequence):
+        return stairs(positions=params.positions_mm, dwell=params.dwell_s)
     if isinstance(params, StepMove):
         return step(initial=0.0, target=params.target_mm, time=0.0)
     limits = {
@@ -56,8 +70,21 @@ def command(params: StepMove | TrapezoidMove | SCurveMove) -> Block:
     return trapezoid_position(**limits)
 
 
+def last_step_s(params: StepMove | TrapezoidMove | SCurveMove | Sequence) -> float:
+    """When the command of a scenario steps for the last time."""
+    return params.dwell_s * (len(params.positions_mm) - 1) if isinstance(params, Sequence) else 0.0
+
+
 def _step(name: str, target: float, doc: str) -> Scenario:
     return Scenario(name, StepMove(target), doc, duration_s=4.0)
+
+
+def _on(machine: str, what: str) -> list[Scenario]:
+    """Both steps of Figure 11 on another axis."""
+    return [
+        _step(f"step_m{way}_on_{machine}", -float(way), f"a step to -{way} mm on the axis {machine!r}: {what}")
+        for way in (50, 170)
+    ]
 
 
 SCENARIOS: dict[str, Scenario] = {
@@ -72,5 +99,11 @@ SCENARIOS: dict[str, Scenario] = {
         Scenario("trapezoid_m170", TrapezoidMove(-170.0), "to -170 mm with limited speed and acceleration", 4.0),
         Scenario("s_curve_m50", SCurveMove(-50.0), "to -50 mm with limited speed, acceleration and jerk", 4.0),
         Scenario("s_curve_m170", SCurveMove(-170.0), "to -170 mm with limited speed, acceleration and jerk", 4.0),
+        Scenario("sequence", Sequence(), "a positioning sequence with reversals, each target for 3 s", 18.0),
+        Scenario("sequence_on_screw", Sequence(), "the same behind the ball screw and its play", 18.0),
+        *_on("limited", "7.5 A, 258.7 mm/s, PWM counts"),
+        *_on("screw", "lead error, cyclic error, play, warmth; sensors with their errors"),
+        *_on("dead_zone", "small duties do nothing"),
+        *_on("drift", "a constant duty is added"),
     )
 }

@@ -1,0 +1,155 @@
+"""From a log of the old controller to a VUD fuzzy controller: the five steps of Long et al. (2014) as one procedure.
+
+1. the log (:mod:`leadscrew.design.files`), its columns checked by physics (:mod:`leadscrew.design.checks`);
+2. universes (:mod:`leadscrew.design.universes`);
+3. curvature, where the log can tell (:mod:`leadscrew.design.bending`);
+4. sets (:mod:`leadscrew.design.sets`);
+5. rules and completion (:mod:`leadscrew.design.rules`);
+6. contraction-expansion factors and law (:mod:`leadscrew.design.factors`).
+
+Every step says what it found, what it took instead, and why. The result is a controller file
+(:mod:`leadscrew.controller_file`) for the blocks ``vud_beta_e`` and ``vud``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from leadscrew.design.bending import MOST_CONDITION, Bending, find_bending
+from leadscrew.design.factors import Factors
+from leadscrew.design.files import INTERVAL_S, read_moves
+from leadscrew.design.log import MoveLog
+from leadscrew.design.rules import Rules, find_rules
+from leadscrew.design.sets import ACCURACY, Sets, find_sets
+from leadscrew.design.universes import Universes, find_universes
+from leadscrew.fuzzy.partition_count import Reading
+
+if TYPE_CHECKING:
+    from leadscrew.controller_file import ControllerFile
+    from leadscrew.kernel.block import Block
+
+STUDY = "vud_lathe"
+"""Whose axis a controller file names unless told otherwise."""
+
+
+@dataclass(frozen=True)
+class VudDesign:
+    """A designed controller, and every step that led to it."""
+
+    log: MoveLog
+    universes: Universes
+    bending: Bending
+    sets: Sets
+    rules: Rules
+    factors: Factors
+
+    @property
+    def parameters(self) -> dict[str, Any]:
+        """Of the controller's block."""
+        centres = [float(c) for c in self.sets.partition.centres]
+        return {
+            "error_full_scale_mm": self.universes.error_mm,
+            "rate_full_scale_mm": self.universes.rate_mm,
+            "rate_interval_s": self.universes.interval_s,
+            **self.factors.parameters(),
+            "e_centres": centres,
+            "ec_centres": centres,
+            "rules": self.rules.table.tolist(),
+        }
+
+    def controller(self) -> Block:
+        """The controller as a block for a loop."""
+        from leadscrew.controllers import vud as laws
+        from leadscrew.kernel.sheet import checked_replace
+
+        base: Block = getattr(laws, self.factors.law)
+        return replace(base, params=checked_replace(base.params, self.parameters, where="design"))
+
+    def controller_file(self, study: str = STUDY) -> ControllerFile:
+        """The controller as a file that ``simulate``, ``tune`` and ``export`` take."""
+        from leadscrew.controller_file import ControllerFile
+        from leadscrew.design.file import origin
+
+        return ControllerFile(study, self.factors.law, self.parameters, origin(self))
+
+    def report(self, most: int = 30) -> str:
+        """All steps as text; lists are cut after ``most`` lines, and say so."""
+        from leadscrew.design.file import log_lines
+
+        steps = (
+            ("log", log_lines(self.log)),
+            ("universes", self.universes.lines()),
+            ("curvature", self.bending.lines()),
+            ("sets", self.sets.lines()),
+            ("rules", self.rules.lines(most)),
+            ("factors", self.factors.lines()),
+        )
+        return "\n\n".join(
+            "\n".join([f"{n}. {name}", *(f"   {x}".rstrip() for x in lines)])
+            for n, (name, lines) in enumerate(steps, start=1)
+        )
+
+    def as_dict(self) -> dict[str, Any]:
+        """The same as plain data, for JSON."""
+        return {
+            "log": {
+                "sources": list(self.log.sources), "layout": self.log.layout, "samples": self.log.rows,
+                "moves": [m.name for m in self.log.moves], "turned": list(self.log.turned),
+            },
+            "universes": self.universes.as_dict(),
+            "curvature": self.bending.as_dict(),
+            "sets": self.sets.as_dict(),
+            "rules": self.rules.as_dict(),
+            "factors": self.factors.as_dict(),
+            "controller": self.factors.law,
+            "parameters": self.parameters,
+        }  # fmt: skip
+
+
+def design_vud(
+    log: MoveLog | str | Path | Sequence[str | Path],
+    *,
+    interval_s: float = INTERVAL_S,
+    error_scale_mm: float | None = None,
+    rate_scale_mm: float | None = None,
+    curvature: Sequence[float] | None = None,
+    most_condition: float = MOST_CONDITION,
+    accuracy: float = ACCURACY,
+    reading: Reading | None = None,
+    sets: int | None = None,
+    centres: Sequence[float] | None = None,
+    complete: Sequence[str] | None = None,
+    levels: Sequence[float] | None = None,
+    factors: Factors | None = None,
+) -> VudDesign:
+    """A VUD controller from a log, or from the files of one.
+
+    Args:
+        log: files (a table like Table 1, or signals of ``simulate --out``), or a log that was read.
+        interval_s: of a table's rows, and at which signals are taken.
+        error_scale_mm: what e = 1 is; the log's unless given.
+        rate_scale_mm: what ec = 1 is, per interval; the log's unless given.
+        curvature: u_ee and u_cc in place of an estimate.
+        most_condition: condition number up to which an estimate is believed.
+        accuracy: of equation (10), in duty.
+        reading: of equation (10): half, full or intervals; the number of sets follows from it.
+        sets: number of evenly spaced sets instead.
+        centres: of the sets instead, from -1 to 1.
+        complete: steps of completion; see :mod:`leadscrew.design.rules`.
+        levels: sizes of the consequents; the sets' centres unless given.
+        factors: exponents, floor and law.
+
+    Raises:
+        DataError: the log is refused; one sentence.
+        ValueRefused: an option out of range, or a step that cannot be taken; one sentence.
+        NameUnknown: no such step of completion.
+    """
+    given = log if isinstance(log, MoveLog) else read_moves(log, interval_s)
+    universes, samples = find_universes(given, error_scale_mm, rate_scale_mm)
+    bending = find_bending(samples, curvature, most_condition)
+    found = find_sets(bending, reading, sets, centres, accuracy)
+    rules = find_rules(samples, found.partition, complete, levels)
+    return VudDesign(given, universes, bending, found, rules, factors or Factors())

@@ -1,0 +1,140 @@
+"""The axis with limits: bounds of the time that a step takes, and what the PWM timer does to a controller's rest."""
+
+from __future__ import annotations
+
+import math
+from functools import lru_cache
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from leadscrew.analysis.single_lag import single_lag_time
+from leadscrew.analysis.time_optimal import FastestMove, StateLimit, fastest_move, least_error
+from leadscrew.kernel.block import Block
+from leadscrew.plants.lathe_servo_limited import LatheLimitedParams, chain_matrices, lathe_servo_limited
+from leadscrew.studies.vud_lathe.controllers import CONTROLLERS
+from leadscrew.studies.vud_lathe.machines import MACHINES
+from leadscrew.studies.vud_lathe.runs import ON_THE_ENCODER, PERIOD_S, PRINTED_SECONDS, STEPS, Loops
+
+WAY_MM = {STEPS[0]: 50.0, STEPS[1]: 170.0}
+BAND_MM = 0.002
+SEEN = ("command", "actual.position", "output", "plant")
+TRIED = (
+    "paper.vud", "corrected.vud_beta_e", "corrected.vud_beta_e_half", "ours.original_fit", "ours.pd", "ours.vud_opt",
+    "ours.vud_fast", "ours.vud_fast_limited",
+)  # fmt: skip
+"""Controllers whose settling is judged on the limited machine too, those of them that the study has."""
+
+AXIS = LatheLimitedParams()
+LAGS_S = AXIS.pwm_lag_s + AXIS.electrical_lag_s + AXIS.mechanical_lag_s
+UNLIMITED = {"current_limit_a": 1e9, "top_speed_mm_s": 1e9}
+SAMPLED_ONLY_MM_S = 0.05
+"""The played sequence keeps so far below the top speed: the programme sees the speed once a period, the axis always."""
+
+
+def tried() -> list[str]:
+    """Controllers of :data:`TRIED` that the study has."""
+    return [name for name in TRIED if name in CONTROLLERS]
+
+
+def on_limited(loops: Loops, controller: str, scenario: str) -> Any:
+    """The run of a controller on the limited machine, long enough to arrive."""
+    seconds = PRINTED_SECONDS if controller == "paper.vud" else 4.0
+    return loops.run(controller, scenario, seconds, machine="limited", record=SEEN)
+
+
+def on_linear(loops: Loops, controller: str, scenario: str) -> Any:
+    """The same on the linear machine."""
+    seconds = PRINTED_SECONDS if controller == "paper.vud" else 4.0
+    return loops.run(controller, scenario, seconds, record=SEEN)
+
+
+def one_lag_s(distance: float, top_speed: float = math.inf) -> float:
+    """Least time with the lags (2), (3) added up to one."""
+    return single_lag_time(distance, AXIS.full_duty_speed_mm_s, LAGS_S, top_speed)
+
+
+def _limits(spare: float) -> tuple[StateLimit, ...]:
+    """Current and speed, the states 1 and 2 of the chain."""
+    return (StateLimit(1, AXIS.current_limit_a), StateLimit(2, AXIS.top_speed_mm_s - spare))
+
+
+@lru_cache(maxsize=8)
+def bound(distance: float, limited: bool) -> FastestMove:
+    """The fewest periods to within 2 um, with the linear chain or inside the limits of current and speed."""
+    a, b = chain_matrices(AXIS)
+    limits = _limits(0.0) if limited else ()
+    near = one_lag_s(distance, AXIS.top_speed_mm_s if limited else math.inf)
+    return fastest_move(a[:4, :4], b[:4], np.identity(4)[3], distance, BAND_MM, PERIOD_S, limits, near)
+
+
+def _ready(block: Block, dt: float) -> Any:
+    return block.prepare(block.params, dt) if block.prepare else block.params
+
+
+class Played(NamedTuple):
+    """The fastest move, done by the plant: one value at the start of every period."""
+
+    time: np.ndarray
+    error_um: np.ndarray
+    speed: np.ndarray
+    current: np.ndarray
+
+
+REST_PERIODS = 10
+"""The played sequence is at rest so soon; the bound leaves more time, which does not make it shorter."""
+
+
+@lru_cache(maxsize=8)
+def played(distance: float, limited: bool, seconds: float = 1.0) -> Played:
+    """The duties of :func:`bound` on the plant itself, limits acting between the samples as well."""
+    a, b = chain_matrices(AXIS)
+    limits = _limits(SAMPLED_ONLY_MM_S) if limited else ()
+    periods = bound(distance, limited).periods
+    _, duty = least_error(a[:4, :4], b[:4], np.identity(4)[3], distance, periods, PERIOD_S, limits, REST_PERIODS)
+    block = lathe_servo_limited if limited else lathe_servo_limited(**UNLIMITED)
+    p, s = _ready(block, PERIOD_S), block.state
+    rows = []
+    for k in range(round(seconds / PERIOD_S)):
+        rows.append((distance - s.position, s.speed, s.current))
+        s = block.step(p, s, -duty[k] if k < len(duty) else 0.0, PERIOD_S)
+    error, speed, current = np.array(rows).T
+    return Played(PERIOD_S * np.arange(len(rows)), 1000.0 * error, speed, current)
+
+
+def reversal_peak_a(speed_limited: bool) -> float:
+    """Largest current after a full reversal of the duty at the highest speed, were there no limit of current."""
+    block = lathe_servo_limited(**{**UNLIMITED, "top_speed_mm_s": AXIS.top_speed_mm_s if speed_limited else 1e9})
+    p, s = _ready(block, PERIOD_S / 10), block.state
+    peak = 0.0
+    for k in range(5000):
+        s = block.step(p, s, -1.0 if k < 4000 else 1.0, PERIOD_S / 10)
+        peak = max(peak, abs(s.current)) if k >= 4000 else 0.0
+    return peak
+
+
+def standing_um(controller: str, least_duty: float) -> float:
+    """The largest error, in whole counts of its sensor, at which a resting law asks for less than ``least_duty``.
+
+    0 where one count of error asks for more.
+    """
+    block: Block = CONTROLLERS[controller]
+    sensor = MACHINES["limited"].encoder if block.name in ON_THE_ENCODER else MACHINES["limited"].grating
+    count_mm = float(sensor.params.resolution_mm)
+    p = _ready(block, PERIOD_S)
+    quiet = 0
+    for count in range(1, 1600):
+        state, output = block.state, 0.0
+        for _ in range(50):
+            if state is None:
+                output = block.step(p, 0.0, count * count_mm, *_dt(block))
+            else:
+                state, output = block.step(p, state, 0.0, count * count_mm, *_dt(block))
+        if abs(output) >= least_duty:
+            break
+        quiet = count
+    return 1000.0 * count_mm * quiet
+
+
+def _dt(block: Block) -> tuple[float, ...]:
+    return (PERIOD_S,) if "dt" in block.signals else ()

@@ -1,0 +1,157 @@
+"""Rules, units and curvature from Table 1, and the circuit of Figure 5: the study's claims against second methods."""
+
+import io
+
+import numpy as np
+import pytest
+from scipy import signal
+
+from leadscrew.controllers.vud.universe import TABLE_2
+from leadscrew.studies.vud_lathe import curvature_trials as trials
+from leadscrew.studies.vud_lathe import differentiator as circuit
+from leadscrew.studies.vud_lathe.claims_design import design_claims, designed_claims
+from leadscrew.studies.vud_lathe.claims_differentiator import differentiator_claims
+from leadscrew.studies.vud_lathe.figures_differentiator import differentiator_pictures
+from leadscrew.studies.vud_lathe.runs import Loops
+from leadscrew.studies.vud_lathe.tables import moves
+
+
+@pytest.fixture(scope="module")
+def loops():
+    return Loops()
+
+
+@pytest.fixture(scope="module")
+def claims():
+    return {c.id.removeprefix("vud_lathe."): c for c in design_claims(moves())}
+
+
+@pytest.fixture(scope="module")
+def circuit_claims(loops):
+    return {c.id.removeprefix("vud_lathe."): c for c in differentiator_claims(loops)}
+
+
+def test_every_required_claim_of_the_design_is_met_and_says_why(claims):
+    assert [c.id for c in claims.values() if c.kind == "required" and c.passed is not True] == []
+    assert all(c.reason and c.source and c.statement for c in claims.values())
+    assert all(c.verdict == "cannot be checked" for c in claims.values() if c.paper is None)
+    assert all(np.isfinite(c.measured) for c in claims.values() if not isinstance(c.measured, str))
+
+
+def test_covered_cells_and_conflicts_are_those_of_a_count_by_hand(claims):
+    """The table's rows put into cells by comparing distances to the centres, nothing of ours in between."""
+    centres = np.array([-1.0, -0.67, -0.33, 0.33, 0.67, 1.0])
+    cells: dict = {}
+    for move in moves().values():
+        for e, ec, rho in zip(move.error[1:], move.rate[1:], move.duty[1:], strict=True):
+            if 0.0 in (e, ec, rho):
+                continue
+            near = [np.abs(centres - x) for x in (e, ec, rho)]
+            width = {0: 0.33, 1: 0.34, 2: 0.66, 3: 0.34, 4: 0.33}
+            mu = [1.0 - d.min() / width[int(np.searchsorted(centres, x, side="right").clip(1, 5)) - 1]
+                  for d, x in zip(near, (e, ec, rho), strict=True)]  # fmt: skip
+            i, j, k = (int(d.argmin()) for d in near)
+            cells.setdefault((i, j), {}).setdefault(k, []).append(float(np.prod(mu)))
+    winners = {at: max(out, key=lambda k: max(out[k])) for at, out in cells.items()}
+    agree = sum(np.sign(centres[k]) == np.sign(TABLE_2[at]) and abs(centres[k] - TABLE_2[at]) < 0.01
+                for at, k in winners.items())  # fmt: skip
+    assert len(cells) == claims["design_covered"].measured == 8
+    assert sum(len(out) > 1 for out in cells.values()) == claims["design_conflicts"].measured == 4
+    assert agree == claims["design_agree"].measured == 6
+    assert max(cells[1, 5][4]) == pytest.approx(claims["strength_nm_pb"].measured)
+
+
+def test_scales_of_ec_are_those_of_numpy_polyfit_through_zero(claims):
+    for name, move in moves().items():
+        key = name.replace("r=-", "m").replace("r=", "p")
+        slope = np.linalg.lstsq(move.rate[1:, None], 190.0 * np.diff(move.error), rcond=None)[0][0]
+        assert claims[f"ec_scale_{key}"].measured == pytest.approx(slope)
+
+
+def test_an_odd_polynomial_is_the_one_of_odd_powers_alone(claims):
+    """The mirrored fit against a plain least-squares fit of odd monomials, differentiated by hand."""
+    points, duty = trials.table_1(moves())
+    e, c = points.T
+    weights = np.linalg.lstsq(np.column_stack([e, c, e**3, e**2 * c, e * c**2, c**3]), duty, rcond=None)[0]
+    assert claims["curvature_table1_odd3_ee"].measured == pytest.approx(
+        np.abs(6 * weights[2] * e + 2 * weights[3] * c).max()
+    )
+    assert claims["curvature_table1_odd3_cc"].measured == pytest.approx(
+        np.abs(2 * weights[4] * e + 6 * weights[5] * c).max()
+    )
+
+
+def test_local_fits_are_exact_on_a_quadratic():
+    samples = trials.scattered()
+    e, c = samples.points.T
+    bent = trials.Samples(samples.points, 0.7 * e**2 - 0.4 * c**2 + 0.3 * e * c - e)
+    assert trials.local(bent, 0.3) == pytest.approx((1.4, 0.8))
+
+
+def test_the_known_law_has_the_curvatures_that_it_is_said_to_have():
+    h, e, c = 1e-4, -1.0, 1.0
+    bend_e = (trials.law(e + h, c) - 2 * trials.law(e, c) + trials.law(e - h, c)) / h**2
+    bend_c = (trials.law(e, c + h) - 2 * trials.law(e, c) + trials.law(e, c - h)) / h**2
+    assert (abs(bend_e), abs(bend_c)) == pytest.approx(trials.TRUE, abs=1e-5)
+
+
+def test_the_designed_controller_is_as_much_later_as_the_digest_says(loops):
+    found = {c.id.removeprefix("vud_lathe."): c for c in designed_claims(loops)}
+    assert [c.id for c in found.values() if c.kind == "required" and c.passed is not True] == []
+    assert (
+        found["design_2um_m170"].measured
+        > loops.run("corrected.vud_beta_e", "fig11b_step_m170").metrics["settling_2um"]
+    )
+    assert found["ec_peak"].measured == pytest.approx(0.965, abs=0.005)
+
+
+# ---- Figure 5
+def test_two_stages_are_s_squared_over_the_lags_as_scipy_simulates_it():
+    time = np.arange(3000) * 0.0005
+    x = np.sin(7.0 * time) ** 2 + 0.2 * time**2
+    lag = 0.02
+    _, expected, _ = signal.lsim(([1.0, 0.0, 0.0], [lag**2, 2.0 * lag, 1.0]), x, time)
+    found = circuit.differentiate(x, lag, dt=0.0005)
+    assert found[200:] == pytest.approx(expected[200:], abs=0.01 * np.abs(expected).max())
+
+
+def test_the_circuit_s_low_frequencies_are_the_second_derivative():
+    time = np.arange(20000) * 0.001
+    found = circuit.differentiate(np.sin(time), 0.002)
+    assert found[2000:] == pytest.approx(-np.sin(time[2000:]), abs=0.01)
+
+
+def test_every_required_claim_of_figure_5_is_met(circuit_claims):
+    assert [c.id for c in circuit_claims.values() if c.kind == "required" and c.passed is not True] == []
+    assert circuit_claims["fig5_straight_law"].measured == pytest.approx(0.929)
+    assert circuit_claims["fig5_original_sup"].verdict == "not reproduced"
+
+
+def test_curvature_of_our_stand_in_is_its_second_difference():
+    h, e = 1e-4, 0.3
+
+    def law(x):
+        return 0.929 * x**0.618
+
+    assert circuit.power_curvature(-e, 0.929, 0.618) == pytest.approx(
+        abs(law(e + h) - 2 * law(e) + law(e - h)) / h**2, rel=1e-5
+    )
+    where = circuit.error_with_curvature(1.96, 0.929, 0.618)
+    assert circuit.power_curvature(where, 0.929, 0.618) == pytest.approx(1.96)
+
+
+def test_partials_of_the_known_law_are_its_differences():
+    h, e, c = 1e-5, -0.6, 0.4
+    p = circuit.CUBIC
+    assert p.e(e, c) == pytest.approx((trials.law(e + h, c) - trials.law(e - h, c)) / (2 * h))
+    assert p.c(e, c) == pytest.approx((trials.law(e, c + h) - trials.law(e, c - h)) / (2 * h))
+    assert p.ee(e, c) == pytest.approx((p.e(e + h, c) - p.e(e - h, c)) / (2 * h))
+    assert p.cc(e, c) == pytest.approx((p.c(e, c + h) - p.c(e, c - h)) / (2 * h))
+    assert p.ec(e, c) == 0.0 == pytest.approx(p.e(e, c + h) - p.e(e, c - h))
+
+
+def test_the_picture_of_figure_5_draws_with_labelled_axes(loops):
+    (picture,) = differentiator_pictures(loops)
+    figure = picture.draw()
+    figure.savefig(io.BytesIO(), dpi=25)
+    assert all("(" in axes.get_xlabel() for axes in figure.axes) and "(" in figure.axes[0].get_ylabel()
