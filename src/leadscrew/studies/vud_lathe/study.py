@@ -28,7 +28,7 @@ def evaluate(progress: Callable[[str, float], None] = lambda what, done: None) -
     notes = findings(claims, found.runs, learn(found.moves))
     progress("figures", 1.0)
     return StudyResult(
-        claims, all_pictures(found), found.runs, notes, tuple((title, len(below)) for title, below in judged)
+        claims, all_pictures(found), dict(found.runs), notes, tuple((title, len(below)) for title, below in judged)
     )
 
 
