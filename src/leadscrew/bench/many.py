@@ -1,4 +1,4 @@
-"""Rows of many runs: as a batch, as a Monte Carlo with its report, until settled, and on two Dask workers."""
+"""Rows of many runs: a batch, a Monte Carlo with its report, until settled, two by two, and on two Dask workers."""
 
 from __future__ import annotations
 
@@ -64,6 +64,18 @@ def report(runs: int, seconds: float) -> dict[str, float]:
         return {"wall": time.perf_counter() - began}
 
 
+def sensors() -> dict[str, float]:
+    """Seconds of the lathe study's 200 drawn axes, two sensors by two controllers, both steps; compiled before."""
+    from leadscrew.studies.vud_lathe.accuracy import two_by_two
+    from leadscrew.studies.vud_lathe.runs import Loops
+
+    loops, controllers = Loops(), ("ours.original_fit", CONTROLLER)
+    two_by_two(loops, controllers)
+    began = time.perf_counter()
+    two_by_two(loops, controllers)
+    return {"wall": time.perf_counter() - began}
+
+
 def in_fresh(what: str, *arguments: float) -> dict[str, float]:
     """One of these in a process of its own, so that its memory is its own."""
     code = FRESH.format(what=what, arguments=", ".join(map(repr, arguments)))
@@ -83,6 +95,7 @@ def rows(quick: bool = False) -> list[dict[str, Any]]:
         "batch": in_fresh("batch", runs, 0.2),
         "report": in_fresh("report", runs, 0.2),
         "settled": in_fresh("batch", settled, 2.0),
+        "sensors": in_fresh("sensors"),
     }
     made = []
     for name, what, target in (
@@ -102,6 +115,11 @@ def rows(quick: bool = False) -> list[dict[str, Any]]:
     made.append(
         row("many runs", f"{LATHE}: {settled} runs of 2 s, to settling", settled / wall, "runs/s", remark=remark)
     )
+    wall = measured["sensors"]["wall"]
+    made.append(
+        row("many runs", "sensor and controller, two by two: 200 axes, 8 batches of 4 s", wall, "s",
+            at_most=None if quick else 5.0, judged=idle or wall <= 5.0, remark=said)
+    )  # fmt: skip
     return made if quick else [*made, *cluster_rows()]
 
 

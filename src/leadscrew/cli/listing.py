@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
@@ -189,10 +189,17 @@ def _settings(found: Iterable[Setting], title: str) -> None:
     beside = width() >= WIDE and any(s.where for s in found)
     rows = []
     for s in found:
-        where = ", ".join(s.where)
+        where = some(s.where)
         doc = s.entry.doc if beside or not where else f"{s.entry.doc} (only in {where})".lstrip()
         rows.append(
             [s.entry.key, number(s.entry.default), s.entry.unit, s.entry.range, doc, *([where] if beside else [])]
         )
     columns = [title, "default", "unit", "range", "what it is", *(["only in"] if beside else [])]
     print_table(columns, rows, right=("default",))
+
+
+def some(names: Sequence[str], most: int = 3) -> str:
+    """Names in a row, not more of them than a line can hold; ``--json`` has them all."""
+    if len(names) <= most:
+        return ", ".join(names)
+    return f"{', '.join(names[: most - 1])} and {len(names) - most + 1} more"
