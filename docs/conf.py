@@ -34,8 +34,17 @@ nitpicky = False
 suppress_warnings = ["myst.header"]
 
 
+def plain_bars(app, what, name, obj, options, lines):
+    """Bars are magnitudes in our docstrings, not marks of reStructuredText; inside ``code`` they need no help."""
+    for at, line in enumerate(lines):
+        parts = line.split("``")
+        parts[::2] = [part.replace("|", r"\|") for part in parts[::2]]
+        lines[at] = "``".join(parts)
+
+
 def setup(app):
     """Writes what is generated: a page for each study, the pages of blocks."""
     import generate
 
+    app.connect("autodoc-process-docstring", plain_bars)
     app.connect("builder-inited", lambda app: generate.everything(Path(app.srcdir)))
