@@ -15,7 +15,6 @@ Order does not matter, other columns are ignored, and lines that start with ``#`
 
 from __future__ import annotations
 
-import csv
 import math
 from collections.abc import Mapping
 from pathlib import Path
@@ -24,6 +23,7 @@ from statistics import NormalDist
 import numpy as np
 
 from leadscrew.analysis.positioning import Positioning, positioning
+from leadscrew.csvlines import number, read_lines
 from leadscrew.kernel.errors import DataError
 from leadscrew.kernel.sheet import nearest
 
@@ -46,7 +46,7 @@ def read_positioning(path: str | Path) -> Positioning:
             missing; fewer than two runs or two targets.
     """
     path = Path(path)
-    lines = _lines(path)
+    lines = read_lines(path, "target_mm, direction, run, deviation_um")
     row, header = lines[0]
     target = _column(path, row, header, TARGETS)
     value = _column(path, row, header, VALUES)
@@ -55,11 +55,11 @@ def read_positioning(path: str | Path) -> Positioning:
     for row, cells in lines[1:]:
         if len(cells) != len(header):
             raise DataError(f"{path}, row {row}: {len(cells)} cells where the header has {len(header)}")
-        at = _number(path, row, target, cells[header.index(target)]) * UM[TARGETS[target]] / 1000.0
+        at = number(path, row, target, cells[header.index(target)]) * UM[TARGETS[target]] / 1000.0
         upwards = _direction(path, row, cells[places["direction"]])
         run = _run(path, row, cells[places["run"]])
         what, unit = VALUES[value]
-        measured = _number(path, row, value, cells[header.index(value)]) * UM[unit]
+        measured = number(path, row, value, cells[header.index(value)]) * UM[unit]
         deviation = round(measured - (1000.0 * at if what == "position" else 0.0), 9)
         if abs(deviation) > FARTHEST_UM:
             raise DataError(
@@ -94,26 +94,6 @@ def _said(target: float, upwards: bool, run: int) -> str:
     return f"target {target:g} mm, direction {'+' if upwards else '-'}, run {run}"
 
 
-def _lines(path: Path) -> list[tuple[int, list[str]]]:
-    try:
-        text = path.read_text(encoding="utf-8-sig")
-    except OSError as problem:
-        raise DataError(f"{path}: cannot be read ({problem.strerror or problem})") from None
-    except UnicodeDecodeError as problem:
-        raise DataError(f"{path}: is not UTF-8 text (byte {problem.start})") from None
-    reader = csv.reader(text.splitlines(), strict=True)
-    try:
-        lines = [(reader.line_num, [c.strip() for c in row]) for row in reader]
-    except csv.Error as problem:
-        raise DataError(f"{path}, row {reader.line_num}: {problem}") from None
-    lines = [(n, row) for n, row in lines if any(row) and not row[0].startswith("#")]
-    if not lines:
-        raise DataError(f"{path}: is empty; expected a header line with target_mm, direction, run, deviation_um")
-    if len(lines) == 1:
-        raise DataError(f"{path}: has a header but no rows of data")
-    return lines
-
-
 def _column(path: Path, row: int, header: list[str], known: Mapping[str, object]) -> str:
     """The one column of the header that is known."""
     found = [name for name in header if name in known]
@@ -136,16 +116,6 @@ def _place(path: Path, row: int, header: list[str], name: str) -> int:
         how = f"appears {header.count(name)} times" if name in header else f"is missing{nearest(name, header)}"
         raise DataError(f"{path}, row {row}: the column {name!r} {how}")
     return header.index(name)
-
-
-def _number(path: Path, row: int, column: str, cell: str) -> float:
-    try:
-        value = float(cell)
-    except ValueError:
-        raise DataError(f"{path}, row {row}, column {column!r}: {cell!r} is not a number") from None
-    if not math.isfinite(value):
-        raise DataError(f"{path}, row {row}, column {column!r}: {cell!r} is not a finite number")
-    return value
 
 
 def _direction(path: Path, row: int, cell: str) -> bool:

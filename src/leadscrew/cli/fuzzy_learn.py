@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from leadscrew.cli.output import Json, busy, emit
-from leadscrew.kernel.errors import DataError, ValueRefused
+from leadscrew.kernel.errors import ValueRefused
 
 if TYPE_CHECKING:
-    import numpy as np
+    pass
 
 SCHEMA_VERSION = 1
 
@@ -67,6 +67,7 @@ def learn(
     """Learn a fuzzy system from a log (Wang and Mendel); says what data covers, what conflicts, what was filled in."""
     from leadscrew.fuzzy import formats
     from leadscrew.fuzzy.from_data import learn as learn_from
+    from leadscrew.identify.log import read_columns
 
     asked = _names("--inputs", inputs)
     if grid is None:
@@ -80,7 +81,7 @@ def learn(
     if default is not None:
         choices["default"] = default
     with busy(f"{log}: learning {output} from {', '.join(asked)}"):
-        data = read(log, [*asked, output, *([weights] if weights else [])])
+        data = read_columns(log, list(dict.fromkeys([*asked, output, *([weights] if weights else [])])))
         learned = learn_from(data, asked, output, **choices)
         notes = formats.write(learned.system, out) if out else ()
     if as_json:
@@ -90,45 +91,6 @@ def learn(
     typer.echo(learned.report(most))
     if out:
         typer.echo("\n".join([f"\n{out}: {len(learned.system.rules)} rules written", *notes]))
-
-
-def read(path: Path, columns: list[str]) -> dict[str, np.ndarray]:
-    """Columns of a CSV file, or of a Parquet file by its suffix.
-
-    Raises:
-        DataError: it cannot be read, a column is missing, or a value is no finite number: file, row and column.
-    """
-    from leadscrew.identify.log import read_log
-
-    wanted = list(dict.fromkeys(columns))
-    return _parquet(path, wanted) if path.suffix.casefold() in (".parquet", ".pq") else read_log(path, wanted)
-
-
-def _parquet(path: Path, columns: list[str]) -> dict[str, np.ndarray]:
-    import numpy as np
-    import pyarrow as pa
-    import pyarrow.parquet as pq
-
-    from leadscrew.kernel.sheet import nearest
-
-    try:
-        table = pq.read_table(path)
-    except (OSError, pa.ArrowException) as problem:
-        raise DataError(f"{path}: cannot be read ({str(problem).splitlines()[0]})") from None
-    values = {}
-    for name in columns:
-        if name not in table.column_names:
-            raise DataError(f"{path}: the column {name!r} is missing{nearest(name, table.column_names)}")
-        if not table.num_rows:
-            raise DataError(f"{path}: has columns but no rows of data")
-        try:
-            values[name] = table.column(name).cast(pa.float64()).to_numpy()
-        except (pa.ArrowException, ValueError):
-            raise DataError(f"{path}, column {name!r}: {table.schema.field(name).type} is not a number") from None
-        bad = np.flatnonzero(~np.isfinite(values[name]))
-        if len(bad):
-            raise DataError(f"{path}, row {bad[0] + 1}, column {name!r}: {values[name][bad[0]]} is not a finite number")
-    return values
 
 
 # ---- options

@@ -146,33 +146,7 @@ def _in_range(path: Path, output: np.ndarray) -> np.ndarray:
 
 
 def _columns(path: Path) -> list[np.ndarray]:
-    if path.suffix.casefold() not in (".parquet", ".pq"):
-        from leadscrew.identify.log import read_log
+    from leadscrew.identify.log import read_columns
 
-        found = read_log(path, SIGNALS)
-        return [found[name] for name in SIGNALS]
-    import pyarrow as pa
-    import pyarrow.parquet as pq
-
-    try:
-        table = pq.read_table(path)
-    except (OSError, pa.ArrowException) as problem:
-        raise DataError(f"{path}: cannot be read ({str(problem).splitlines()[0]})") from None
-    return [_column(path, table, name) for name in SIGNALS]
-
-
-def _column(path: Path, table, name: str) -> np.ndarray:
-    import pyarrow as pa
-
-    from leadscrew.kernel.sheet import nearest
-
-    if name not in table.column_names:
-        raise DataError(f"{path}: the column {name!r} is missing{nearest(name, table.column_names)}")
-    try:
-        values: np.ndarray = table.column(name).cast(pa.float64()).to_numpy()
-    except (pa.ArrowException, ValueError):
-        raise DataError(f"{path}, column {name!r}: {table.schema.field(name).type} is not a number") from None
-    bad = np.flatnonzero(~np.isfinite(values))
-    if len(bad):
-        raise DataError(f"{path}, row {bad[0] + 1}, column {name!r}: {values[bad[0]]} is not a finite number")
-    return values
+    found = read_columns(path, SIGNALS)
+    return [found[name] for name in SIGNALS]

@@ -6,15 +6,17 @@ the column.
 
 from __future__ import annotations
 
-import csv
-import math
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
 
+from leadscrew.csvlines import number, read_lines
 from leadscrew.kernel.errors import DataError
 from leadscrew.kernel.sheet import nearest
+
+PARQUET = (".parquet", ".pq")
+"""Suffixes of Parquet files."""
 
 
 def read_log(
@@ -35,19 +37,9 @@ def read_log(
             no finite number or out of its range, or a column that does not rise.
     """
     path = Path(path)
-    try:
-        text = path.read_text(encoding="utf-8-sig")
-    except OSError as problem:
-        raise DataError(f"{path}: cannot be read ({problem.strerror or problem})") from None
-    except UnicodeDecodeError as problem:
-        raise DataError(f"{path}: is not UTF-8 text (byte {problem.start})") from None
-    lines = [(n, row) for n, row in _rows(path, text) if any(cell.strip() for cell in row)]
-    if not lines:
-        raise DataError(f"{path}: is empty; expected a header line with {', '.join(columns)}")
-    header_row, header = lines[0][0], [cell.strip() for cell in lines[0][1]]
+    lines = read_lines(path, ", ".join(columns))
+    header_row, header = lines[0]
     places = {name: _place(path, header_row, header, name) for name in columns}
-    if len(lines) == 1:
-        raise DataError(f"{path}: has a header but no rows of data")
     values = {name: np.empty(len(lines) - 1) for name in columns}
     for at, (row_number, row) in enumerate(lines[1:]):
         if len(row) != len(header):
@@ -59,16 +51,38 @@ def read_log(
     return values
 
 
-def _rows(path: Path, text: str) -> list[tuple[int, list[str]]]:
-    reader = csv.reader(text.splitlines(), strict=True)
-    rows = []
+def read_columns(path: str | Path, columns: Sequence[str]) -> dict[str, np.ndarray]:
+    """The named columns of a CSV file, or of a Parquet file by its suffix.
+
+    Raises:
+        DataError: it cannot be read, has no rows, lacks a column, or a value is no finite number: file, row and column.
+    """
+    path = Path(path)
+    return _parquet(path, columns) if path.suffix.casefold() in PARQUET else read_log(path, columns)
+
+
+def _parquet(path: Path, columns: Sequence[str]) -> dict[str, np.ndarray]:
+    import pyarrow as pa
+    import pyarrow.parquet as pq
+
     try:
-        for row in reader:
-            if not (row and row[0].lstrip().startswith("#")):
-                rows.append((reader.line_num, row))
-    except csv.Error as problem:
-        raise DataError(f"{path}, row {reader.line_num}: {problem}") from None
-    return rows
+        table = pq.read_table(path)
+    except (OSError, pa.ArrowException) as problem:
+        raise DataError(f"{path}: cannot be read ({str(problem).splitlines()[0]})") from None
+    values = {}
+    for name in columns:
+        if name not in table.column_names:
+            raise DataError(f"{path}: the column {name!r} is missing{nearest(name, table.column_names)}")
+        if not table.num_rows:
+            raise DataError(f"{path}: has columns but no rows of data")
+        try:
+            values[name] = table.column(name).cast(pa.float64()).to_numpy()
+        except (pa.ArrowException, ValueError):
+            raise DataError(f"{path}, column {name!r}: {table.schema.field(name).type} is not a number") from None
+        bad = np.flatnonzero(~np.isfinite(values[name]))
+        if len(bad):
+            raise DataError(f"{path}, row {bad[0] + 1}, column {name!r}: {values[name][bad[0]]} is not a finite number")
+    return values
 
 
 def _place(path: Path, row: int, header: list[str], name: str) -> int:
@@ -80,12 +94,7 @@ def _place(path: Path, row: int, header: list[str], name: str) -> int:
 
 
 def _number(path: Path, row: int, column: str, cell: str, limits: tuple[float, float] | None) -> float:
-    try:
-        value = float(cell)
-    except ValueError:
-        raise DataError(f"{path}, row {row}, column {column!r}: {cell!r} is not a number") from None
-    if not math.isfinite(value):
-        raise DataError(f"{path}, row {row}, column {column!r}: {cell!r} is not a finite number")
+    value = number(path, row, column, cell)
     if limits is not None and not limits[0] <= value <= limits[1]:
         raise DataError(f"{path}, row {row}, column {column!r}: {value:g} is outside [{limits[0]:g}, {limits[1]:g}]")
     return value
