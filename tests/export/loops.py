@@ -3,8 +3,11 @@
 from dataclasses import replace
 
 from leadscrew.actuators.dead_zone import dead_zone
+from leadscrew.controllers.pd_dob import pd_dob
 from leadscrew.controllers.pid import TUNINGS
 from leadscrew.controllers.sliding import smc_integral
+from leadscrew.controllers.sliding.fuzzy import TUNINGS as FSMC
+from leadscrew.controllers.sliding.super_twisting import super_twisting
 from leadscrew.controllers.vud import vud_beta_e, vud_scaled
 from leadscrew.fuzzy.block import controller
 from leadscrew.kernel.loop import Loop
@@ -23,6 +26,22 @@ def pid():
 
 def sliding_with_integral():
     return stage_loop(smc_integral, encoder_mm=1e-4)
+
+
+def sliding_with_fuzzy_rules():
+    return stage_loop(FSMC["ours.fsmc_4khz"], encoder_mm=1e-4)
+
+
+def sliding_with_the_printed_rules():
+    return stage_loop(FSMC["ours.fsmc_printed_4khz"], encoder_mm=1e-4)
+
+
+def super_twisted():
+    return stage_loop(super_twisting, encoder_mm=1e-5)
+
+
+def disturbance_observer():
+    return stage_loop(pd_dob(max_torque=40.0), encoder_mm=1e-5)
 
 
 def lathe_to_and_fro():

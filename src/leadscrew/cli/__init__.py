@@ -14,6 +14,7 @@ from typing import Annotated
 import typer
 
 from leadscrew.cli import (
+    ballbar,
     bench,
     cache,
     compare,
@@ -70,6 +71,7 @@ app.command("tune")(tune.tune)
 app.command("compare")(compare.compare)
 app.command("montecarlo")(montecarlo.montecarlo)
 app.command("positioning")(positioning.positioning)
+app.command("ballbar")(ballbar.ballbar)
 app.add_typer(fuzzy.app, name="fuzzy")
 app.add_typer(design.app, name="design")
 app.command("bench")(bench.bench)
