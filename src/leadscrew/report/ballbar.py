@@ -1,0 +1,178 @@
+"""A ball-bar test for reading: tables, sentences, polar plot, a page. Every table says what it is about."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from html import escape
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from leadscrew.analysis.circular.evaluation import Evaluation
+from leadscrew.analysis.circular.paths import SOURCES
+from leadscrew.newfolder import appearing
+from leadscrew.report.ballbar_picture import picture
+from leadscrew.report.strict import strict
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+SCHEMA_VERSION = 1
+NOTHING = "–"
+
+QUANTITY_COLUMNS = ("quantity", "", "um")
+WITH_BAR_COLUMNS = ("quantity", "", "true path um", "ball bar um")
+REVERSAL_COLUMNS = ("reversal", "direction", "step um", "peak um", "lasts deg", "lasts ms")
+FAULT_COLUMNS = ("fault", "size um", "±", "draws um", "share %", "which is")
+WITHOUT_TEXT = "its text was not at hand: public abstracts and summaries were followed"
+UNITS = {
+    "ppm": ("", "ppm"),
+    "urad": ("", "urad"),
+    "ms": ("", "ms"),
+    "lead_mm": ("lead ", "mm"),
+    "rise_deg": ("rise ", "deg"),
+    "decay_deg": ("decay ", "deg"),
+    "period_deg": ("period ", "deg"),
+    "zone_deg": ("within ", "deg"),
+}
+"""What a fault's further values are called, and their units."""
+
+
+def um(value: float | None) -> str:
+    """Micrometres to the nanometre, a dash for what there is not."""
+    return NOTHING if value is None else f"{value:.3f}".replace("-0.000", "0.000")
+
+
+def standard(edition: str) -> str:
+    """The standard's name."""
+    return f"ISO 230-4:{edition}"
+
+
+def conditions(found: Evaluation) -> list[str]:
+    """How the circle was made, a line each: without it no number of a circular test means anything."""
+    test = found.test
+    feed = "not given" if test.feed_mm_min is None else f"{test.feed_mm_min:g} mm/min"
+    return [
+        f"circle of {SOURCES[test.source]}" + (f" ({test.name})" if test.name else ""),
+        f"radius {test.radius_mm:g} mm, feed {feed}, {test.directions}, axes {' and '.join(test.axes)}",
+        f"start point at {test.start_deg:g} degrees; {test.sampling}",
+    ]
+
+
+def quantity_rows(found: Evaluation, bar: Evaluation | None = None) -> list[list[str]]:
+    """The quantities of the edition; with what the bar reads beside them."""
+    rows = [[n.name, n.symbol, um(n.value)] for n in found.named()]
+    if bar is not None:
+        for row, other in zip(rows, bar.named(), strict=True):
+            row.append(um(other.value))
+    return rows
+
+
+def reversal_rows(found: Evaluation) -> list[list[str]]:
+    """One row for each reversal."""
+    rows = []
+    for r in found.reversals:
+        lasts = NOTHING if r.duration_deg is None else f"{r.duration_deg:.2f}"
+        seconds = NOTHING if r.duration_s is None else f"{1000.0 * r.duration_s:.4g}"
+        peak = um(r.height_um) if r.seen else NOTHING
+        rows.append([f"{r.axis}{r.end}", r.direction.upper(), um(r.step_um), peak, lasts, seconds])
+    return rows
+
+
+def fault_rows(found: Evaluation, least_um: float = 0.0005) -> list[list[str]]:
+    """The faults, what draws most first; those that draw nothing are left out."""
+    ranked = found.diagnosis.ranked()
+    total = sum(f.drawn_um for f in ranked) or 1.0
+    rows = []
+    for f in ranked:
+        if f.um is not None and f.drawn_um < least_um:
+            continue
+        share = NOTHING if f.um is None else f"{100.0 * f.drawn_um / total:.0f}"
+        drawn = NOTHING if f.um is None else um(f.drawn_um)
+        rows.append([f.name, um(f.um), um(f.uncertainty_um), drawn, share, _more(f.more)])
+    return rows
+
+
+def _more(values: dict[str, float]) -> str:
+    return ", ".join(f"{UNITS[k][0]}{v:.4g} {UNITS[k][1]}" for k, v in values.items() if k in UNITS)
+
+
+def sentences(found: Evaluation) -> list[str]:
+    """The result in words, a line each."""
+    d = found.diagnosis
+    most = next((f for f in d.ranked() if f.um is not None), None)
+    said = []
+    if most is not None and most.drawn_um > 0.0:
+        said.append(f"{most.name} draws most: {um(most.drawn_um)} um of the circle's deviations, peak to peak")
+    said.append(f"no signature explains {um(d.left_rms_um)} um rms, {um(d.left_peak_um)} um at most")
+    said.append(f"condition number of the signatures: {d.condition:.3g}; ± is the scatter of the fit alone, one sigma")
+    said.append(f"names and quantities of {standard(found.edition)}; {WITHOUT_TEXT}")
+    return said
+
+
+def summary(found: Evaluation, bar: Evaluation | None = None) -> dict[str, Any]:
+    """The result as the one JSON object that ``leadscrew ballbar --json`` prints."""
+    return {
+        "schema_version": SCHEMA_VERSION, "kind": "leadscrew ballbar", "subject": found.test.name,
+        "standard": standard(found.edition), "standard_at_hand": False, **found.as_dict(),
+        "bar": None if bar is None else bar.as_dict(), "sentences": sentences(found),
+    }  # fmt: skip
+
+
+def write(found: Evaluation, folder: str | Path, bar: Evaluation | None = None) -> None:
+    """Writes ``report.html``, ``ballbar.json`` and ``ballbar.png``, complete or not at all.
+
+    Raises:
+        DataError: the folder exists already and is not empty, or cannot be written.
+    """
+    with appearing(folder) as beside:
+        drawn = picture(found)
+        drawn.savefig(beside / "ballbar.png", dpi=130, metadata={"Software": None})
+        text = json.dumps(strict(summary(found, bar)), indent=1, allow_nan=False)
+        (beside / "ballbar.json").write_text(text + "\n", encoding="utf-8")
+        (beside / "report.html").write_text(page(found, drawn, bar), encoding="utf-8")
+
+
+def page(found: Evaluation, drawn: Figure, bar: Evaluation | None = None) -> str:
+    """A page that opens anywhere, offline."""
+    from importlib.resources import files
+
+    from leadscrew.report.html import embedded
+
+    style = files("leadscrew.report").joinpath("templates", "style.css.j2").read_text(encoding="utf-8")
+    title = f"Circular test: {found.test.name}" if found.test.name else "Circular test"
+    before = [*conditions(found), *(f"note: {n}" for n in found.notes())]
+    columns = QUANTITY_COLUMNS if bar is None else WITH_BAR_COLUMNS
+    parts = [
+        f"<h1>{escape(title)}</h1>",
+        *_paragraphs(before),
+        f'<figure><img alt="polar plot of the radial deviations" src="{embedded(drawn, "ballbar")}"></figure>',
+        _table(standard(found.edition), columns, quantity_rows(found, bar)),
+        *([] if bar is None else _paragraphs([f"ball bar: {bar.test.sampling}"])),
+        _table("Faults, by what they draw", FAULT_COLUMNS, fault_rows(found)),
+        *_paragraphs(sentences(found)),
+    ]
+    if found.reversals:
+        parts.append(_table("Reversals", REVERSAL_COLUMNS, reversal_rows(found)))
+    return (
+        f'<!doctype html>\n<html lang="en"><head><meta charset="utf-8"><title>{escape(title)}</title>'
+        f"<style>{style}</style></head>\n<body>\n{chr(10).join(parts)}\n</body></html>\n"
+    )
+
+
+def _paragraphs(lines: Sequence[str]) -> list[str]:
+    return [f"<p>{escape(s[:1].upper() + s[1:])}.</p>" for s in lines]
+
+
+def _table(title: str, columns: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
+    head = "".join(f"<th>{escape(c)}</th>" for c in columns)
+    body = "".join(
+        "<tr>" + "".join(f'<td class="n">{escape(c)}</td>' if _is_number(c) else f"<td>{escape(c)}</td>" for c in row)
+        + "</tr>"
+        for row in rows
+    )  # fmt: skip
+    return f'<h2>{escape(title)}</h2><div class="wide"><table><tr>{head}</tr>{body}</table></div>'
+
+
+def _is_number(text: str) -> bool:
+    return text == NOTHING or text.lstrip("-").replace(".", "", 1).isdigit()
