@@ -1,9 +1,12 @@
 """The bench of many runs measures what it says."""
 
+import pytest
+
 from leadscrew.bench import PARTS, many
 from leadscrew.bench.row import FIELDS
 
 
+@pytest.mark.slow
 def test_many_runs_give_rows_with_rate_and_memory():
     rows = many.rows(quick=True)
     assert "many runs" in PARTS and all(tuple(r) == FIELDS for r in rows)

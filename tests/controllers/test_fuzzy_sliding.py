@@ -94,6 +94,7 @@ IDEAL = [
 ]  # fmt: skip
 
 
+@pytest.mark.slow
 def test_without_sampling_it_follows_another_solver_on_the_wide_sine():
     """The vectors interpolate a table of 401 x 401 values of the surface; the rest of the difference is that."""
     known = np.loadtxt(shared(f"{VECTORS}/reference_fsmc_5sin.csv"), delimiter=",", skiprows=1)

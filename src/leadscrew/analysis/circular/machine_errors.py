@@ -5,8 +5,8 @@ With the command ``x = R cos phi``, ``y = R sin phi``:
     servo lag        each axis at phase ``phi -+ lag``: ``lag_um / R`` behind in its own direction of travel
     scale            ``x (1 + k_x)``, ``y (1 + k_y)``
     backlash         ``x - (b(x) / 2) sgn(x')``, ``b`` linear in x between its values at the ends
-    stick motion     ``x + h p(psi) sgn(x)``: outwards after each reversal of x, ``psi`` the angle since then;
-                     ``p = (psi / rise)^2`` up to ``rise``, then ``exp(-(psi - rise) / decay)``
+    stick motion     ``x + h p(psi) sgn(x)``: outwards after each reversal of x, ``psi`` the angle since then
+    its shape        ``p = (psi / rise)^2`` up to ``rise``, then ``exp(-(psi - rise) / decay)``
     stick-slip       ``x + a sgn(x') (1/2 - frac(|psi| / period))`` within ``zone`` of a reversal of x
     cyclic           ``x + c sin(2 pi x / lead + phase)``
     straightness     ``y + s (x / R)^2`` and ``x + s (y / R)^2``
@@ -14,8 +14,7 @@ With the command ``x = R cos phi``, ``y = R sin phi``:
     centring         the whole path moved
 
 Every term is computed from where the axis would be with its lag alone: faults add and do not multiply (parts per
-million of each other).
-Source of the error models: the digest of the project's ball-bar section; stick motion and stick-slip shapes are ours.
+million of each other). Source of the error models: the digest of the project's ball-bar section; stick motion and stick-slip shapes are ours.
 """
 
 from __future__ import annotations
