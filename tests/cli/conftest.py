@@ -110,4 +110,4 @@ def servo(tmp_path: Path) -> Path:
 
 
 def left(folder: Path) -> list[str]:
-    return sorted(p.name for p in folder.iterdir())
+    return sorted(p.name for p in folder.iterdir() if p.name != "__pycache__")  # Python's own, beside a user's file
