@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import time
 from itertools import pairwise
 from pathlib import Path
@@ -95,13 +96,28 @@ found = tune(
     over=["plant.full_duty_speed_mm_s=259:334", "plant.mechanical_lag_s=0.013:0.023"], plants=4, held_out=5,
     budget=120, seed=3, crew=Threads(1),
 )
-print({k: v for k, v in found.as_dict().items() if k not in ("wall_s", "crew")})
+import json
+print(json.dumps({k: v for k, v in found.as_dict().items() if k not in ("wall_s", "crew")}))
 """
 
 
 @pytest.mark.slow
-def test_the_kernel_of_linear_algebra_does_not_change_a_tuning():
-    assert len(set(on_kernels(TUNED).values())) == 1
+def test_the_kernel_of_linear_algebra_changes_no_setting_that_a_tuning_finds():
+    """Settings bit for bit; of scores the last digits, since the plants' matrix exponential is SciPy's."""
+    first, *others = (json.loads(said) for said in on_kernels(TUNED).values())
+    for other in others:
+        assert (other["values"], other["used"]) == (first["values"], first["used"])
+        for a, b in zip(leaves(first), leaves(other), strict=True):
+            assert b == pytest.approx(a, rel=1e-9, nan_ok=True) if isinstance(a, float) else b == a
+
+
+def leaves(found):
+    """Every number and word of nested plain data, in order."""
+    if isinstance(found, dict | list):
+        for part in found.values() if isinstance(found, dict) else found:
+            yield from leaves(part)
+    else:
+        yield found
 
 
 @pytest.mark.parametrize("missing", [range(1), range(1, 8, 3), range(5, 1000)])
