@@ -1,6 +1,5 @@
 """The exported controller in the whole of LinuxCNC, without a screen: homing and G-code moves behind it."""
 
-import json
 import shutil
 from pathlib import Path
 
@@ -9,6 +8,7 @@ import pytest
 from leadscrew.export import hal, hal_run
 from tests.export import hal_sample
 from tests.export.hal_bench import needed
+from tests.export.linuxcnc_machine import seen_by
 
 MACHINE = Path(__file__).with_name("linuxcnc_sim")
 
@@ -22,16 +22,7 @@ def simulated(core, folder, seconds=90.0):
         machine = place / "machine"
         shutil.copytree(MACHINE, machine, ignore=shutil.ignore_patterns("__pycache__"))
         (machine / "controller.hal").write_text(hal.files(core)[f"{core.name}_example.hal"], encoding="utf-8")
-        for path in (machine, *machine.iterdir()):
-            shutil.chown(path, int(hal_run.NOBODY), int(hal_run.NOBODY))
-        # LinuxCNC is not for root; its server listens on a fixed port, hence a network of its own.
-        user = ["setpriv", f"--reuid={hal_run.NOBODY}", f"--regid={hal_run.NOBODY}", "--clear-groups"]
-        clean = ["env", "-i", "PATH=/usr/bin:/bin", f"HOME={machine}"]
-        code, printed = hal_run.apart(
-            place, ["unshare", "--net", *user, *clean, "linuxcnc", "axis.ini"], seconds, machine
-        )
-        assert (machine / "found.json").is_file(), f"linuxcnc ended with {code}: {printed}"
-        return json.loads((machine / "found.json").read_text(encoding="utf-8"))
+        return seen_by(machine, place, seconds)
 
 
 @pytest.mark.slow

@@ -13,6 +13,7 @@ from leadscrew.analysis.positioning import positioning
 from leadscrew.export import hal_run
 from leadscrew.export.screw_compensation import ini_lines, read_compensation, screw_compensation
 from leadscrew.kernel.errors import DataError, ValueRefused
+from tests.export.linuxcnc_machine import seen_by
 from tests.tools import missing
 
 TARGETS = (-40.0, -12.5, 3.0, 31.0, 60.0)
@@ -134,81 +135,6 @@ def test_the_other_sign_would_double_the_error():
 
 # ---- the real LinuxCNC
 SIMULATOR = Path(__file__).with_name("linuxcnc_sim")
-HAL = """
-loadrt [KINS]KINEMATICS
-loadrt [EMCMOT]EMCMOT servo_period_nsec=[EMCMOT]SERVO_PERIOD num_joints=[KINS]JOINTS
-addf motion-command-handler servo-thread
-addf motion-controller servo-thread
-net x-pos joint.0.motor-pos-cmd => joint.0.motor-pos-fb
-net y-pos joint.1.motor-pos-cmd => joint.1.motor-pos-fb
-net z-pos joint.2.motor-pos-cmd => joint.2.motor-pos-fb
-net estop       iocontrol.0.user-enable-out => iocontrol.0.emc-enable-in
-net tool-number iocontrol.0.tool-prepare => iocontrol.0.tool-prepared
-net tool-change iocontrol.0.tool-change => iocontrol.0.tool-changed
-"""
-DRIVE = '''#!/usr/bin/python3
-"""Stands in for LinuxCNC's screen: homes, goes to positions in turn, and writes down what the motor was told there."""
-
-import json
-import time
-from pathlib import Path
-
-import hal
-import linuxcnc
-
-
-def waited(condition, seconds=20.0):
-    end = time.monotonic() + seconds
-    while time.monotonic() < end:
-        status.poll()
-        if condition():
-            return True
-        time.sleep(0.01)
-    return False
-
-
-def connected():
-    for _ in range(200):
-        try:
-            now = linuxcnc.stat()
-            now.poll()
-            return linuxcnc.command(), now, linuxcnc.error_channel()
-        except linuxcnc.error:
-            time.sleep(0.05)
-    raise SystemExit("LinuxCNC did not come up")
-
-
-command, status, errors = connected()
-watch = hal.component("watch")
-watch.ready()
-command.state(linuxcnc.STATE_ESTOP_RESET)
-command.wait_complete(5)
-command.state(linuxcnc.STATE_ON)
-command.wait_complete(5)
-waited(lambda: status.enabled)
-command.mode(linuxcnc.MODE_MANUAL)
-command.wait_complete(5)
-command.teleop_enable(0)
-command.wait_complete(5)
-command.home(-1)
-homed = waited(lambda: sum(status.homed[:3]) == 3)
-command.mode(linuxcnc.MODE_MDI)
-command.wait_complete(5)
-seen = []
-for position in json.loads(Path("positions.json").read_text()):
-    command.mdi(f"G21 G90 G0 X{position}")
-    command.wait_complete(20)
-    rest = waited(lambda: status.interp_state == linuxcnc.INTERP_IDLE and status.inpos)
-    time.sleep(0.1)
-    pins = [hal.get_value(f"joint.0.{n}") for n in ("pos-cmd", "motor-pos-cmd", "motor-offset", "pos-fb")]
-    seen.append([rest, *pins])
-command.state(linuxcnc.STATE_OFF)
-command.wait_complete(5)
-told = []
-while message := errors.poll():
-    told.append(message[1])
-Path("found.json").write_text(json.dumps({"homed": homed, "seen": seen, "errors": told}), encoding="utf-8")
-'''
 
 
 def needed():
@@ -232,16 +158,10 @@ def simulated(table, kind, positions, more=""):
         ours = ini_lines("x.comp", kind, "0") + more
         (machine / "axis.ini").write_text(ini.replace("[JOINT_0]\n", ours), encoding="utf-8")
         (machine / "x.comp").write_text(table, encoding="utf-8")
-        (machine / "axis.hal").write_text(HAL, encoding="utf-8")
-        (machine / "drive.py").write_text(DRIVE, encoding="utf-8")
+        (machine / "positions.hal").replace(machine / "axis.hal")
+        (machine / "positions.py").replace(machine / "drive.py")
         (machine / "positions.json").write_text(json.dumps(positions), encoding="utf-8")
-        for path in (machine, *machine.iterdir()):
-            shutil.chown(path, int(hal_run.NOBODY), int(hal_run.NOBODY))
-        user = ["setpriv", f"--reuid={hal_run.NOBODY}", f"--regid={hal_run.NOBODY}", "--clear-groups"]
-        clean = ["env", "-i", "PATH=/usr/bin:/bin", f"HOME={machine}"]
-        code, printed = hal_run.apart(place, ["unshare", "--net", *user, *clean, "linuxcnc", "axis.ini"], 90.0, machine)
-        assert (machine / "found.json").is_file(), f"linuxcnc ended with {code}: {printed}"
-        return json.loads((machine / "found.json").read_text(encoding="utf-8"))
+        return seen_by(machine, place)
 
 
 @pytest.mark.slow

@@ -6,48 +6,13 @@ import time
 from pathlib import Path
 
 import linuxcnc
+from screen import command, homed, off, status
 
 MOVES = ("G21 G90 G1 X20 F1200", "G1 X-15 Y5", "G0 X3.5 Y0")
 
 
-def waited(condition, seconds=20.0):
-    """Whether a condition came true in time."""
-    end = time.monotonic() + seconds
-    while time.monotonic() < end:
-        status.poll()
-        if condition():
-            return True
-        time.sleep(0.01)
-    return False
-
-
-def connected():
-    """LinuxCNC's channels for commands, status and errors, once they are open."""
-    for _ in range(200):
-        try:
-            now = linuxcnc.stat()
-            now.poll()
-            return linuxcnc.command(), now, linuxcnc.error_channel()
-        except linuxcnc.error:
-            time.sleep(0.05)
-    raise SystemExit("LinuxCNC did not come up")
-
-
-command, status, errors = connected()
 seen, largest, travel = [], 0.0, [0.0, 0.0]
-command.state(linuxcnc.STATE_ESTOP_RESET)
-command.wait_complete(5)
-command.state(linuxcnc.STATE_ON)
-command.wait_complete(5)
-waited(lambda: status.enabled)
-command.mode(linuxcnc.MODE_MANUAL)
-command.wait_complete(5)
-command.teleop_enable(0)
-command.wait_complete(5)
-command.home(-1)
-homed = waited(lambda: sum(status.homed[:3]) == 3)
-command.mode(linuxcnc.MODE_MDI)
-command.wait_complete(5)
+at_home = homed()
 for line in MOVES:
     command.mdi(line)
     end = time.monotonic() + 20
@@ -61,17 +26,12 @@ for line in MOVES:
         time.sleep(0.002)
     seen.append([status.joint_position[0], status.joint_actual_position[0]])
 enabled = bool(status.enabled)
-command.state(linuxcnc.STATE_OFF)
-command.wait_complete(5)
-told = []
-while message := errors.poll():
-    told.append(message[1])
 found = {
-    "homed": homed,
+    "homed": at_home,
     "enabled": enabled,
     "ends": seen,
     "travel": travel,
     "largest following error": largest,
-    "errors": told,
+    "errors": off(),
 }
 Path("found.json").write_text(json.dumps(found), encoding="utf-8")
