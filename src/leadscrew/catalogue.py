@@ -22,8 +22,11 @@ if TYPE_CHECKING:
 BLOCKS: dict[str, str] = {
     # references
     "chirp": "leadscrew.references.chirp:chirp",
+    "filtered_step": "leadscrew.references.filtered_step:filtered_step",
     "log_chirp": "leadscrew.references.chirp:log_chirp",
+    "quintic": "leadscrew.references.quintic:quintic",
     "ramp": "leadscrew.references.ramp:ramp",
+    "ramp_motion": "leadscrew.references.ramp:ramp_motion",
     "s_curve": "leadscrew.references.s_curve:s_curve",
     "sine": "leadscrew.references.sine:sine",
     "sine_motion": "leadscrew.references.sine:sine_motion",
@@ -41,16 +44,21 @@ BLOCKS: dict[str, str] = {
     "screw_encoder": "leadscrew.sensors.screw_encoder:screw_encoder",
     # controllers
     "csmc": "leadscrew.controllers.sliding.complementary:csmc",
+    "csmc_ideal": "leadscrew.controllers.sliding.continuous:csmc_ideal",
     "duty_pd": "leadscrew.controllers.vud.duty_pd:duty_pd",
     "duty_pid": "leadscrew.controllers.vud.duty_pid:duty_pid",
     "fsmc": "leadscrew.controllers.sliding.fuzzy:fsmc",
+    "fsmc_ideal": "leadscrew.controllers.sliding.continuous:fsmc_ideal",
     "fsmc_printed": "leadscrew.controllers.sliding.fuzzy:fsmc_printed",
+    "fsmc_printed_ideal": "leadscrew.controllers.sliding.continuous:fsmc_printed_ideal",
     "npid": "leadscrew.controllers.npid:npid",
     "pd_dob": "leadscrew.controllers.pd_dob:pd_dob",
     "pid": "leadscrew.controllers.pid:pid",
     "power_law": "leadscrew.controllers.vud.power_law:power_law",
     "smc": "leadscrew.controllers.sliding.conventional:smc",
+    "smc_ideal": "leadscrew.controllers.sliding.continuous:smc_ideal",
     "smc_integral": "leadscrew.controllers.sliding.integral:smc_integral",
+    "smc_integral_ideal": "leadscrew.controllers.sliding.continuous:smc_integral_ideal",
     "super_twisting": "leadscrew.controllers.sliding.super_twisting:super_twisting",
     "vud": "leadscrew.controllers.vud.literal:vud",
     "vud_beta_e": "leadscrew.controllers.vud.error_factor:vud_beta_e",
@@ -110,6 +118,7 @@ MAKERS: dict[str, str] = {
 """Functions that make a block from data: a path, matrices, a fuzzy system."""
 
 STUDIES: dict[str, str] = {
+    "fsmc_ballscrew": "leadscrew.studies.fsmc_ballscrew.study:STUDY",
     "vud_lathe": "leadscrew.studies.vud_lathe.study:STUDY",
 }
 """The published systems."""

@@ -6,9 +6,11 @@ import numpy as np
 
 from leadscrew import catalogue
 from leadscrew.actuators.saturation import saturation
+from leadscrew.controllers.sliding.continuous import seen_in_mm
 from leadscrew.kernel.block import Block, controller
 from leadscrew.kernel.errors import LeadscrewError
 from leadscrew.kernel.loop import Loop
+from leadscrew.plants.ballscrew_stage import ballscrew_stage
 from leadscrew.references.sine import sine, sine_motion
 from tests.kernel import zoo
 
@@ -38,6 +40,10 @@ def _candidates(block: Block):
     if block.kind == "reference":
         for c in CONTROLLERS:
             yield {"reference": block, "controller": c, "plant": zoo.mass, **rest}
+    elif block.kind == "controller" and block.continuous:
+        stage = seen_in_mm(ballscrew_stage)
+        parts = {"reference": COMMANDS[1], "controller": block, "plant": stage, "metrics": {}}
+        yield {**parts, "period": None, "sample": PERIOD, "atol": 1e-11}
     elif block.kind == "controller":
         for command in COMMANDS:
             yield {"reference": command, "controller": block, "plant": zoo.mass, **rest}

@@ -1,4 +1,7 @@
-"""A ramp that holds: ``initial + rate (t - start)`` for ``duration``, constant before and after."""
+"""A ramp that holds: ``initial + rate (t - start)`` for ``duration``, constant before and after.
+
+``ramp_motion`` is the same with its derivatives.
+"""
 
 from __future__ import annotations
 
@@ -6,6 +9,7 @@ from typing import Annotated, NamedTuple
 
 from leadscrew.kernel.block import reference
 from leadscrew.kernel.sheet import Doc, Ge, Unit
+from leadscrew.references.motion import Motion
 
 
 class RampParams(NamedTuple):
@@ -21,3 +25,11 @@ class RampParams(NamedTuple):
 def ramp(p, t):
     """``initial + rate`` times the time spent on the ramp."""
     return p.initial + p.rate * min(max(t - p.start, 0.0), p.duration)
+
+
+@reference(RampParams())
+def ramp_motion(p, t):
+    """The same ramp as a :class:`~leadscrew.references.motion.Motion`; acceleration 0, at the corners too."""
+    since = t - p.start
+    running = 1.0 if since >= 0.0 and since < p.duration else 0.0
+    return Motion(p.initial + p.rate * min(max(since, 0.0), p.duration), running * p.rate, 0.0)
