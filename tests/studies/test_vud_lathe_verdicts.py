@@ -1,12 +1,16 @@
 """A verdict follows from the numbers beside it: none can stay behind when a number moves."""
 
-import csv
 import re
 
 import pytest
 
 from leadscrew.catalogue import study
 from leadscrew.studies.vud_lathe.claims_motion import NEAR_MM
+from tests.studies.contract import (
+    assert_items_exist,
+    assert_no_verdict_without_a_paper,
+    assert_required_met_and_explained,
+)
 
 LATHE = study("vud_lathe")
 SAID = []
@@ -76,10 +80,7 @@ def test_findings_carry_the_measured_numbers(result):
 
 
 def test_every_required_claim_of_the_whole_study_is_met_and_says_why(result):
-    missed = [(c.id, c.measured, c.sense, c.target) for c in result.claims if c.kind == "required" and not c.passed]
-    assert missed == []
-    assert len(result.claims) == len({c.id for c in result.claims}) == sum(n for _, n in result.topics)
-    assert all(c.reason and c.source and c.statement for c in result.claims)
+    assert_required_met_and_explained(result)
     assert sorted(SAID) == SAID and SAID[-1] == 1.0
 
 
@@ -91,7 +92,7 @@ def test_the_moonshots_of_the_digest_are_met(result):
 
 
 def test_a_claim_without_a_number_in_the_paper_gives_no_verdict_on_it(result):
-    assert [c.id for c in result.claims if c.paper is None and c.verdict != "cannot be checked"] == []
+    assert_no_verdict_without_a_paper(result)
 
 
 def test_pictures_have_names_of_their_own(result):
@@ -100,19 +101,4 @@ def test_pictures_have_names_of_their_own(result):
 
 
 def test_items_of_the_paper_point_at_claims_and_pictures_that_exist(result):
-    with (LATHE.folder / "paper_items.csv").open(newline="", encoding="utf-8") as file:
-        rows = list(csv.DictReader(file))
-    claims = {c.id.removeprefix("vud_lathe.") for c in result.claims}
-    pictures = {p.name for p in result.pictures}
-    for row in rows:
-        parts = [part.strip() for part in row["where"].split(";")]
-        plain = [
-            p for p in parts if ".py" not in p and p and not p.startswith(("claim ", "claims ", "figure ", "scen"))
-        ]
-        if row["covered_by"] == "claim":
-            assert set(plain) <= claims, row["item"]
-        if row["covered_by"] == "figure":
-            assert set(plain) <= pictures, row["item"]
-        for named in (n.strip() for p in parts if p.startswith(("claim ", "claims ")) for n in re.split(r",| to ", p)):
-            name = re.sub(r"^claims? ", "", named)
-            assert name in claims or (name.endswith("*") and any(c.startswith(name[:-1]) for c in claims)), row["item"]
+    assert_items_exist(LATHE, result)
