@@ -10,9 +10,13 @@ from pathlib import Path
 import numpy as np
 
 from leadscrew import catalogue, experiment, fuzzy
+from leadscrew.bench import stage_picture
 from leadscrew.experiment import Experiment
 from leadscrew.report import backlash, friction
 from leadscrew.report import fuzzy as pictures
+from leadscrew.studies.fsmc_ballscrew.figures_beaten import beaten_pictures
+from leadscrew.studies.fsmc_ballscrew.figures_selftuned import selftuned_pictures
+from leadscrew.studies.fsmc_ballscrew.runs import Loops
 from leadscrew.tune.job import Job
 from leadscrew.tune.tuned_figures import figures
 from leadscrew.tune.tuned_report import units
@@ -65,6 +69,18 @@ def friction_images(folder: Path) -> None:
         draw().savefig(folder / f"{name}.png", dpi=90)
 
 
+def integration_image(folder: Path) -> None:
+    """Error against speed of the integrators, on this machine."""
+    stage_picture.figure().savefig(folder / "stiff_friction.png", dpi=90)
+
+
+def friction_of_the_stage_images(folder: Path) -> None:
+    """The pictures of the pages on a controller that learns its friction, and on friction from one log."""
+    loops = Loops()
+    for picture in (*beaten_pictures(loops), *selftuned_pictures(loops)):
+        picture.draw().savefig(folder / f"{picture.name}.png", dpi=90)
+
+
 def main(folder: Path = Path(__file__).parent / "images") -> None:
     """Draws every image."""
     folder.mkdir(exist_ok=True)
@@ -75,6 +91,8 @@ def main(folder: Path = Path(__file__).parent / "images") -> None:
     fuzzy_images(folder)
     tuning_images(folder)
     friction_images(folder)
+    integration_image(folder)
+    friction_of_the_stage_images(folder)
 
 
 if __name__ == "__main__":

@@ -177,3 +177,18 @@ def test_what_no_signature_explains_is_what_is_left():
     angle = 2.0 * np.pi * np.arange(1800) / 1800
     found = diagnose(CircularTest(100.0, Turn("ccw", *path(angle)), Turn("cw", *path(-angle))), floor_um=5.0)
     assert found.left_peak_um > 1.0 and np.argmax(found.left[0]) == pytest.approx(2.2 / angle[1], abs=20)
+
+
+def test_a_peak_of_one_point_has_a_size_with_a_sound_uncertainty():
+    """Its decay cannot be seen: it ends at the shortest one, and takes no part in the uncertainty."""
+    angle = 2.0 * np.pi * np.arange(1800) / 1800
+    random = np.random.default_rng(1)
+
+    def turn(direction, sign):
+        after = np.mod(sign * (sign * angle - 0.5 * np.pi) + 1e-9, np.pi) - 1e-9
+        radius = 5.0 + 5e-5 * ((after > 0.003) & (after < 0.004)) + random.normal(0.0, 3e-6, angle.size)
+        return Turn(direction, radius * np.cos(sign * angle), radius * np.sin(sign * angle))
+
+    found = diagnose(CircularTest(5.0, turn("ccw", 1.0), turn("cw", -1.0)))["stick motion Y"]
+    assert found.um is not None and abs(found.um) > 0.03
+    assert found.uncertainty_um < 0.02

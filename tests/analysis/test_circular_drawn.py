@@ -158,6 +158,18 @@ def test_two_loops_of_one_axis_draw_the_same_circle_as_one_of_two(block, referen
         assert np.abs(a.x_mm - b.x_mm).max() < 1e-9 and np.abs(a.y_mm - b.y_mm).max() < 1e-9
 
 
+def test_axes_and_directions_side_by_side_have_the_bits_of_one_by_one():
+    machine, circle = Machine(alone(40.0), alone(25.0)), Circle(1.0, 600.0, points=360)
+    seen = []
+    together = draw(machine, circle, progress=lambda what, done: seen.append(done))
+    assert seen == [0.0, 0.25, 0.5, 0.75]
+    # The python engine runs one after the other; with one direction alone there is less side by side.
+    for other in (draw(machine, circle, engine="python"), draw(machine, replace(circle, direction="cw"))):
+        for turn in other.turns:
+            mine = together.cw if turn.direction == "cw" else together.ccw
+            assert np.array_equal(mine.x_mm, turn.x_mm) and np.array_equal(mine.y_mm, turn.y_mm)
+
+
 def test_the_encoder_s_circle_is_what_the_sensor_says_and_is_labelled():
     loop = moving(sensor=coarse)
     seen = draw(Machine(loop), Circle(RADIUS, FEED, source="encoder", points=500))

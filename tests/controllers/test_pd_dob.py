@@ -6,11 +6,12 @@ import numpy as np
 import pytest
 
 from leadscrew.controllers.pd_dob import TUNINGS, PdDobState, pd_dob
+from leadscrew.disturbances.pulse_load import pulse_load
 from leadscrew.disturbances.step_load import step_load
 from leadscrew.friction.maxwell_slip import MaxwellSlip
 from leadscrew.kernel.block import plant
 from leadscrew.kernel.errors import ValueRefused
-from leadscrew.kernel.loop import Loop
+from leadscrew.kernel.loop import DivergenceWarning, Loop
 from leadscrew.kernel.module import Module
 from leadscrew.plants.ballscrew_stage import INERTIA, TRAVEL_MM_PER_RAD, ballscrew_stage
 from leadscrew.plants.mass_maxwell_slip import mass_maxwell_slip
@@ -115,6 +116,26 @@ def test_at_the_torque_limit_the_observer_does_not_wind_up():
     assert np.abs(run["controller.load"]).max() < 0.25
 
 
+def after_a_blow(block):
+    """Largest and last error in um of a standing axis hit by 40 N m for 20 ms."""
+    run = Loop(
+        reference=sine_motion(amplitude=0.0), controller=block, plant=ballscrew_stage, period=DT, method="rodas",
+        sensor=ruler(resolution_mm=1e-5 / TRAVEL_MM_PER_RAD), metrics={}, rtol=1e-5, atol=1e-9,
+        disturbance=pulse_load(size=40.0, start=0.1, duration=0.02),
+    ).run(0.5, record="true_error")  # fmt: skip
+    error = UM * np.abs(run["true_error"])
+    return run.diverged, error.max(), error[-400:].max()
+
+
+def test_a_blow_at_rest_needs_a_limit_of_the_torque():
+    """The schedule goes by the commanded speed: torn loose it meets the gains for bristles that hold."""
+    with pytest.warns(DivergenceWarning):
+        assert after_a_blow(pd_dob)[0]
+    diverged, largest, last = after_a_blow(pd_dob(max_torque=60.0))
+    assert not diverged and largest == pytest.approx(5.3, abs=0.05) and last < 0.0015
+    assert not after_a_blow(TUNINGS["ours.pd_dob_fixed"])[0]
+
+
 def test_a_settled_loop_keeps_no_denormal_numbers():
     run = far_away(2.0)
     assert run["controller.rate"][-1] == run["controller.momentum"][-1] == run["controller.load"][-1] == 0.0
@@ -195,15 +216,6 @@ def test_faster_sampling_gives_less_error():
     for name, largest in (("slow", 0.069), ("wide", 0.071), ("fast", 0.166)):
         run = stage_loop(ROBUST, name, period=1e-4, encoder_mm=1e-5).run(seconds(name), record="true_error")
         assert errors_um(run)[0] == pytest.approx(largest, rel=0.02)
-
-
-@pytest.mark.slow
-def test_a_sample_of_delay_is_survived_by_the_robust_gains_and_not_by_the_aggressive_ones():
-    for name, most in (("slow", 0.08), ("wide", 1.0), ("fast", 4.0)):
-        run = from_rest(ROBUST, name, computation_delay=DT).run(seconds(name), record="true_error")
-        assert errors_um(run)[0] < most
-    with pytest.warns(UserWarning, match="diverged"):
-        from_rest(TUNINGS["ours.pd_dob_aggressive"], "fast", computation_delay=DT).run(4.0)
 
 
 def maxwell_stage():

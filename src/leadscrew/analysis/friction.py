@@ -47,7 +47,7 @@ def friction_along(f: Any, positions: Any, dt: float) -> np.ndarray:
     speeds = np.diff(positions) / dt
     if isinstance(f, dahl.Dahl):
         forces = _along_dahl(f, speeds, dt)
-    elif isinstance(f, maxwell_slip.MaxwellSlip):
+    elif isinstance(f, maxwell_slip.MaxwellSlip | maxwell_slip.MaxwellSlipScrew):
         forces = _along_elements(maxwell_slip.checked(f), speeds, dt)
     elif hasattr(f, "stiffness"):
         forces = _along_lugre(f, speeds, dt)
@@ -75,7 +75,9 @@ def _along_lugre(f: Any, speeds: np.ndarray, dt: float) -> list[float]:
     return out
 
 
-def _along_elements(f: maxwell_slip.MaxwellSlip, speeds: np.ndarray, dt: float) -> list[float]:
+def _along_elements(
+    f: maxwell_slip.MaxwellSlip | maxwell_slip.MaxwellSlipScrew, speeds: np.ndarray, dt: float
+) -> list[float]:
     e, out = maxwell_slip.unloaded(f), []
     share_of_damping = f.damping / maxwell_slip.total_stiffness(f)
     for v in speeds.tolist():

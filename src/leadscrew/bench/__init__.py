@@ -9,7 +9,8 @@ from leadscrew.bench.row import FIELDS
 
 PARTS = (
     "threads", "single runs", "batches", "settled loops", "other tools", "inference", "fuzzy systems",
-    "portable functions", "compilation", "fresh processes", "many runs",
+    "stiff friction", "portable functions", "compilation", "fresh processes", "many runs",
+    "circular test",
 )  # fmt: skip
 """In this order: threads come first, before the bench itself puts load on the machine."""
 
@@ -21,7 +22,7 @@ def run(
 
     Targets are reported, not asserted: ``passed`` is True, False, or None where nothing is judged.
     """
-    from leadscrew.bench import functions, fuzzy, machine, many, others, servo, start, threads
+    from leadscrew.bench import circles, functions, fuzzy, machine, many, others, servo, stage, start, threads
 
     rounds = 3 if quick else 9
     rows = [machine.row_of_load("before")]
@@ -34,10 +35,12 @@ def run(
         "other tools": lambda: others.rows(reference, errors, min(rounds, 5)),
         "inference": lambda: functions.inference_rows(rounds),
         "fuzzy systems": lambda: fuzzy.rows(rounds, quick),
+        "stiff friction": lambda: stage.rows(rounds, quick),
         "portable functions": lambda: functions.function_rows(rounds),
         "compilation": lambda: start.compile_rows(1 if quick else 3),
         "fresh processes": lambda: start.rows(min(rounds, 5)),
         "many runs": lambda: many.rows(quick),
+        "circular test": lambda: circles.rows(quick),
     }
     for i, part in enumerate(parts):
         if progress is not None:

@@ -23,6 +23,7 @@ from leadscrew.cli import (
     diff,
     export,
     fuzzy,
+    identify,
     listing,
     montecarlo,
     positioning,
@@ -74,6 +75,7 @@ app.command("positioning")(positioning.positioning)
 app.command("ballbar")(ballbar.ballbar)
 app.add_typer(fuzzy.app, name="fuzzy")
 app.add_typer(design.app, name="design")
+app.add_typer(identify.app, name="identify")
 app.command("bench")(bench.bench)
 app.add_typer(cache.app, name="cache")
 app.command("version")(version.version)

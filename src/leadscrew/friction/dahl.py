@@ -45,6 +45,13 @@ def force_rate(f, v, force):
     return v * force_slope(f, v, force)
 
 
+def rate_by_force(f, v, force):
+    """Partial derivative of ``dF/dt`` by the force."""
+    side = 1.0 if v > 0.0 else -1.0 if v < 0.0 else 0.0
+    size = max(abs(1.0 - side * force / f.coulomb), 1e-15)
+    return -f.stiffness * f.exponent * math.pow(size, f.exponent - 1.0) * abs(v) / f.coulomb
+
+
 def force_after(f, travel, force):
     """``F`` after a travel without a reversal: the exact solution."""
     side = 1.0 if travel >= 0.0 else -1.0

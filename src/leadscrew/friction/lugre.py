@@ -45,6 +45,13 @@ class LuGre(NamedTuple):
 HAT = LuGre(stiffness=2e5, damping=2.0 * math.sqrt(1e5), viscous=1.2, stribeck_speed=0.005)
 """What the controllers believe: the column of f-hat in Table 2."""
 
+TILDE = LuGre(stiffness=1e5, damping=math.sqrt(1e5), viscous=1.0, stribeck_speed=0.005)
+"""How far the belief may be off: the column of F~ in Table 2. The switching gain uses the :class:`Stribeck` part."""
+
+TABLE_2 = {"plant": LuGre(), "hat": HAT, "tilde": TILDE}
+"""Table 2 by its columns. ``sigma_0`` and ``sigma_1`` of tilde are hat minus plant, its ``sigma_2`` 1 covers their 0.8;
+``F_C`` and ``F_S`` are the same in all three, so what matters most is known exactly."""
+
 
 def level(f, v):
     """``s0 g(v)``, (3): the friction of bristles in steady sliding, without the viscous part."""

@@ -21,7 +21,7 @@ loading at 9.36 N is close to ``F_S (1 - exp(-1e5 x / F_S))``, what LuGre of the
 from __future__ import annotations
 
 import math
-from typing import Annotated, NamedTuple
+from typing import Annotated, NamedTuple, TypeVar
 
 import numpy as np
 
@@ -48,6 +48,35 @@ class MaxwellSlip(NamedTuple):
     stribeck_speed: Annotated[float, Unit("m/s"), Gt(0), Doc("speed of the fall from F_S to F_C, v_s")] = 0.001
 
 
+class MaxwellSlipScrew(NamedTuple):
+    """The same at a screw, in N m and rad: what the ball-screw stage of Shams and Safdari (2010) has beside LuGre.
+
+    Friction of its Table 2 (``F_C, F_S, v_s, sigma_2``), damping as LuGre's bristles have it, stiffnesses that sum to
+    LuGre's ``sigma_0``. Slipping elements follow the map by travel, ``C_x = sigma_0``, and not by time.
+    """
+
+    share: Annotated[np.ndarray, Doc("share of each element in the sliding friction, alpha_i; sums to 1")] = np.array(
+        [0.0376, 0.0865, 0.1449, 0.1811, 0.2310, 0.3189]
+    )
+    stiffness: Annotated[np.ndarray, Unit("N m/rad"), Doc("stiffness of each element while it sticks, k_i")] = np.array(
+        [25983.0, 19248.0, 18138.0, 14511.0, 12318.0, 9802.0]
+    )
+    damping: Annotated[float, Unit("N m s/rad"), Ge(0), Doc("damping while all elements stick, sigma_1")] = math.sqrt(
+        1e5
+    )
+    attraction: Annotated[float, Unit("N m/s"), Ge(0), Doc("how fast slipping elements follow the map, C")] = 0.0
+    attraction_per_travel: Annotated[float, Unit("N m/rad"), Ge(0), Doc("the same for each radian of travel, C_x")] = (
+        1e5
+    )
+    viscous: Annotated[float, Unit("N m s/rad"), Ge(0), Doc("viscous coefficient, sigma_2")] = 0.4
+    coulomb: Annotated[float, Unit("N m"), Gt(0), Doc("friction in fast sliding, F_C")] = 6.24
+    static: Annotated[float, Unit("N m"), Gt(0), Doc("largest friction before sliding, F_S")] = 9.36
+    stribeck_speed: Annotated[float, Unit("rad/s"), Gt(0), Doc("speed of the fall from F_S to F_C, v_s")] = 0.001
+
+
+AnyMaxwellSlip = TypeVar("AnyMaxwellSlip", bound=MaxwellSlip | MaxwellSlipScrew)
+
+
 class Elements(NamedTuple):
     """The force of each element, and the way it slips: 1 forwards, -1 backwards, 0 while it sticks."""
 
@@ -55,7 +84,7 @@ class Elements(NamedTuple):
     slips: np.ndarray
 
 
-def checked(f: MaxwellSlip) -> MaxwellSlip:
+def checked(f: AnyMaxwellSlip) -> AnyMaxwellSlip:
     """The parameters, if their elements make sense.
 
     Raises:
@@ -78,7 +107,7 @@ def checked(f: MaxwellSlip) -> MaxwellSlip:
     return f
 
 
-def unloaded(f: MaxwellSlip) -> Elements:
+def unloaded(f: AnyMaxwellSlip) -> Elements:
     """All elements stuck, without force."""
     return Elements(np.zeros(len(f.share)), np.zeros(len(f.share)))
 

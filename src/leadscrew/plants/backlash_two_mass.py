@@ -30,7 +30,7 @@ import math
 from typing import Annotated, NamedTuple
 
 from leadscrew.friction.asymmetric import LuGreSlide
-from leadscrew.friction.lugre import bristle_rate, friction
+from leadscrew.friction.lugre import bristle_rate, friction, rate_by_bristle, rate_by_speed
 from leadscrew.kernel.block import plant
 from leadscrew.kernel.sheet import Doc, Ge, Gt, Le, Unit
 from leadscrew.plants.backlash import AxisPosition, DeadBand, backward_depth, forward_depth
@@ -94,19 +94,19 @@ def damping_ratio(restitution: float) -> float:
     return 0.5 * (low + high) if restitution < 1.0 else 0.0
 
 
+def flank_damping(joint: DeadBand, motor_mass: float, table_mass: float, restitution: float) -> tuple[float, float]:
+    """Damping of the forward and of the backward flank, N s/m, from the restitution."""
+    reduced = motor_mass * table_mass / (motor_mass + table_mass)
+    twice = 2.0 * damping_ratio(restitution)
+    stiffnesses = joint.forward_stiffness, joint.backward_stiffness
+    return twice * math.sqrt(stiffnesses[0] * reduced), twice * math.sqrt(stiffnesses[1] * reduced)
+
+
 def planned(params: BacklashTwoMassParams, dt: float) -> BacklashTwoMassPlan:
     """Damping of the flanks from the restitution."""
-    reduced = params.motor_mass * params.table_mass / (params.motor_mass + params.table_mass)
-    twice = 2.0 * damping_ratio(params.restitution)
-    return BacklashTwoMassPlan(
-        params.motor_mass,
-        params.motor_viscous,
-        params.table_mass,
-        params.joint,
-        params.guide,
-        twice * math.sqrt(params.joint.forward_stiffness * reduced),
-        twice * math.sqrt(params.joint.backward_stiffness * reduced),
-    )
+    forward, backward = flank_damping(params.joint, params.motor_mass, params.table_mass, params.restitution)
+    given = {n: v for n, v in params._asdict().items() if n in BacklashTwoMassPlan._fields}
+    return BacklashTwoMassPlan(**given, forward_damping=forward, backward_damping=backward)
 
 
 def contact(p, twist, rate):
@@ -122,7 +122,48 @@ def shown(p, s):
     return AxisPosition(s.table, s.motor)
 
 
-@plant(BacklashTwoMassParams(), BacklashTwoMassState(), output=shown, prepare=planned, unit="m")
+class Flank(NamedTuple):
+    """Stiffness and damping of the contact at a twist; 0 in the gap and where a flank would have to pull."""
+
+    stiffness: float
+    damping: float
+
+
+def flank(p, twist, rate):
+    """Derivatives of :func:`contact` by the twist and by its rate."""
+    pressed = contact(p, twist, rate)
+    forward = 1.0 if pressed > 0.0 and forward_depth(p.joint, twist) > 0.0 else 0.0
+    backward = 1.0 if pressed < 0.0 and backward_depth(p.joint, twist) > 0.0 else 0.0
+    return Flank(
+        forward * p.joint.forward_stiffness + backward * p.joint.backward_stiffness,
+        forward * p.forward_damping + backward * p.backward_damping,
+    )
+
+
+def two_mass_jacobian(p, s):
+    """Rows of the Jacobian, in the order of the state."""
+    by = flank(p, s.motor - s.table, s.motor_speed - s.table_speed)
+    k, c, a, m = by.stiffness, by.damping, p.motor_mass, p.table_mass
+    by_speed = rate_by_speed(p.guide, s.table_speed, s.bristle)
+    by_bristle = rate_by_bristle(p.guide, s.table_speed)
+    rubs = p.guide.damping * by_speed + p.guide.viscous
+    return (
+        (0.0, 1.0, 0.0, 0.0, 0.0),
+        (-k / a, -(p.motor_viscous + c) / a, k / a, c / a, 0.0),
+        (0.0, 0.0, 0.0, 1.0, 0.0),
+        (k / m, c / m, -k / m, -(c + rubs) / m, -(p.guide.stiffness + p.guide.damping * by_bristle) / m),
+        (0.0, 0.0, 0.0, by_speed, by_bristle),
+    )
+
+
+@plant(
+    BacklashTwoMassParams(),
+    BacklashTwoMassState(),
+    output=shown,
+    prepare=planned,
+    jacobian=two_mass_jacobian,
+    unit="m",
+)
 def backlash_two_mass(p, s, u, load):
     """Drive and table with a dead band and impacts between them: derivatives under the drive's force and the load."""
     force = contact(p, s.motor - s.table, s.motor_speed - s.table_speed)

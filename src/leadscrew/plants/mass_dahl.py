@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from typing import Annotated, NamedTuple
 
-from leadscrew.friction.dahl import Dahl, force_rate
+from leadscrew.friction.dahl import Dahl, force_rate, force_slope, rate_by_force
 from leadscrew.kernel.block import plant
 from leadscrew.kernel.sheet import Gt, Unit
 
@@ -30,7 +30,17 @@ class MassDahlState(NamedTuple):
     force: Annotated[float, Unit("N")] = 0.0
 
 
-@plant(MassDahlParams(), MassDahlState(), unit="m")
+def mass_dahl_jacobian(p, s):
+    """Rows of the Jacobian, in the order of the state; at rest the slope of the unloaded spring."""
+    f = p.friction
+    return (
+        (0.0, 1.0, 0.0),
+        (0.0, -f.viscous / p.mass, -1.0 / p.mass),
+        (0.0, force_slope(f, s.speed, s.force), rate_by_force(f, s.speed, s.force)),
+    )
+
+
+@plant(MassDahlParams(), MassDahlState(), jacobian=mass_dahl_jacobian, unit="m")
 def mass_dahl(p, s, u):
     """A mass under Dahl friction: derivatives under a force."""
     pushed = u - s.force - p.friction.viscous * s.speed

@@ -32,8 +32,8 @@ from leadscrew.references.motion import Motion, row_at
 
 ROWS: tuple[tuple[float, float, float], ...] = (
     (2.5, 0.5, 1.0),
-    (0.5, 2.0, 2.0),
-    (0.045, 0.25, 1.0),
+    (0.5, 4.0, 4.0),
+    (0.05, 0.25, 1.0),
     (0.01, 10.0, 5.0),
 )
 """Amplitude in mm, frequency in Hz, periods: 7.5 s for the stage with 1.5923 mm/rad under ``kp = 300 N m/rad``."""

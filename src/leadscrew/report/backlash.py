@@ -41,24 +41,29 @@ def _through(command):
     return command
 
 
-def imposed_reversal(radius: float, rate: float, restitution: float, sample: float = 5e-5) -> Run:
-    """Three quarters of a turn of ``radius sin(rate t)`` of the screw, in m and rad/s, and the table behind its play.
-
-    Starts on the forward flank, pressed by the guide's friction; turns at ``t = pi / (2 rate)``.
-    """
-    guide = backlash_two_mass.params.guide
-    joint = backlash_two_mass.params.joint
+def imposed_loop(radius: float, rate: float, restitution: float, sample: float = 5e-5, **changes: float) -> Loop:
+    """The loop of :func:`imposed_reversal`; ``changes`` are parameters of the plant."""
+    two = backlash_two_mass(motor_mass=HEAVY, motor_viscous=0.0, restitution=restitution, **changes)
+    guide, joint = two.params.guide, two.params.joint
     pressed = (guide.coulomb + guide.viscous * radius * rate) / joint.forward_stiffness
-    plant = backlash_two_mass(motor_mass=HEAVY, motor_viscous=0.0, restitution=restitution).starting(
+    plant = two.starting(
         motor_speed=radius * rate,
         table_speed=radius * rate,
         table=-joint.forward_gap - pressed,
         bristle=guide.coulomb / guide.stiffness,
     )
-    loop = Loop(
+    return Loop(
         reference=_sine_force(radius=radius, rate=rate), controller=_through, plant=plant, period=None, sample=sample,
         rtol=1e-6, atol=1e-12, metrics={},
     )  # fmt: skip
+
+
+def imposed_reversal(radius: float, rate: float, restitution: float, sample: float = 5e-5) -> Run:
+    """Three quarters of a turn of ``radius sin(rate t)`` of the screw, in m and rad/s, and the table behind its play.
+
+    Starts on the forward flank, pressed by the guide's friction; turns at ``t = pi / (2 rate)``.
+    """
+    loop = imposed_loop(radius, rate, restitution, sample)
     return loop.run(0.75 * 2.0 * math.pi / rate, record=("plant",)).check()
 
 

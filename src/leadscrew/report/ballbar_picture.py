@@ -15,6 +15,7 @@ import numpy as np
 from leadscrew.analysis.circular.evaluation import Evaluation
 from leadscrew.analysis.circular.fit import Circle
 from leadscrew.analysis.circular.paths import SOURCES, TURN, CircularTest, Floats, Turn
+from leadscrew.analysis.circular.quantities import quantities
 from leadscrew.report.style import BLACK, BLUE, VERMILION
 
 if TYPE_CHECKING:
@@ -51,6 +52,15 @@ def about(turn: Turn, centre: Circle, radius_mm: float) -> tuple[Floats, Floats]
     return np.unwrap(np.arctan2(v, u)), 1000.0 * (np.hypot(u, v) - radius_mm)
 
 
+def centred(test: CircularTest) -> dict[str, tuple[Floats, Floats]]:
+    """Angles and deviations of each direction of a test, see :func:`about`, about the centre of all its paths."""
+    q = quantities(test)
+    way = q.both or q.ccw or q.cw
+    assert way is not None
+    centre = Circle(1e-3 * way.centre_x, 1e-3 * way.centre_y, test.radius_mm)
+    return {t.direction: about(t, centre, test.radius_mm) for t in test.turns}
+
+
 def picture(found: Evaluation) -> Figure:
     """Polar plot, and the same deviations over the angle."""
     from matplotlib.figure import Figure
@@ -61,7 +71,7 @@ def picture(found: Evaluation) -> Figure:
     figure = Figure(figsize=(10.0, 5.6), layout="constrained")
     left = figure.add_subplot(1, 2, 1, projection="polar")
     right = figure.add_subplot(1, 2, 2)
-    _polar(left, paths, division, test)
+    polar(left, paths, division, test)
     for direction, (angle, deviation) in paths.items():
         degrees = np.mod(np.degrees(angle) + 1e-9, 360.0)
         order = np.argsort(degrees, kind="stable")
@@ -81,7 +91,8 @@ def picture(found: Evaluation) -> Figure:
     return figure
 
 
-def _polar(axes: Any, paths: dict[str, tuple[Floats, Floats]], division: float, test: CircularTest) -> None:
+def polar(axes: Any, paths: dict[str, tuple[Floats, Floats]], division: float, test: CircularTest) -> None:
+    """Deviations of each direction (angles and um, see :func:`about`) on polar axes, ``division`` um a division."""
     full = np.linspace(0.0, TURN, 721)
     axes.plot(full, np.full(full.size, CIRCLE), color=BLACK, linewidth=1.0)
     for direction, (angle, deviation) in paths.items():

@@ -25,6 +25,17 @@ COLOURS = {
     "ours.pd": GREEN,
     "ours.vud_opt": PURPLE,
     "ours.vud_fast": BLACK,
+    "corrected.smc": VERMILION,
+    "paper.smc": ORANGE,
+    "paper.csmc": BLUE,
+    "corrected.fsmc": GREEN,
+    "paper.fsmc": SKY,
+    "ours.smc_4khz": VERMILION,
+    "ours.csmc_4khz": BLUE,
+    "ours.fsmc_4khz": GREEN,
+    "ours.pid": ORANGE,
+    "ours.pd_dob": PURPLE,
+    "ours.pd_learned": BLACK,
 }
 """Colour by controller, kept across all figures; others get one of the rest by their name."""
 

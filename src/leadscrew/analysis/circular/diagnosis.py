@@ -118,10 +118,10 @@ def diagnose(
                 )
             members.append(Member(KINDS[0], which, (test.radius_mm / lead,), fixed=True))
     members = searched(data, members, most, floor_um)
-    return _result(test, data, every, members)
+    return _result(test, data, every, members, most)
 
 
-def _result(test: CircularTest, data: Data, every: Data, members: list[Member]) -> Diagnosis:
+def _result(test: CircularTest, data: Data, every: Data, members: list[Member], most: float) -> Diagnosis:
     design = columns_of(data, members)
     norms = np.linalg.norm(design, axis=0)
     _, singular, right = np.linalg.svd(design / norms, full_matrices=False)
@@ -132,7 +132,7 @@ def _result(test: CircularTest, data: Data, every: Data, members: list[Member]) 
     freedom = max(left.size - design.shape[1] - sum(len(m.shape) for m in members if not m.fixed), 1)
     scatter = math.sqrt(float(left @ left) / freedom)
     ends = np.cumsum([t.angle.size for t in test.turns])[:-1]
-    uncertain = _uncertainty(data, members, design, sizes, scatter)
+    uncertain = _uncertainty(data, members, design, sizes, scatter, most)
     return Diagnosis(
         faults=faults_of(test, data, members, design, sizes, uncertain, hidden),
         together=[_together(data, design, row) for row in right[dependent]],
@@ -164,13 +164,19 @@ def _together(data: Data, design: Floats, row: Floats) -> Together:
     return Together(alone)
 
 
-def _uncertainty(data: Data, members: list[Member], design: Floats, sizes: Floats, scatter: float) -> Floats:
-    """Standard uncertainty of each linear size, the freedom of the shapes included."""
+def _uncertainty(
+    data: Data, members: list[Member], design: Floats, sizes: Floats, scatter: float, most: float
+) -> Floats:
+    """Standard uncertainty of each linear size, the freedom of the shapes included, but for a shape that its bound
+    holds: a peak of one point has a height and no decay.
+    """
     extra, at = [], len(signatures.BASE)
     for member in members:
         width = member.columns(data).shape[1]
         if not member.fixed:
-            for i, value in enumerate(member.shape):
+            for i, (value, (low, high)) in enumerate(zip(member.shape, member.kind.bounds(most), strict=True)):
+                if not 1.01 * low < value < high / 1.01:
+                    continue
                 step = 1e-4 * max(abs(value), 1e-3)
                 ends = [member.with_shape([v + s * step if j == i else v for j, v in enumerate(member.shape)])
                         for s in (1.0, -1.0)]  # fmt: skip

@@ -21,14 +21,14 @@ def rk4(p, s, memory, u, load, t, dt):
     return holes.weighted(s, dt / 6.0, k1, k2, k3, k4), memory
 
 
-def newton_stage(p, s, u, load, t, dt, start, x, f, g, lu, pivot):
+def newton_stage(p, s, u, load, t, dt, start, x, f, g, lu, swaps):
     """Solves ``x = start + GAMMA dt f(x)`` by a fixed number of simplified Newton steps; ``f`` ends as ``f(x)``."""
     n = holes.ORDER
     for _ in range(NEWTON):
         holes.rates(p, s, u, load, t, x, f)
         for i in range(n):
             g[0, i] = start[0, i] + GAMMA * dt * f[0, i] - x[0, i]
-        lu_solve(lu, pivot, g, n)
+        lu_solve(lu, swaps, g, n)
         for i in range(n):
             x[0, i] += g[0, i]
     for i in range(n):
@@ -48,7 +48,7 @@ def sdirk3(p, s, memory, u, load, t, dt):
     f2 = stack_array2(1, holes.ORDER)
     f3 = stack_array2(1, holes.ORDER)
     g = stack_array2(1, holes.ORDER)
-    pivot = stack_array2(1, holes.ORDER)
+    swaps = stack_array2(holes.ORDER, holes.ORDER)
     lu = stack_array2(holes.ORDER, holes.ORDER)
     holes.spread(s, x0)
     holes.rates(p, s, u, load, t, x0, f1)
@@ -56,15 +56,15 @@ def sdirk3(p, s, memory, u, load, t, dt):
     for i in range(n):
         for j in range(n):
             lu[i, j] = (1.0 if i == j else 0.0) - GAMMA * dt * lu[i, j]
-    lu_factor(lu, pivot, n)
+    lu_factor(lu, swaps, n)
     for i in range(n):
         x[0, i] = x0[0, i]
-    newton_stage(p, s, u, load, t + GAMMA * dt, dt, x0, x, f1, g, lu, pivot)
+    newton_stage(p, s, u, load, t + GAMMA * dt, dt, x0, x, f1, g, lu, swaps)
     start = stack_array2(1, holes.ORDER)
     for i in range(n):
         start[0, i] = x0[0, i] + dt * A21 * f1[0, i]
-    newton_stage(p, s, u, load, t + (GAMMA + A21) * dt, dt, start, x, f2, g, lu, pivot)
+    newton_stage(p, s, u, load, t + (GAMMA + A21) * dt, dt, start, x, f2, g, lu, swaps)
     for i in range(n):
         start[0, i] = x0[0, i] + dt * (B1 * f1[0, i] + B2 * f2[0, i])
-    newton_stage(p, s, u, load, t + dt, dt, start, x, f3, g, lu, pivot)
+    newton_stage(p, s, u, load, t + dt, dt, start, x, f3, g, lu, swaps)
     return holes.gathered(s, x), memory

@@ -1,37 +1,43 @@
-"""Small dense linear systems inside an integrator step: LU with partial pivoting, in place."""
+"""Small dense linear systems inside an integrator step: LU with partial pivoting, in place.
+
+No index depends on a number of the system, so that a compiler can unroll the loops and keep a small system in
+registers: rows are exchanged by selects. ``lu_factor`` leaves the reciprocals of the pivots on the diagonal.
+"""
 
 
-def lu_factor(a, pivot, n):
-    """Factorises ``a`` (n by n) in place; ``pivot[0, i]`` is the row taken for column ``i``."""
+def lu_factor(a, swaps, n):
+    """Factorises ``a`` (n by n) in place; ``swaps[k, i]`` is 1 where column ``k`` exchanged rows k and i, else 0."""
     for k in range(n):
-        m = k
         for i in range(k + 1, n):
-            if abs(a[i, k]) > abs(a[m, k]):
-                m = i
-        pivot[0, k] = m
-        for j in range(n):
-            swap = a[k, j]
-            a[k, j] = a[m, j]
-            a[m, j] = swap
+            larger = abs(a[i, k]) > abs(a[k, k])
+            swaps[k, i] = 1.0 if larger else 0.0
+            for j in range(n):
+                upper = a[k, j]
+                lower = a[i, j]
+                a[k, j] = lower if larger else upper
+                a[i, j] = upper if larger else lower
+        a[k, k] = 1.0 / a[k, k] if a[k, k] != 0.0 else 1e300
         for i in range(k + 1, n):
-            a[i, k] = a[i, k] / a[k, k] if a[k, k] != 0.0 else a[k, k] * 0.0 + 1e300
+            a[i, k] = a[i, k] * a[k, k]
             for j in range(k + 1, n):
                 a[i, j] -= a[i, k] * a[k, j]
     return 0
 
 
-def lu_solve(a, pivot, b, n):
+def lu_solve(a, swaps, b, n):
     """Solves with the factors in ``a``; ``b[0, :]`` becomes the solution."""
     for k in range(n):
-        m = int(pivot[0, k])
-        swap = b[0, k]
-        b[0, k] = b[0, m]
-        b[0, m] = swap
+        for i in range(k + 1, n):
+            larger = swaps[k, i] > 0.5
+            upper = b[0, k]
+            lower = b[0, i]
+            b[0, k] = lower if larger else upper
+            b[0, i] = upper if larger else lower
     for k in range(n):
         for i in range(k + 1, n):
             b[0, i] -= a[i, k] * b[0, k]
     for k in range(n - 1, -1, -1):
         for j in range(k + 1, n):
             b[0, k] -= a[k, j] * b[0, j]
-        b[0, k] = b[0, k] / a[k, k] if a[k, k] != 0.0 else b[0, k] * 1e300
+        b[0, k] = b[0, k] * a[k, k]
     return 0

@@ -4,6 +4,8 @@ Source: E. Hairer, G. Wanner, Solving Ordinary Differential Equations II, sectio
 stages, stiffly accurate). The Jacobian is the block's own or by forward differences.
 """
 
+import math
+
 from leadscrew.kernel.bits import stack_array2
 from leadscrew.kernel.drivers import holes
 from leadscrew.kernel.drivers.linear import lu_factor, lu_solve
@@ -40,12 +42,12 @@ def difference_jacobian(p, s, u, load, t, x, f, jac):
     return 0
 
 
-def stage(lu, pivot, k, row, f, ft, weight, n):
+def stage(lu, swaps, k, row, f, ft, weight, n):
     """Solves for one stage: row ``row`` of ``k`` holds the sum of the earlier stages and becomes the stage."""
     b = stack_array2(1, holes.ORDER)
     for i in range(n):
         b[0, i] = f[0, i] + k[row, i] + weight * ft[0, i]
-    lu_solve(lu, pivot, b, n)
+    lu_solve(lu, swaps, b, n)
     for i in range(n):
         k[row, i] = b[0, i]
     return 0
@@ -57,45 +59,46 @@ def try_step(p, s, u, load, t, h, x, f, ft, jac, y, rtol, atol):
     lu = stack_array2(holes.ORDER, holes.ORDER)
     k = stack_array2(6, holes.ORDER)
     g = stack_array2(1, holes.ORDER)
-    pivot = stack_array2(1, holes.ORDER)
+    swaps = stack_array2(holes.ORDER, holes.ORDER)
     for i in range(n):
         for j in range(n):
             lu[i, j] = (1.0 / (h * GAMMA) if i == j else 0.0) - jac[i, j]
         for m in range(6):
             k[m, i] = 0.0
-    lu_factor(lu, pivot, n)
-    stage(lu, pivot, k, 0, f, ft, h * D1, n)
+    per = 1.0 / h
+    lu_factor(lu, swaps, n)
+    stage(lu, swaps, k, 0, f, ft, h * D1, n)
     for i in range(n):
         y[0, i] = x[0, i] + A21 * k[0, i]
-        k[1, i] = C21 / h * k[0, i]
+        k[1, i] = C21 * k[0, i] * per
     holes.rates(p, s, u, load, t + T2 * h, y, g)
-    stage(lu, pivot, k, 1, g, ft, h * D2, n)
+    stage(lu, swaps, k, 1, g, ft, h * D2, n)
     for i in range(n):
         y[0, i] = x[0, i] + A31 * k[0, i] + A32 * k[1, i]
-        k[2, i] = (C31 * k[0, i] + C32 * k[1, i]) / h
+        k[2, i] = (C31 * k[0, i] + C32 * k[1, i]) * per
     holes.rates(p, s, u, load, t + T3 * h, y, g)
-    stage(lu, pivot, k, 2, g, ft, h * D3, n)
+    stage(lu, swaps, k, 2, g, ft, h * D3, n)
     for i in range(n):
         y[0, i] = x[0, i] + A41 * k[0, i] + A42 * k[1, i] + A43 * k[2, i]
-        k[3, i] = (C41 * k[0, i] + C42 * k[1, i] + C43 * k[2, i]) / h
+        k[3, i] = (C41 * k[0, i] + C42 * k[1, i] + C43 * k[2, i]) * per
     holes.rates(p, s, u, load, t + T4 * h, y, g)
-    stage(lu, pivot, k, 3, g, ft, h * D4, n)
+    stage(lu, swaps, k, 3, g, ft, h * D4, n)
     for i in range(n):
         y[0, i] = x[0, i] + A51 * k[0, i] + A52 * k[1, i] + A53 * k[2, i] + A54 * k[3, i]
-        k[4, i] = (C51 * k[0, i] + C52 * k[1, i] + C53 * k[2, i] + C54 * k[3, i]) / h
+        k[4, i] = (C51 * k[0, i] + C52 * k[1, i] + C53 * k[2, i] + C54 * k[3, i]) * per
     holes.rates(p, s, u, load, t + h, y, g)
-    stage(lu, pivot, k, 4, g, ft, 0.0, n)
+    stage(lu, swaps, k, 4, g, ft, 0.0, n)
     for i in range(n):
         y[0, i] += k[4, i]
-        k[5, i] = (C61 * k[0, i] + C62 * k[1, i] + C63 * k[2, i] + C64 * k[3, i] + C65 * k[4, i]) / h
+        k[5, i] = (C61 * k[0, i] + C62 * k[1, i] + C63 * k[2, i] + C64 * k[3, i] + C65 * k[4, i]) * per
     holes.rates(p, s, u, load, t + h, y, g)
-    stage(lu, pivot, k, 5, g, ft, 0.0, n)
+    stage(lu, swaps, k, 5, g, ft, 0.0, n)
     total = 0.0
     for i in range(n):
         y[0, i] += k[5, i]
         scale = atol + rtol * max(abs(x[0, i]), abs(y[0, i]))
         total += (k[5, i] / scale) * (k[5, i] / scale)
-    return (total / n) ** 0.5
+    return math.sqrt(total / n)
 
 
 def rodas_advance(p, s, u, load, t, dt, x, h, rtol, atol):
@@ -129,7 +132,7 @@ def rodas_advance(p, s, u, load, t, dt, x, h, rtol, atol):
             wanted = 0.1 * h
             fresh = False
         else:
-            factor = SAFETY * max(error, 1e-8) ** -0.25
+            factor = SAFETY / math.sqrt(math.sqrt(max(error, 1e-8)))
             factor = min(GROW, max(SHRINK, factor))
             fresh = error <= 1.0
             if fresh:

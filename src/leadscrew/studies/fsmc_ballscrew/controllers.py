@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from leadscrew.controllers.pd_dob import TUNINGS as PD_DOB
+from leadscrew.controllers.pd_learned import TUNINGS as LEARNED
 from leadscrew.controllers.sliding.complementary import csmc
 from leadscrew.controllers.sliding.continuous import (
     csmc_ideal,
@@ -23,6 +24,7 @@ from leadscrew.controllers.sliding.integral import smc_integral
 from leadscrew.controllers.sliding.super_twisting import super_twisting
 from leadscrew.kernel.block import Block
 from leadscrew.plants.ballscrew_stage import TRAVEL_MM_PER_RAD
+from leadscrew.studies.fsmc_ballscrew.tunings import TUNINGS
 
 IDEAL: dict[str, Block] = {
     "paper.smc": smc_integral_ideal,
@@ -36,15 +38,15 @@ IDEAL: dict[str, Block] = {
 SAMPLED: dict[str, Block] = {
     "ours.smc_4khz": smc,
     "ours.csmc_4khz": csmc,
-    "ours.csmc_tuned": csmc(lam=600.0, layer_rate=3980.0),
     "ours.smc_integral_4khz": smc_integral,
     **{name: block for name, block in FUZZY.items() if name.startswith("ours.")},
     "ours.super_twisting": super_twisting,
     **PD_DOB,
+    **LEARNED,
 }
 """At 4 kHz, in rad; :data:`CONTROLLERS` has them in mm."""
 
-CONTROLLERS: Mapping[str, Block] = IDEAL | {
-    name: block(travel_per_rad=TRAVEL_MM_PER_RAD) for name, block in SAMPLED.items()
-}
+CONTROLLERS: Mapping[str, Block] = (
+    IDEAL | {name: block(travel_per_rad=TRAVEL_MM_PER_RAD) for name, block in SAMPLED.items()} | TUNINGS
+)
 """By name, for a command and a feedback in mm of the table."""

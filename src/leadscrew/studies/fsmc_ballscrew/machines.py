@@ -10,6 +10,7 @@ from typing import Any, NamedTuple
 from leadscrew.controllers.sliding.continuous import seen_in_mm
 from leadscrew.friction.lugre import steady_bristle
 from leadscrew.kernel.block import Block
+from leadscrew.plants.ballscrew_gms import ballscrew_gms, sliding_at
 from leadscrew.plants.ballscrew_stage import TRAVEL_MM_PER_RAD, ballscrew_stage
 
 
@@ -41,6 +42,11 @@ MACHINES: dict[str, Machine] = {
         "the paper's stage: 3.70e-4 kg m^2 and LuGre friction by Table 2",
         replace(ballscrew_stage(travel_per_rad=TRAVEL_MM_PER_RAD), unit="mm"),
         ideal=seen_in_mm(ballscrew_stage),
+    ),
+    "gms": Machine(
+        "the same under generalised Maxwell slip, six elements: another truth than the controllers believe",
+        replace(ballscrew_gms(travel_per_rad=TRAVEL_MM_PER_RAD), unit="mm"),
+        start=sliding_at,
     ),
 }
 """By name; a scenario that ends in ``_on_NAME`` runs on that one, every other on ``nominal``."""

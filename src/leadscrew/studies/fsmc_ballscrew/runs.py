@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import os
+import warnings
+from collections.abc import Iterable, Mapping
+from concurrent.futures import ThreadPoolExecutor
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -17,6 +20,7 @@ from leadscrew.studies.fsmc_ballscrew.scenarios import SCENARIOS, FilteredStep, 
 from leadscrew.studies.study import Scenario
 
 if TYPE_CHECKING:
+    from leadscrew.kernel.live import Live
     from leadscrew.kernel.loop import Loop
 
 PERIOD_S = 2.5e-4
@@ -49,16 +53,15 @@ def build(
     machine: str | None = None,
     period: float = PERIOD_S,
     encoder_nm: float = ENCODER_NM,
-    delay: float = 0.0,
     changes: Mapping[str, Any] | None = None,
     sample: float = SAMPLE_S,
     **options: Any,
 ) -> Loop:
-    """The loop of a controller in a scenario.
+    """The loop of a controller in a scenario, without computation delay: a delay line cannot start in motion.
 
-    A sampled controller reads a scale of ``encoder_nm`` (0: the true position) every ``period``; ``delay`` is the
-    computation's, in seconds. A controller without sampling sees position and speed exactly. ``changes``: parameters by
-    dotted key; ``options``: of the loop (``rtol``, ``atol``, ``substeps``, ``method``, ``actuator``, ``metrics``).
+    A sampled controller reads a scale of ``encoder_nm`` (0: the true position) every ``period``. A controller without
+    sampling sees position and speed exactly. ``changes``: parameters by dotted key; ``options``: of the loop (``rtol``,
+    ``atol``, ``substeps``, ``method``, ``actuator``, ``metrics``).
     """
     from leadscrew.kernel.loop import Loop
 
@@ -73,7 +76,7 @@ def build(
         loop = Loop(controller=controller, plant=axis.ideal, **(common | more))
     else:
         sensor = ruler(resolution_mm=1e-6 * encoder_nm) if encoder_nm > 0.0 else None
-        more = {"period": period, "computation_delay": delay} | dict(axis.options) | options
+        more = {"period": period} | dict(axis.options) | options
         loop = Loop(controller=controller, plant=axis.plant, sensor=sensor, **(common | more))
     loop = loop.using(changes) if changes else loop
     if speed != 0.0:
@@ -114,16 +117,37 @@ class Loops:
         **options: Any,
     ) -> Any:
         """A run of the loop, made once for the same arguments; as long as the scenario unless told otherwise."""
-        asked = SCENARIOS[scenario] if isinstance(scenario, str) else scenario
-        named = isinstance(controller, str)
-        key = (controller, asked.name, asked.params, seconds, record, every, repr(sorted(options.items())))
-        if named and key in self._runs:
+        key = self._key(controller, scenario, seconds, record, every, options)
+        if isinstance(controller, str) and key in self._runs:
             return self._runs[key]
-        loop = self.get(controller, asked, **options)
+        loop, asked = self.get(controller, scenario, **options), self._asked(scenario)
         done = loop.run(asked.duration_s if seconds is None else seconds, record=record, every=every)
-        if named:
+        if isinstance(controller, str):
             self._runs[key] = done
         return done
+
+    def ahead(self, wanted: Iterable[tuple[str, str, Mapping[str, Any]]]) -> None:
+        """Makes runs of :meth:`run` side by side, one a core, for what will be asked: controller, scenario, options."""
+        from leadscrew.kernel.loop import DivergenceWarning
+
+        lives: dict[Any, tuple[Live, float]] = {}
+        for controller, scenario, options in wanted:
+            key = self._key(controller, scenario, None, SIGNALS, 1, options)
+            if key not in self._runs and key not in lives:
+                live = self.get(controller, scenario, **options).start()
+                lives[key] = live, self._asked(scenario).duration_s
+        with ThreadPoolExecutor(os.cpu_count()) as side_by_side, warnings.catch_warnings():
+            warnings.simplefilter("ignore", DivergenceWarning)
+            done = side_by_side.map(lambda m: m[0].advance(m[0].loop.periods(m[1]), record=SIGNALS), lives.values())
+            self._runs.update(zip(lives, done, strict=True))
+
+    @staticmethod
+    def _asked(scenario: str | Scenario) -> Scenario:
+        return SCENARIOS[scenario] if isinstance(scenario, str) else scenario
+
+    def _key(self, controller: Any, scenario: str | Scenario, *rest: Any) -> Any:
+        asked = self._asked(scenario)
+        return (controller, asked.name, asked.params, *rest[:-1], repr(sorted(rest[-1].items())))
 
     @property
     def runs(self) -> dict[str, Any]:

@@ -9,6 +9,7 @@ from leadscrew.kernel.block import Block
 from leadscrew.kernel.sheet import Doc, Ge, Gt, Le, Unit
 from leadscrew.plants.ballscrew_stage import TRAVEL_MM_PER_RAD
 from leadscrew.references.filtered_step import filtered_step
+from leadscrew.references.friction_test import ROWS, friction_test
 from leadscrew.references.quintic import quintic
 from leadscrew.references.ramp import ramp_motion
 from leadscrew.references.sine import sine_motion
@@ -45,7 +46,16 @@ class Creep(NamedTuple):
     travel_mm: Annotated[float, Unit("mm"), Gt(0), Le(500), Doc("where it ends")] = 500.0
 
 
-def command(params: StepMove | FilteredStep | SineMove | Creep) -> Block:
+class FrictionTest(NamedTuple):
+    """The move from which ``leadscrew identify friction`` reads the friction, under ``ours.pd_test``."""
+
+    size: Annotated[float, Gt(0), Le(100), Doc("times the amplitudes of the standard rows")] = 1.0
+
+
+Move = StepMove | FilteredStep | SineMove | Creep | FrictionTest
+
+
+def command(params: Move) -> Block:
     """The reference block of a scenario's parameters, in mm."""
     if isinstance(params, StepMove):
         return quintic(distance=params.distance_mm, duration=params.duration_s)
@@ -53,10 +63,12 @@ def command(params: StepMove | FilteredStep | SineMove | Creep) -> Block:
         return filtered_step(distance=params.distance_mm, rate=params.rate_1_s)
     if isinstance(params, SineMove):
         return sine_motion(amplitude=params.amplitude_mm, frequency=params.rate_rad_s / (2.0 * math.pi))
+    if isinstance(params, FrictionTest):
+        return friction_test([(params.size * a, f, n) for a, f, n in ROWS])
     return ramp_motion(rate=params.feed_mm_s, duration=params.travel_mm / params.feed_mm_s)
 
 
-def start_speed(params: StepMove | FilteredStep | SineMove | Creep) -> float:
+def start_speed(params: Move) -> float:
     """Speed at the start, in rad/s of the screw; 0 from rest."""
     if isinstance(params, SineMove):
         return params.amplitude_mm * params.rate_rad_s / TRAVEL_MM_PER_RAD
@@ -86,6 +98,7 @@ SCENARIOS: dict[str, Scenario] = {
             "50 nm to and fro: less than the 99 nm that Coulomb friction bends the bristles by",
             4.0,
         ),
+        Scenario("friction_test", FrictionTest(), "the move for an identification of friction, 7.5 s", 7.5),
         Scenario("creep", Creep(), "a constant feed of 1 um/s from rest, below the Stribeck speed of 1.6 um/s", 4.0),
     )
 }

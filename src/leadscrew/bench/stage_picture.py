@@ -1,0 +1,57 @@
+"""The work-precision picture of the page on stiff friction, measured on this machine: error against speed.
+
+python -m leadscrew.bench.stage_picture docs/images/stiff_friction.png
+"""
+
+from __future__ import annotations
+
+import sys
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from leadscrew.bench import stage_c, stage_peers
+from leadscrew.bench.stage import BY_HAND, HOLDS, real_time, speeds
+from leadscrew.studies.fsmc_ballscrew.figures_integrators import Point, work_precision_figure
+from leadscrew.studies.fsmc_ballscrew.integrators import NM, TRUTH, angles, error_nm, every, rodas
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+SINE = "sine_fast"
+SCHEMES = (
+    *((rodas(r), "RODAS", f"rtol {r:.0e}".replace("e-0", "e-")) for r in (1e-3, 1e-4, 1e-6, 1e-8)),
+    *((every("fixed", us), "SDIRK3, scalar", f"{us:g} us") for us in (250.0, 50.0, 25.0)),
+    *((every("rk4", us), "RK4", f"{us:g} us") for us in (2.5, 2.0, 1.0)),
+)
+"""Ours: scheme, group and label."""
+FORMS = {"euler": "explicit Euler", "exponential": "exponential Rosenbrock-Euler"}
+"""Of the C, where it was built."""
+
+
+def points(rounds: int = 5) -> list[Point]:
+    """All schemes, measured in one process in turn; SciPy over the first 0.265 s."""
+    truth = angles(SINE, TRUTH)
+    ns, why = speeds(SINE, rounds, tuple(s for s, _, _ in SCHEMES))
+    made = [Point(group, real_time(ns[s.name]), error_nm(SINE, s, truth), label) for s, group, label in SCHEMES]
+    if not why:
+        c = stage_c.ByHand(SINE)
+        for form, us in (x for x in BY_HAND if x[0] in FORMS):
+            error = float(NM * np.abs(c.run(form, us, len(truth)) - truth).max())
+            made.append(Point(FORMS[form], real_time(ns[f"C {form} {us}"]), error, f"{us:g} us"))
+    for method, tolerances in stage_peers.METHODS.items():
+        for rtol in tolerances:
+            done = stage_peers.scipy_run(SINE, method, rtol, HOLDS)
+            error = float(NM * np.abs(done.angles - truth[:HOLDS]).max())
+            each = real_time(done.seconds / HOLDS * 1e9)
+            made.append(Point(f"SciPy {method}", each, error, f"rtol {rtol:.0e}".replace("e-0", "e-")))
+    return made
+
+
+def figure(rounds: int = 5) -> Figure:
+    """The picture."""
+    return work_precision_figure(points(rounds), "The stage on sin 2 pi t mm, torque held for 250 us")
+
+
+if __name__ == "__main__":
+    figure().savefig(sys.argv[1], dpi=90)

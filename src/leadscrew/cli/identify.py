@@ -1,0 +1,91 @@
+"""``leadscrew identify friction``: LuGre friction of an axis from one log of torque and position."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from leadscrew.cli.output import Json, emit, print_table, progress
+from leadscrew.kernel.errors import ValueRefused
+
+SCHEMA_VERSION = 1
+
+app = typer.Typer(no_args_is_help=True, help="Find a model's parameters in logged data.")
+
+
+@app.callback()
+def _identify() -> None:
+    """Find a model's parameters in logged data."""
+
+
+@app.command("friction")
+def friction(
+    log: Annotated[
+        Path,
+        typer.Argument(
+            metavar="FILE",
+            help="Log of one move: CSV, Parquet, or a folder of simulate --out; evenly sampled, with reversals.",
+        ),
+    ],
+    out: Annotated[Path | None, typer.Option("--out", "-o", metavar="FILE.toml", help="Controller file.")] = None,
+    time: Annotated[str, typer.Option(metavar="COLUMN", help="Seconds.")] = "time",
+    torque: Annotated[str, typer.Option(metavar="COLUMN", help="Commanded torque in N m.")] = "output",
+    position: Annotated[str, typer.Option(metavar="COLUMN", help="Measured position.")] = "feedback",
+    travel_per_rad: Annotated[
+        float | None,
+        typer.Option(
+            metavar="X",
+            help="Position per radian: 1.5923 for mm of the paper's table; a folder's own, else 1 unless given.",
+        ),
+    ] = None,
+    inertia: Annotated[
+        float | None, typer.Option(metavar="KG_M2", help="At the screw; from the log unless given.")
+    ] = None,
+    delay: Annotated[int, typer.Option(metavar="N", help="Periods from a logged torque to its act.")] = 0,
+    controller: Annotated[
+        str, typer.Option("--controller", "-c", help="Whose believed friction the file sets.")
+    ] = "ours.pd_dob",
+    study: Annotated[str, typer.Option(help="Whose controller that is.")] = "fsmc_ballscrew",
+    as_json: Json = False,
+) -> None:
+    """Identify LuGre friction (and inertia) from one log, and say how well the log tells each parameter.
+
+    The controller file is a name wherever a controller is named: simulate, tune, export.
+    """
+    from leadscrew import catalogue, controller_file, userfile
+    from leadscrew.cli.tune import free
+    from leadscrew.identify.friction_file import controller_with, identify_file, table_rows
+
+    if out is not None and out.suffix != ".toml":
+        raise ValueRefused(f"--out {out}: a controller file ends in .toml")
+    if out is not None:
+        catalogue.study(userfile.absolute(study))
+    free([out])
+    with progress() as report:
+        found = identify_file(
+            log, time=time, torque=torque, position=position, travel_per_rad=travel_per_rad, inertia=inertia,
+            delay=delay, progress=lambda what, done: report(f"{log}: {what}", done),
+        )  # fmt: skip
+    if out is not None:
+        controller_file.write(out, controller_with(found, userfile.absolute(study), controller, str(log)))
+    if as_json:
+        emit({"schema_version": SCHEMA_VERSION, "log": str(log), **found.as_dict(),
+              "out": None if out is None else str(out)})  # fmt: skip
+        return
+    print_table(("parameter", "value", "standard error", "share", ""), table_rows(found), right=("value",))
+    typer.echo("")
+    typer.echo(
+        f"{found.sliding.windows} windows of sliding, {found.pieces} stand-stills; {found.simulations} simulations"
+    )
+    fits = "the model leaves no more than the noise" if found.consistent else "more than the noise: not quite LuGre"
+    typer.echo(
+        f"position, log minus model: {found.rms:.2g} rad rms, noise {found.noise:.2g}; {fits}; "
+        f"condition number {found.condition:.2g}"
+    )
+    if not all(found.told.values()):
+        names = ", ".join(name for name, told in found.told.items() if not told)
+        typer.echo(f"not told by this log: {names}; slow ramps of torque around a stand-still tell them")
+    if out is not None:
+        typer.echo(f"\n{out}: the controller; a name wherever a controller is named")

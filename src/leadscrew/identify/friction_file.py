@@ -1,0 +1,123 @@
+"""From a logged file to friction, and from friction to a controller file."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from leadscrew.identify.friction import FrictionFit, fit_friction
+from leadscrew.identify.log import read_columns
+from leadscrew.kernel import door
+from leadscrew.kernel.errors import DataError, ValueRefused
+
+if TYPE_CHECKING:
+    from leadscrew.controller_file import ControllerFile
+
+MADE_BY = "leadscrew identify friction"
+SIGNALS = "signals.parquet"
+"""What ``leadscrew simulate --out`` writes into its folder."""
+NAMES = {
+    "stiffness": ("sigma_0", "N m/rad"), "damping": ("sigma_1", "N m s/rad"), "viscous": ("sigma_2", "N m s/rad"),
+    "coulomb": ("F_C", "N m"), "static": ("F_S", "N m"), "stribeck_speed": ("v_s", "rad/s"),
+}  # fmt: skip
+"""Symbol and unit of each parameter, in the order in which they are shown."""
+
+
+def identify_file(
+    path: str | Path,
+    *,
+    time: str = "time",
+    torque: str = "output",
+    position: str = "feedback",
+    travel_per_rad: float | None = None,
+    inertia: float | None = None,
+    delay: int = 0,
+    progress: Callable[[str, float], None] | None = None,
+) -> FrictionFit:
+    """Friction from a CSV or Parquet file, or the folder of ``leadscrew simulate --out``.
+
+    ``time``, ``torque`` and ``position`` name columns; the position is divided by ``travel_per_rad`` to be an angle.
+    Unless given it is the one of the controller that a folder's run had, and 1 for a file.
+
+    Raises:
+        DataError: the file cannot be read, or the log does not tell; names the file.
+        ValueRefused: a travel or an inertia that is not positive.
+    """
+    where = Path(path)
+    travel = door.positive("travel_per_rad", travel_of(where) if travel_per_rad is None else travel_per_rad, "per rad")
+    where = where / SIGNALS if where.is_dir() else where
+    if len({time, torque, position}) < 3:
+        raise ValueRefused(f"time = {time!r}, torque = {torque!r}, position = {position!r}: expected three columns")
+    columns = read_columns(where, [time, torque, position])
+    try:
+        return fit_friction(
+            columns[time], columns[torque], columns[position] / travel, inertia=inertia, delay=delay, progress=progress
+        )
+    except DataError as error:
+        raise DataError(f"{path}: {error}") from None
+
+
+def travel_of(folder: Path) -> float:
+    """Travel per radian in the run of a folder of ``simulate --out``; 1 where nothing says it."""
+    import json
+
+    try:
+        said = json.loads((folder / "run.json").read_text(encoding="utf-8"))["parameters"]["controller.travel_per_rad"]
+    except (OSError, ValueError, KeyError, TypeError):
+        return 1.0
+    return float(said)
+
+
+def controller_with(fit: FrictionFit, study: str, controller: str, source: str) -> ControllerFile:
+    """The controller file with the found friction as what the controller believes.
+
+    Raises:
+        NameUnknown: no such study or controller.
+        ValueRefused: a controller that believes no LuGre friction.
+    """
+    import leadscrew
+    from leadscrew import catalogue, experiment
+    from leadscrew.controller_file import ControllerFile
+    from leadscrew.friction.lugre import LuGre
+
+    params = experiment.controller(catalogue.study(study), controller).params
+    if not isinstance(getattr(params, "hat", None), LuGre):
+        raise ValueRefused(
+            f"--controller {controller}: believes no LuGre friction (it has no parameters 'hat'); ours.pd_dob does"
+        )
+    values: dict[str, Any] = {f"hat.{name}": value for name, value in fit.friction._asdict().items()}
+    if hasattr(params, "inertia"):
+        values["inertia"] = fit.inertia
+    return ControllerFile(study, controller, values, origin(fit, source, leadscrew.__version__))
+
+
+def origin(fit: FrictionFit, source: str, version: str) -> dict[str, Any]:
+    """The table ``[tuning]`` of the file: where the parameters come from, and how sure they are."""
+    values = fit.friction._asdict()
+    untold = [name for name, told in fit.told.items() if not told]
+    notes = [f"made by {MADE_BY} from {source}"]
+    if untold:
+        notes.append(f"not told by the log: {', '.join(untold)}")
+    if not fit.consistent:
+        notes.append(f"the model leaves {fit.rms:.2g} rad where the log's noise is {fit.noise:.2g}: not quite LuGre")
+    percent = {
+        n: round(100.0 * fit.standard_error[n] / values[n], 3) for n in values if fit.told[n] and values[n] > 0.0
+    }
+    return {"made_by": MADE_BY, "leadscrew": version, "notes": notes, "standard_error_percent": percent}
+
+
+def table_rows(fit: FrictionFit) -> list[tuple[str, str, str, str, str]]:
+    """Name, value, standard error, the same in percent, and whether the log tells it."""
+    values = fit.friction._asdict()
+    rows = []
+    for name, (symbol, unit) in NAMES.items():
+        error = fit.standard_error[name]
+        share = f"{100.0 * error / values[name]:.2g} %" if values[name] > 0.0 and error < float("inf") else ""
+        rows.append((f"{name} ({symbol})", f"{values[name]:.6g} {unit}", f"{error:.2g}", share,
+                     "" if fit.told[name] else "not told"))  # fmt: skip
+    share = "given" if fit.inertia_given else f"{100.0 * fit.standard_error['inertia'] / fit.inertia:.2g} %"
+    error_text = "" if fit.inertia_given else f"{fit.standard_error['inertia']:.2g}"
+    rows.append(("inertia (J)", f"{fit.inertia:.6g} kg m^2", error_text, share, ""))
+    rows.append(("offset", f"{fit.offset:.3g} N m", f"{fit.standard_error['offset']:.2g}", "", ""))
+    return rows

@@ -1,0 +1,83 @@
+"""``leadscrew identify friction``: what it prints and writes, and what it refuses with nothing written."""
+
+import pytest
+
+from leadscrew import controller_file
+from leadscrew.friction.lugre import LuGre
+from tests.cli.conftest import strict_json
+from tests.identify.friction_records import record, write_csv
+
+
+@pytest.fixture(scope="module")
+def log(tmp_path_factory):
+    """The sines, as a machine with a scale in rad logs them."""
+    return write_csv(tmp_path_factory.mktemp("log") / "sines.csv", *record("sines"))
+
+
+def test_the_table_shows_values_errors_and_what_is_not_told(call, log):
+    said = call("identify", "friction", log).stdout
+    rows = {line.split()[0]: line for line in said.splitlines() if line[:1].isalpha()}
+    assert "N m/rad" in rows["stiffness"] and "%" in rows["stiffness"]
+    assert rows["static"].endswith("not told") and not rows["coulomb"].endswith("not told")
+    assert "not told by this log: static, stribeck_speed" in said
+
+
+def test_json_and_controller_file_hold_the_same_values(call, log, tmp_path):
+    out = tmp_path / "stage.toml"
+    found = strict_json(call("identify", "friction", log, "-o", out, "--json").stdout)
+    assert found["schema_version"] == 1 and found["out"] == str(out)
+    block = controller_file.block(out)
+    for name, entry in found["parameters"].items():
+        assert getattr(block.params.hat, name) == entry["value"]
+    assert abs(found["parameters"]["coulomb"]["value"] / LuGre().coulomb - 1.0) < 1e-3
+    assert block.params.inertia == found["inertia"]["value"]
+    read = controller_file.read(out)
+    assert (read.study, read.controller) == ("fsmc_ballscrew", "ours.pd_dob")
+    assert "not told by the log: static, stribeck_speed" in read.tuning["notes"]
+
+
+def test_simulate_takes_the_file(call, log, tmp_path):
+    out = tmp_path / "stage.toml"
+    call("identify", "friction", log, "-o", out)
+    args = ["fsmc_ballscrew", "-s", "sine_fast", "--duration", 2.5, "--json"]
+    own = strict_json(call("simulate", *args, "-c", out).stdout)["metrics"]["max_error"]
+    before = strict_json(call("simulate", *args, "-c", "ours.pd_dob").stdout)["metrics"]["max_error"]
+    assert own < before
+
+
+@pytest.mark.parametrize(
+    ("more", "says"),
+    [
+        (["--torque", "feedback", "--position", "output"], "backwards|swapped|Coulomb"),
+        (["--torque", "torqe"], "the column 'torqe' is missing"),
+        (["--torque", "feedback"], "expected three columns"),
+        (["--travel-per-rad", 0], "travel_per_rad = 0"),
+        (["--inertia", -1], "inertia = -1"),
+        (["-c", "ours.pid"], "believes no LuGre friction|has no controller"),
+    ],
+)
+def test_what_is_refused_leaves_no_file_and_no_traceback(call, log, tmp_path, more, says):
+    import re
+
+    out = tmp_path / "stage.toml"
+    done = call("identify", "friction", log, "-o", out, *more, code=2)
+    assert re.search(says, done.output) and "Traceback" not in done.output
+    assert not out.exists() and not list(tmp_path.iterdir())
+
+
+def test_a_file_that_is_there_is_not_overwritten(call, log, tmp_path):
+    out = tmp_path / "stage.toml"
+    out.write_text("mine", encoding="utf-8")
+    call("identify", "friction", log, "-o", out, code=2)
+    assert out.read_text(encoding="utf-8") == "mine"
+
+
+@pytest.mark.slow
+def test_the_folder_of_a_run_brings_its_own_unit(call, tmp_path):
+    """The study's table moves in mm: taken for radians, the friction would be that of another stage."""
+    folder = tmp_path / "test"
+    asked = ("simulate", "fsmc_ballscrew", "-c", "ours.pd_test", "-s", "friction_test", "--out", str(folder))
+    call(*asked)
+    found = strict_json(call("identify", "friction", folder, "--json").stdout)["parameters"]
+    assert found["stiffness"]["value"] == pytest.approx(1e5, rel=0.01)
+    assert found["static"]["value"] == pytest.approx(9.36, rel=0.01)

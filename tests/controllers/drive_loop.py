@@ -1,0 +1,8 @@
+"""The stage under a PID without a model."""
+
+from leadscrew.controllers.torque_pid import torque_pid
+from tests.controllers.stage_loop import stage_loop
+
+
+def pid():
+    return stage_loop(torque_pid(max_torque=40.0), encoder_mm=1e-5)

@@ -1,0 +1,161 @@
+"""Friction from one log: what comes back of the truth, what the log cannot tell, and what is refused."""
+
+import math
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+from leadscrew.friction.lugre import LuGre
+from leadscrew.identify.friction import fit_friction
+from leadscrew.identify.friction_record import checked, pieces, sliding
+from leadscrew.identify.friction_replay import replay_loop
+from leadscrew.kernel.errors import DataError, ValueRefused
+from leadscrew.plants.ballscrew_stage import INERTIA
+from leadscrew.references.friction_test import ROWS, duration, friction_test, plan_rows
+from tests.identify.friction_records import HARDER, off_percent, record
+
+TRUE = LuGre()
+
+
+@pytest.mark.slow
+def test_the_friction_test_gives_all_six_parameters_back():
+    fit = fit_friction(*record("test"))
+    off = off_percent(fit, **TRUE._asdict())
+    assert off["stiffness"] < 1.0 and off["damping"] < 1.0
+    assert off["static"] < 5.0 and off["stribeck_speed"] < 5.0
+    assert off["coulomb"] < 0.01 and off["viscous"] < 0.01
+    assert abs(fit.inertia / INERTIA - 1.0) < 0.01
+    assert all(fit.told.values()) and fit.consistent
+
+
+@pytest.mark.slow
+def test_an_axis_with_more_friction_is_found_by_the_same_test():
+    fit = fit_friction(*record("test", HARDER))
+    off = off_percent(fit, **TRUE._replace(coulomb=1.2 * 6.24, static=1.2 * 9.36)._asdict())
+    assert max(off["stiffness"], off["damping"]) < 1.0 and max(off["static"], off["stribeck_speed"]) < 5.0
+
+
+def test_sines_tell_stiffness_and_damping_and_say_that_they_do_not_tell_static_friction():
+    said = []
+    fit = fit_friction(*record("sines"), progress=lambda what, done: said.append((what, done)))
+    off = off_percent(fit, **TRUE._asdict())
+    assert off["stiffness"] < 1.0 and off["damping"] < 1.0 and off["coulomb"] < 0.01 and off["viscous"] < 0.01
+    assert not fit.told["static"] and not fit.told["stribeck_speed"]
+    assert fit.told["stiffness"] and fit.told["damping"]
+    assert fit.condition > 1e3
+    assert {what for what, _ in said} == {"sliding", "coarse grid", "descent"}
+    assert all(0.0 <= done <= 1.0 for _, done in said)
+
+
+def test_sliding_is_the_line_that_made_it():
+    t = np.arange(0.0, 4.0, 2.5e-4)
+    held = 2.0 * math.pi * (t + 1.25e-4)  # the torque of a period is the one of its middle
+    speed, slope = 3.0 * np.sin(held), 6.0 * math.pi * np.cos(held)
+    angle = 3.0 / (2.0 * math.pi) * (1.0 - np.cos(2.0 * math.pi * t))
+    found = sliding(checked(t, 5.0 * np.sign(speed) + 0.3 * speed + 1e-3 * slope + 0.7, angle))
+    assert found.coulomb == pytest.approx(5.0, rel=1e-3) and found.viscous == pytest.approx(0.3, rel=1e-2)
+    assert found.inertia == pytest.approx(1e-3, rel=2e-2) and found.offset == pytest.approx(0.7, rel=1e-3)
+
+
+def test_a_piece_played_back_moves_as_scipy_says():
+    dt = 2.5e-4
+    torque = 6.0 * np.sin(2.0 * math.pi * np.arange(80) / 160.0)
+    loop = replay_loop(torque, np.zeros(80), dt, INERTIA).using(
+        {"reference.length": 80.0, "controller.kp": 0.0, "controller.kd": 0.0}
+    )
+    ours = -loop.run(80 * dt, record=("controller.e",))["controller.e"]
+    state, angles, f = np.zeros(3), [], TRUE
+    for k in range(80):
+        angles.append(state[0])
+
+        def rates(t, s, u=torque[k]):
+            level = f.coulomb + (f.static - f.coulomb) * math.exp(-((s[1] / f.stribeck_speed) ** 2))
+            bent = s[1] - abs(s[1]) * s[2] * f.stiffness / level
+            return [s[1], (u - f.stiffness * s[2] - f.damping * bent - f.viscous * s[1]) / INERTIA, bent]
+
+        state = solve_ivp(rates, (0.0, dt), state, method="Radau", rtol=1e-8, atol=1e-12).y[:, -1]
+    assert np.abs(ours - angles).max() < 1e-3 * np.abs(angles).max()
+
+
+def test_with_the_truth_each_piece_leaves_the_rounding_of_the_scale():
+    time, torque, angle = record("sines")
+    log = checked(time, torque, angle)
+    assert log.count == pytest.approx(1e-5 / 1.5923, rel=1e-6)
+    for piece in pieces(log, sliding(log)):
+        loop = replay_loop(log.torque, log.angle, log.period, INERTIA).using(
+            {
+                "reference.first": float(piece.first), "reference.length": float(piece.length),
+                "plant.start_speed": piece.start_speed, "plant.start_angle": piece.start_angle,
+            }
+        )  # fmt: skip
+        left = loop.run(piece.length * log.period, record=("controller.e",))["controller.e"]
+        assert np.sqrt(np.mean(left**2)) < 1.0 * log.count
+
+
+@pytest.mark.slow
+def test_a_torque_that_acts_a_period_late_is_found_with_the_delay_given():
+    time, torque, angle = record("sines")
+    late = np.concatenate([torque[1:], torque[-1:]])
+    right = fit_friction(time, late, np.roll(angle, 0), delay=0)
+    shifted = fit_friction(time[:-1], torque[1:], angle[:-1], delay=1)
+    assert off_percent(shifted, stiffness=TRUE.stiffness)["stiffness"] < 1.0
+    assert off_percent(right, stiffness=TRUE.stiffness)["stiffness"] > 2.0
+
+
+def _changed(name, value, at=1000):
+    parts = dict(zip(("time", "torque", "angle"), (p.copy() for p in record("sines")), strict=True))
+    parts[name][at] = value
+    return list(parts.values())
+
+
+@pytest.mark.parametrize(
+    ("spoil", "says"),
+    [
+        (lambda t, u, y: (t, y, u), "backwards|swapped|Coulomb"),
+        (lambda t, u, y: (t, -u, y), "swapped, or has one the other sign"),
+        (lambda t, u, y: (t, np.full_like(u, 3.0), y), "torque is the same, 3, in all samples"),
+        (lambda t, u, y: (t, u, np.zeros_like(y)), "position is the same, 0, in all samples"),
+        (lambda t, u, y: (t[:400], u[:400], y[:400]), "has 400 samples"),
+        (lambda t, u, y: (t[:1400], u[:1400], y[:1400]), "0 s backwards"),
+        (lambda *log: [np.delete(part, 500) for part in log], "from sample 500 to 501 pass 0.0005"),
+        (lambda t, u, y: (10.0 * t, u, y), "bristles need one every 0.002 s"),
+        (lambda t, u, y: (t, u[:-1], y), "expected equal ones"),
+    ],
+)  # fmt: skip
+def test_a_log_that_cannot_tell_is_refused_in_one_sentence(spoil, says):
+    with pytest.raises(DataError, match=says) as refusal:
+        fit_friction(*spoil(*record("sines")))
+    assert "\n" not in str(refusal.value)
+
+
+@pytest.mark.parametrize(("name", "value"), [("torque", math.nan), ("angle", math.inf), ("time", math.nan)])
+def test_a_value_that_is_no_number_is_named_by_its_sample(name, value):
+    with pytest.raises(DataError, match="sample 1001 is"):
+        fit_friction(*_changed(name, value))
+
+
+def test_an_inertia_or_delay_out_of_range_is_refused():
+    with pytest.raises(ValueRefused, match="inertia = 0"):
+        fit_friction(*record("sines"), inertia=0)
+    with pytest.raises(DataError, match="delay = 100"):
+        fit_friction(*record("sines"), delay=100)
+
+
+def test_rows_of_the_friction_test_begin_and_end_at_rest():
+    block, dt = friction_test(), 1e-6
+    plan, ends = plan_rows(block.params, 2.5e-4), np.cumsum([n / f for _, f, n in ROWS])
+    assert duration() == pytest.approx(ends[-1]) and duration() < 8.0
+    for t in (0.0, *(ends - 1e-9), *(ends + 1e-9), 100.0):
+        motion = block(plan, t)
+        assert abs(motion.position) < 1e-6 and abs(motion.velocity) < 1e-4
+    for t in (0.3, 2.05, 4.0, 7.13):
+        before, now, after = (block(plan, t + d) for d in (-dt, 0.0, dt))
+        assert now.velocity == pytest.approx((after.position - before.position) / (2.0 * dt), rel=1e-4, abs=1e-7)
+        assert now.acceleration == pytest.approx((after.velocity - before.velocity) / (2.0 * dt), rel=1e-4, abs=1e-6)
+
+
+@pytest.mark.parametrize("rows", [[], [(1.0, 2.0)], [(1.0, 0.0, 1.0)], [(1.0, 1.0, 0.5)], "abc"])
+def test_rows_that_are_none_are_refused(rows):
+    with pytest.raises(ValueRefused):
+        friction_test(rows)
