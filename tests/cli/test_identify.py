@@ -36,6 +36,7 @@ def test_json_and_controller_file_hold_the_same_values(call, log, tmp_path):
     assert "not told by the log: static, stribeck_speed" in read.tuning["notes"]
 
 
+@pytest.mark.slow
 def test_simulate_takes_the_file(call, log, tmp_path):
     out = tmp_path / "stage.toml"
     call("identify", "friction", log, "-o", out)

@@ -69,6 +69,7 @@ def through(sensor, block):
     return loop
 
 
+@pytest.mark.slow
 def test_it_takes_away_the_error_of_a_filtered_scale():
     """1 kHz late at 3.9 rad/s is 1 um of the table."""
     sensor = filtered_ruler(resolution_mm=1e-5 / 1.5923)

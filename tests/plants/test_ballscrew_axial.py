@@ -154,6 +154,7 @@ def test_all_engines_give_the_same_bits(options):
     assert all(np.array_equal(fast[name], plain[name]) for name in plain.signals)
 
 
+@pytest.mark.slow
 def test_its_own_jacobian_and_finite_differences_give_the_same_motion():
     plants = ballscrew_axial, replace(ballscrew_axial, jacobian=None)
     by = [opened(amplitude=20.0, plant=p, options={"method": "rodas", "rtol": 1e-6, "atol": 1e-12}) for p in plants]

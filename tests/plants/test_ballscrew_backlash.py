@@ -124,6 +124,7 @@ def test_the_jacobian_of_the_play_is_the_one_of_finite_differences(speed, table)
     assert (rows[3, 3] == 0.0) == (table == 1e-5)
 
 
+@pytest.mark.slow
 # ---- modern
 def test_two_masses_follow_scipy_through_the_gap():
     damping = 2.0 * damping_ratio(0.6) * math.sqrt(1e8 / (LEAD**2 / 2.12e-4 + 1.0 / 62.4))

@@ -119,6 +119,7 @@ def test_clockwise_is_the_mirror_image_but_for_counts_of_the_scale(loops, contro
     assert found.both.circular == pytest.approx(mirrored.circular, abs=within)
 
 
+@pytest.mark.slow
 def test_a_start_from_rest_draws_the_circle_of_a_start_in_sliding(loops):
     axis = loops.get("ours.smc_4khz", "sine_wide")
     rest = quantities(draw(Machine(axis, axis), Circle(1.0, CIRCLES["r1"].feed_mm_min)))
@@ -175,6 +176,7 @@ def test_the_bench_draws_both_axes_in_both_directions():
     assert found["first"] > 0.0
 
 
+@pytest.mark.slow
 def test_the_numbers_of_the_ball_bar_page_are_measured(loops):
     page = (Path(__file__).parents[2] / "docs" / "ballbar.md").read_text(encoding="utf-8")
     read = []

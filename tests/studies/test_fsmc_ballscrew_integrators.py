@@ -46,6 +46,7 @@ def test_the_truth_is_what_radau_finds_around_a_reversal():
     assert apart < 1e-5
 
 
+@pytest.mark.slow
 def test_every_required_claim_passes_and_none_is_about_the_paper(loops):
     claims = integrator_claims(loops)
     assert len({c.id for c in claims}) == len(claims) >= 14

@@ -249,6 +249,7 @@ def test_beyond_the_band_no_point_of_the_surface_is_weaker_than_asked():
     assert np.isnan(reach("corrected", share)) and np.isnan(reach("printed", share))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("ratio", [1.0, 4.0, 16.0])
 def test_against_the_worst_unknown_torque_every_start_ends_in_the_proved_band(ratio):
     """D against s all the time, a hundred starts, the error's equation by small steps; D = 18.72 N m, U = 120."""
@@ -326,6 +327,7 @@ def test_the_figures_of_the_ball_bar_are_other_peoples_by_their_captions():
         assert caption.rstrip().endswith(f"({source})")
 
 
+@pytest.mark.slow
 def test_the_pictures_are_drawn_with_units_on_their_axes(loops):
     pictures = fuzzy_pictures(loops)
     assert [p.name for p in pictures] == [

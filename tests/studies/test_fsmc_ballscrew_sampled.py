@@ -66,6 +66,7 @@ def test_on_an_ideal_drive_the_default_keeps_to_its_limits_from_rest(loops):
         assert errors_um(loops, "ours.pd_dob", scenario).largest < limit
 
 
+@pytest.mark.slow
 def test_an_axial_mode_makes_the_gains_for_a_rigid_stage_unstable_and_others_hold(loops):
     assert math.isinf(errors_um(loops, "ours.pd_dob", "sine_fast", "mode").largest)
     assert errors_um(loops, "ours.pd_dob_drive", "sine_fast", "mode").largest < 10.0

@@ -20,7 +20,9 @@ from leadscrew.studies.fsmc_ballscrew.scenarios import SINES
 
 SUB_MICROMETRE = {
     "ours.pd_dob": SINES,
+    "ours.pd_dob_robust": SINES,
     "ours.pd_dob_aggressive": SINES,
+    "ours.pd_learned": SINES,
     "ours.super_twisting": ("sine_slow",),
 }
 """Controllers with errors below 0.1 um at 4 kHz, and where."""
