@@ -99,7 +99,7 @@ def test_sampled_fast_enough_the_printed_gains_leave_the_error_of_the_ideal_law(
 )
 def test_and_so_do_the_slower_sines(command, name, largest):
     run = stage_loop(READINGS[name](pieces=1), command, period=2e-6).run(8.0, record="true_error", every=10)
-    assert errors_um(run)[0] == pytest.approx(largest, rel=0.02)
+    assert errors_um(run)[0] == pytest.approx(largest, rel=0.02, abs=1e-3)  # below 50 nm to 1 nm, the stage slips
 
 
 @pytest.mark.parametrize(("name", "largest"), [("corrected.smc", 0.51), ("paper.csmc", 0.329)])

@@ -53,7 +53,8 @@ def _impacts(loops: Loops) -> list[Claim]:
         found = 1e3 * hard.crossing_s
         rows += [
             claim(f"backlash_parabola_{key}", "2.1", f"sqrt(2 b / (R w^2)) for {words}, b = 2 um", pure, "ms",
-                  {"wide": 28.3, "fast": 10.07}[key], {"wide": 0.05, "fast": 0.005}[key]),
+                  {"wide": 28.3, "fast": 10.07}[key], {"wide": 0.05, "fast": 0.005}[key],
+                  "the screw leaves its reversal on a parabola; the table stands"),
             claim(f"backlash_crossing_{key}", "2.1", f"time to cross the gap after a reversal of {words}", found, "ms",
                   pressed, 0.15, "the target is the parabola with the 0.2 um by which the guide's 20 N press the "
                   f"flank; the digest's {DIGEST_CROSSING_MS[name]:g} ms is what a guide friction smoothed over 10 "
@@ -78,7 +79,8 @@ def _impacts(loops: Loops) -> list[Claim]:
               "formula for 0.05", USUAL, "1", 0.214, 5e-4, "zeta = -ln e / sqrt(pi^2 + ln^2 e) is for a flank that "
               "also pulls"),
         claim("backlash_own_damping", "2.1, Figure 2", "the same, damped as the plant does it",
-              restitution_of(damping_ratio(0.05)), "1", 0.05, 1e-9),
+              restitution_of(damping_ratio(0.05)), "1", 0.05, 1e-9,
+              "solved for a flank that only pushes"),
     ]  # fmt: skip
     return rows
 
@@ -90,7 +92,7 @@ def _beyond(name: str, key: str, words: str, asked: float, run: m.Impact) -> lis
     swing, settled = DIGEST_SWING_UM[name, asked], DIGEST_SETTLED_MS[name, asked]
     bounces = tag == "hard" and key == "fast"
     kind: Kind = "report" if bounces else "required"
-    why = "the restitution that the digest's damping for 0.05 has" if tag == "soft" else ""
+    why = "the restitution that the digest's damping for 0.05 has" if tag == "soft" else "as asked for"
     if bounces:
         why = "with a guide friction smoothed over 10 um/s it is the digest's 0.60 um"
     since = 1e3 * (run.settled_s - run.crossing_s)
@@ -102,7 +104,7 @@ def _beyond(name: str, key: str, words: str, asked: float, run: m.Impact) -> lis
               1e3 * run.settled_s, "ms", settled, 1.5, f"from the reversal, {since:.1f} ms from the impact", kind=kind),
         claim(f"backlash_contacts_{tag}_{key}", source, f"contacts after one reversal, {words}, e = {e:.2g}",
               run.contacts, "1", reason="the digest counts 30 to 41 in two turns, that is eight reversals, for e = "
-              "0.9; that many are not reproduced" if tag == "hard" else ""),
+              "0.9; that many are not reproduced" if tag == "hard" else why),
     ]  # fmt: skip
 
 
@@ -137,10 +139,12 @@ def _inside(loops: Loops) -> list[Claim]:
             found = of(who, lag)
             comes = not math.isnan(found.duration_s)
             rows.append(claim(f"backlash_peak_{tag}_{key}", ISO, f"peak after a reversal of {words}, {what}, {who}",
-                              found.height_um, "um"))  # fmt: skip
+                              found.height_um, "um",
+                              reason="the play is crossed before anything can be felt of it"))  # fmt: skip
             rows.append(claim(f"backlash_duration_{tag}_{key}", ISO, f"time until within {b.BACK_UM:g} um, {words}, "
                               f"{what}, {who}", 1e3 * found.duration_s if comes else "never", "ms",
-                              reason="" if comes else f"{who} is off by more without any play",
+                              reason="from the reversal of the command" if comes
+                              else f"{who} is off by more without any play",
                               paper="a certain amount of time",
                               verdict="reproduced" if comes else "cannot be checked"))  # fmt: skip
     loop = b.backlash_loop(loops, "ours.pd_dob", "sine_wide", "play", b.TABLE)
@@ -215,7 +219,7 @@ def _two_masses(loops: Loops) -> list[Claim]:
               "diverge", len(fall), "1", 2.0, 0.0, "the table swings at 201 Hz on the joint, hardly damped; both have "
               "more bandwidth than that and take the table for the motor"),
         claim("backlash_modern_dual_step", ISO, f"two masses, {both} with 30 ms: step that stays", dual.offset_um, "um",
-              HOLDS_UM, 0.0, sense="<="),
+              HOLDS_UM, 0.0, "the table's scale has the last word", sense="<="),
         claim("backlash_modern_dual_peak", ISO, f"two masses, {both} with 30 ms: peak after a reversal",
               dual.height_um, "um", reason="more than the play: the table bounces"),
         claim("backlash_modern_dual_duration", ISO, f"two masses, {both} with 30 ms: time until within {b.BACK_UM:g} "
