@@ -11,11 +11,10 @@ import math
 from collections.abc import Iterator, Mapping
 from typing import Any, NamedTuple
 
-from leadscrew.plants.ballscrew_gms import ballscrew_gms, sliding_at
-from leadscrew.plants.ballscrew_stage import INERTIA, TRAVEL_MM_PER_RAD
+from leadscrew.plants.ballscrew_stage import INERTIA
 from leadscrew.report.claim import Claim, Kind, Sense
 from leadscrew.studies.fsmc_ballscrew.runs import Loops, tail_um, travel_per_second
-from leadscrew.studies.fsmc_ballscrew.scenarios import SCENARIOS, SINES, start_speed
+from leadscrew.studies.fsmc_ballscrew.scenarios import SINES
 
 WAY = dict(zip(SINES, ("0.01 sin t mm", "5 sin t mm", "sin 2 pi t mm"), strict=True))
 
@@ -102,35 +101,10 @@ ON_GMS = ("0.083 slip", "0.21 count", "0.355 count")
 
 
 class Sampled:
-    """Runs of the sampled controllers, each made once."""
+    """What is asked of the runs of the sampled controllers."""
 
     def __init__(self, loops: Loops) -> None:
-        self.loops = loops
-        self._kept: dict[Any, Any] = {}
-
-    def run(self, name: str, scenario: str, **options: Any) -> Any:
-        """A run by the names of the study."""
-        key = (name, scenario, repr(sorted(options.items())))
-        if key not in self._kept:
-            self._kept[key] = self.loops.run(name, scenario, **options)
-        return self._kept[key]
-
-    def on_gms(self, name: str, scenario: str) -> tuple[float, float]:
-        """Largest and RMS error in um under Maxwell-slip friction, from steady sliding."""
-        from leadscrew.kernel.loop import Loop
-
-        key = (name, scenario, "gms")
-        if key not in self._kept:
-            given = self.loops.get(name, scenario)
-            b, asked = given.blocks, SCENARIOS[scenario]
-            reference, controller = b["reference"], b["controller"]
-            assert reference is not None and controller is not None
-            plant = sliding_at(ballscrew_gms(travel_per_rad=TRAVEL_MM_PER_RAD), start_speed(asked.params))
-            loop = Loop(reference=reference, controller=controller, plant=plant, sensor=b["sensor"],
-                        period=given.period, metrics={})  # fmt: skip
-            self._kept[key] = self.loops.adopt(loop).run(asked.duration_s, record="true_error")
-        run = self._kept[key]
-        return (math.inf, math.inf) if run.diverged else tail_um(run)
+        self.run = loops.run
 
     def errors(self, name: str, scenario: str, **options: Any) -> tuple[float, float]:
         """Largest and RMS error in um in the second half; infinite where the loop diverges."""
@@ -225,7 +199,7 @@ def _changed(runs: Sampled) -> Iterator[Claim]:
         yield row(f"robust_friction_down_{scenario}", f"largest error on {WAY[scenario]}, robust controller, 20 % less "
                   "friction than believed", found, "um", "<=", None, 0.0, "over-compensation: the worse fault",
                   "report")  # fmt: skip
-    other = [runs.on_gms("ours.pd_dob_robust", s)[0] for s in SINES]
+    other = [runs.errors("ours.pd_dob_robust", s, machine="gms")[0] for s in SINES]
     for scenario, text, found in zip(SINES, ON_GMS, other, strict=True):
         yield compared(f"robust_gms_{scenario}", f"largest error on {WAY[scenario]}, robust controller, on six Maxwell "
                        "elements in place of LuGre's bristles", found, text)  # fmt: skip

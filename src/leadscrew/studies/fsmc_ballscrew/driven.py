@@ -25,7 +25,6 @@ from leadscrew.sensors.filtered_ruler import filtered_ruler
 from leadscrew.studies.fsmc_ballscrew.controllers import CONTROLLERS
 from leadscrew.studies.fsmc_ballscrew.runs import PERIOD_S, Loops
 from leadscrew.studies.fsmc_ballscrew.scenarios import SCENARIOS, SineMove
-from leadscrew.studies.fsmc_ballscrew.tunings import TUNINGS
 
 LIMIT_NM, LAG_S, RIPPLE, FILTER_HZ = 15.0, 2e-4, 0.01, 1000.0
 """Torque limit (1.6 times static friction), lag of the current loop, ripple at 6 and at 24 a turn, filter: chosen."""
@@ -95,16 +94,11 @@ def sine_of(scenario: str) -> SineMove:
     return params
 
 
-def block_of(name: str) -> Block:
-    """A controller of the study in mm: of :mod:`tunings`, or of the study's table."""
-    return TUNINGS[name] if name in TUNINGS else CONTROLLERS[name]
-
-
 def driven(loops: Loops, controller: str | Block, scenario: str, drive: str | Drive = "ideal", **changes: Any) -> Any:
     """The loop of a controller on a drive; ``changes``: more parameters by dotted key, dots as ``__``."""
     from leadscrew.kernel.loop import Loop
 
-    block = block_of(controller) if isinstance(controller, str) else controller
+    block = CONTROLLERS[controller] if isinstance(controller, str) else controller
     asked = DRIVES[drive] if isinstance(drive, str) else drive
     sine, late = sine_of(scenario), asked.period if "delay" in asked.on else 0.0
     plant = ballscrew_axial if {"mode", "ripple"} & set(asked.on) else ballscrew_stage

@@ -9,10 +9,8 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 
-from leadscrew.analysis.circular.fit import Circle
 from leadscrew.analysis.circular.instrument import read_by
-from leadscrew.analysis.circular.paths import CircularTest
-from leadscrew.report.ballbar_picture import COLOURS, WORDS, about, division_um, polar
+from leadscrew.report.ballbar_picture import COLOURS, WORDS, centred, division_um, polar
 from leadscrew.report.style import BLACK, BLUE, GREEN, ORANGE, PURPLE, VERMILION
 from leadscrew.studies.fsmc_ballscrew.circles import CIRCLES, Way, axis_loop, drawn
 from leadscrew.studies.fsmc_ballscrew.claims_circle import HZ, IDEAL, RADIUS, TABLE, Circles, both
@@ -51,12 +49,6 @@ def circle_pictures(loops: Loops, circles: Circles | None = None) -> list[Pictur
     ]  # fmt: skip
 
 
-def _paths(test: CircularTest) -> dict[str, tuple[Any, Any]]:
-    found = both(test)
-    centre = Circle(1e-3 * found.centre_x, 1e-3 * found.centre_y, test.radius_mm)
-    return {t.direction: about(t, centre, test.radius_mm) for t in test.turns}
-
-
 def _division(paths: dict[str, tuple[Any, Any]]) -> float:
     return division_um(max(float(np.abs(r).max()) for _, r in paths.values()))
 
@@ -75,7 +67,7 @@ def circles_of(circles: Circles, names: tuple[str, ...]) -> Figure:
     for i, name in enumerate(names):
         axes = figure.add_subplot(1, len(names), i + 1, projection="polar")
         test = circles.of(name, CIRCLES["r5"])
-        paths = _paths(test)
+        paths = centred(test)
         polar(axes, paths, _division(paths), test)
         found = both(test)
         said = f"{name}: G(b) {found.circular:.3f} µm, D {found.mean_radial:+.3f} µm"
@@ -117,7 +109,7 @@ def stick_polar(loops: Loops) -> Figure:
     for i, law in enumerate(("pid", "fsmc")):
         axes = figure.add_subplot(1, 2, i + 1, projection="polar")
         test = drawn(loops, LAWS[law], CIRCLES["r5"], both=False)
-        paths = _paths(test)
+        paths = centred(test)
         polar(axes, paths, _division(paths), test)
         axes.set_title(f"{NAMES[law]}\n{axes.get_title()}", fontsize="small")
     _directions(figure)
@@ -130,7 +122,7 @@ def stick_slip(loops: Loops) -> Figure:
     figure = Figure(figsize=(10.0, 4.8), layout="constrained")
     left = figure.add_subplot(1, 2, 1, projection="polar")
     right = figure.add_subplot(1, 2, 2)
-    paths = {"ccw": _paths(test)["ccw"]}
+    paths = {"ccw": centred(test)["ccw"]}
     polar(left, paths, _division(paths), test)
     angle, deviation = paths["ccw"]
     degrees = np.mod(np.degrees(angle), 360.0)

@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 
 from leadscrew.report.style import BLACK, BLUE, GREEN, ORANGE, VERMILION
 from leadscrew.studies.fsmc_ballscrew.claims_drive import EMPTY, FULL, sweep
-from leadscrew.studies.fsmc_ballscrew.driven import DRIVES, block_of, driven
+from leadscrew.studies.fsmc_ballscrew.driven import DRIVES, driven
 from leadscrew.studies.fsmc_ballscrew.runs import Loops
 from leadscrew.studies.study import Picture
 
@@ -48,7 +48,7 @@ def reversal(loops: Loops, shown: Sequence[tuple[str, str, str]] = SHOWN) -> Fig
     figure = Figure(figsize=(7.0, 1.5 * len(shown)), layout="constrained")
     panels: Any = figure.subplots(len(shown), 1, sharex=True)
     for axes, (name, drive, ink) in zip(panels, shown, strict=True):
-        run = driven(loops, block_of(name), "sine_fast", drive).run(2.0, record="true_error")
+        run = driven(loops, name, "sine_fast", drive).run(2.0, record="true_error")
         inside = (run.time >= 1.4) & (run.time <= 1.8)
         axes.plot(1e3 * (run.time[inside] - 1.5), 1e3 * run["true_error"][inside], color=ink, linewidth=0.9)
         axes.set_title(f"{name}: {DRIVES[drive].said}", fontsize="medium", loc="left")

@@ -12,6 +12,7 @@ import numpy as np
 
 from leadscrew.controllers.sliding.continuous import in_motion
 from leadscrew.kernel.block import Block
+from leadscrew.kernel.errors import ValueRefused
 from leadscrew.kernel.metrics import max_error, max_output, overshoot, rms_error, settling_time
 from leadscrew.sensors.ruler import ruler
 from leadscrew.studies.fsmc_ballscrew.controllers import CONTROLLERS
@@ -71,7 +72,7 @@ def build(
     common: dict[str, Any] = {"reference": reference, "actuator": axis.actuator, "metrics": metrics_of(scenario)}
     if controller.continuous:
         if axis.ideal is None:
-            raise ValueError(f"{axis.doc}: no loop in continuous time")
+            raise ValueRefused(f"{controller.name} is without sampling; on {axis.doc} only sampled controllers run")
         more: dict[str, Any] = {"period": None, "sample": sample, "rtol": 1e-6, "atol": 1e-11} | options
         loop = Loop(controller=controller, plant=axis.ideal, **(common | more))
     else:
