@@ -18,8 +18,9 @@ What the paper leaves open, and how it is read here:
 - **Where the clip acts.** Only inside K (``clip_error`` 0, the default), or on the error itself (1): then an error
   beyond ``e_max`` is not seen, and a table that falls behind is never caught up.
 
-K(e_max) = 2.352; the slope of f against e is up to cosh x + x sinh x = 5.546 at ``x = alpha e_max``, and beyond
-``e_max`` it is K(e_max). That slope is the local loop gain. A positive output moves the axis in the positive direction.
+K(e_max) = 2.352; the slope of f against e (:func:`slope`) is up to cosh x + x sinh x = 5.546 at ``x = alpha e_max``,
+and beyond ``e_max`` it is K(e_max). That slope is the local loop gain. A positive output moves the axis in the positive
+direction.
 
 Bumpless start: as :mod:`leadscrew.controllers.pid`.
 """
@@ -37,6 +38,7 @@ from leadscrew.controllers.parallel import (
     Kp,
     MaxOutput,
     PIDState,
+    Terms,
     Tracking,
     aligned,
     gains,
@@ -67,12 +69,34 @@ class NPIDParams(NamedTuple):
     tracking_s: Tracking = 0.1
 
 
+def gain(p, error):
+    """``K`` of an error in mm: equation (2)."""
+    return math.cosh(p.alpha * min(abs(error) * p.error_unit_per_mm, p.e_max))
+
+
 def scaled_error(p, error):
-    """``f``: equations (2) and (4)."""
+    """``f`` of an error in mm, in mm: equations (2) and (4)."""
     limit = p.e_max / p.error_unit_per_mm
     clipped = min(max(error, -limit), limit)
-    gain = math.cosh(p.alpha * min(abs(error) * p.error_unit_per_mm, p.e_max))
-    return gain * (clipped if p.clip_error else error)
+    return gain(p, error) * (clipped if p.clip_error else error)
+
+
+curve = scaled_error
+"""The static map in front of the linear PID: ``curve(params, error)``, both in mm."""
+
+
+def slope(p, error):
+    """``df/de`` at an error in mm: cosh x + x sinh x with ``x = alpha |e|``, beyond ``e_max`` the gain (clipped: 0)."""
+    size = abs(error) * p.error_unit_per_mm
+    x = p.alpha * min(size, p.e_max)
+    flat = 0.0 if p.clip_error else math.cosh(x)
+    return math.cosh(x) + x * math.sinh(x) if size <= p.e_max else flat
+
+
+def terms(p, command, feedback):
+    """What the three terms act on."""
+    scaled = scaled_error(p, command - feedback)
+    return Terms(scaled, scaled, scaled, 1.0)
 
 
 def align(params, command, feedback, output):

@@ -1,4 +1,4 @@
-"""The parallel PID law on three inputs, shared by every controller that ends in one: pid, npid.
+"""The parallel PID law on three inputs, shared by every controller that ends in one: pid, npid, npid_slope, npid_after.
 
 In the order in which it happens, with ``x_p``, ``x_i``, ``x_d`` what the three terms act on:
 
@@ -14,6 +14,9 @@ In the order in which it happens, with ``x_p``, ``x_i``, ``x_d`` what the three 
 Before the first period ``x_d`` and the integral count as zero: a command that does not start at the feedback gives one
 derivative kick, as the difference equation says. Back-calculation and clamping: K. J. Astrom, T. Hagglund, *Advanced
 PID Control*, ISA 2006, chapter 3.
+
+A controller that ends in this law has in its module a function ``terms(params, command, feedback)`` that gives its
+:class:`Terms`, so that others can take it apart: :mod:`leadscrew.controllers.tracking_differentiator` does.
 """
 
 from __future__ import annotations
@@ -46,6 +49,15 @@ class Gains(NamedTuple):
     tracking_s: float
 
 
+class Terms(NamedTuple):
+    """What the three terms act on, and the gain behind their sum."""
+
+    proportional: float
+    integrated: float
+    differentiated: float
+    gain_behind: float
+
+
 class PIDState(NamedTuple):
     """What a parallel PID remembers."""
 
@@ -62,8 +74,13 @@ def gains(p):
 
 def parallel(g, s, proportional, integrated, differentiated, dt):
     """Steps 1 to 5 of the module's table: the next state and the output."""
+    return from_change(g, s, proportional, integrated, differentiated, differentiated - s.last, dt)
+
+
+def from_change(g, s, proportional, integrated, differentiated, change, dt):
+    """The same with a change of ``x_d`` over the period that comes from elsewhere."""
     integral = s.integral + (1.0 - s.aligned) * integrated * dt
-    slope = (g.filter_s * s.slope + g.kd * (differentiated - s.last)) / (g.filter_s + dt)
+    slope = (g.filter_s * s.slope + g.kd * change) / (g.filter_s + dt)
     raw = g.kp * proportional + g.ki * integral + slope
     output = min(max(raw, -g.max_output), g.max_output) if g.max_output > 0.0 else raw
     outwards = (raw - output) * integrated > 0.0

@@ -29,6 +29,7 @@ from leadscrew.controllers.parallel import (
     Kp,
     MaxOutput,
     PIDState,
+    Terms,
     Tracking,
     aligned,
     gains,
@@ -52,15 +53,22 @@ class PIDParams(NamedTuple):
     tracking_s: Tracking = 0.1
 
 
+def terms(p, command, feedback):
+    """What the three terms act on."""
+    return Terms(p.b * command - feedback, command - feedback, p.c * command - feedback, 1.0)
+
+
 def align(params, command, feedback, output):
     """The state from which the next output is ``output``."""
-    return aligned(gains(params), params.b * command - feedback, params.c * command - feedback, output)
+    t = terms(params, command, feedback)
+    return aligned(gains(params), t.proportional, t.differentiated, output)
 
 
 @controller(PIDParams(), PIDState(), align=align, unit="V", drive="voltage", full_scale=10.0)
 def pid(p, s, command, feedback, dt):
     """Parallel PID with weights of the command, a filtered derivative, a limit and anti-windup; a voltage."""
-    return parallel(gains(p), s, p.b * command - feedback, command - feedback, p.c * command - feedback, dt)
+    t = terms(p, command, feedback)
+    return parallel(gains(p), s, t.proportional, t.integrated, t.differentiated, dt)
 
 
 TUNINGS: dict[str, Block] = {
