@@ -1,0 +1,355 @@
+"""A nonlinear controller taken apart: the static map of the error, and the linear controller behind it (Lur'e form).
+
+    e = command - feedback,   f = phi(e) = K(e) e,   u = C f        and the loop is   e = -G phi(e),   G = P C
+
+``phi`` lies in the sector ``[k1, k2]`` where ``k1 <= phi(e) / e <= k2``, and in the slope sector ``[s1, s2]`` where
+every secant between two of its points has a slope from ``s1`` to ``s2``. The absolute-stability criteria ask for the
+first, a proof for a loop under load or on the move for the second (H. K. Khalil, *Nonlinear Systems*, 3rd ed.,
+Prentice Hall 2002, section 7.1; C. A. Desoer, M. Vidyasagar, *Feedback Systems*, Academic Press 1975, chapter 6).
+
+:func:`lure` knows the maps of :mod:`leadscrew.analysis.stability.lure_maps`, also inside a wrapper that adds a
+feed-forward, and takes a controller that answers linearly as one with ``phi(e) = e``. It does not take anybody's word:
+the block's own step is run on random errors, and so is the linear part behind the map; both must answer the same. For a
+controller of your own, declare the map::
+
+    @declare(MyParams)
+    def my_map(p):
+        return ErrorMap(
+            gain=lambda e: ..., slope=lambda e: ..., sector=(1.0, 2.0), slope_sector=(1.0, 2.5), linear={"alpha": 0.0}
+        )
+
+where ``linear`` names the parameters, with their values, that make ``phi(e) = e``.
+"""
+
+from __future__ import annotations
+
+import copy
+import math
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import numpy as np
+
+from leadscrew.kernel.block import Block
+from leadscrew.kernel.errors import LeadscrewError, ValueRefused
+
+SIZES_MM = (1e-5, 1e-3, 1e-1, 10.0)
+"""Errors for which an undeclared controller must answer in proportion to be taken as linear, mm: 10 nm to 10 mm."""
+
+LENGTH = 60
+"""Periods of each trial of a controller's answer."""
+
+ALIKE = 1e-8
+"""Two answers are the same up to this, relative to the largest value: rounding of unlike orders of computation."""
+
+
+@dataclass(frozen=True)
+class ErrorMap:
+    """What is declared of a nonlinear controller; errors in mm."""
+
+    gain: Callable[[float], float]
+    """``K(e) = phi(e) / e``; at 0 its limit."""
+    slope: Callable[[float], float]
+    """``dphi/de``."""
+    sector: tuple[float, float]
+    """``k1 <= K(e) <= k2`` for every error."""
+    slope_sector: tuple[float, float] | None
+    """``s1 <= dphi/de <= s2`` for every error; None where the gain stands behind the linear part."""
+    linear: Mapping[str, Any] = field(default_factory=dict)
+    """Parameters that make ``phi(e) = e``."""
+    scale_mm: float = math.inf
+    """Error at which the map has got to its bound or near it: ``e_max``, ``es``."""
+    error_unit_per_mm: float = 1.0
+    """Unit in which the map counts the error."""
+    dependent: bool = False
+    """The gain stands behind the linear part, ``u = K(e) C e``: not a static map of what it multiplies."""
+    notes: tuple[str, ...] = ()
+    """What a reader of a certificate must know of the map."""
+    shared: Callable[[float], Block] | None = None
+    """For a map with a linear path beside it, ``u = C0 e + C1 phi(e)``: the linear block with ``phi(e) = s e``, by
+    ``s``; all of them with the same states."""
+
+
+@dataclass(frozen=True)
+class Lure:
+    """A controller in Lur'e form; errors in mm, all functions take numbers or arrays."""
+
+    block: Block
+    linear: Block
+    """The controller with ``phi(e) = e`` and without a limit of its output."""
+    map: ErrorMap
+    nonlinear: bool
+    """False where ``phi(e) = e``: the sector is (1, 1)."""
+    notes: tuple[str, ...] = ()
+    """What the proof leaves out, in sentences."""
+
+    def gain(self, e_mm: Any) -> Any:
+        """``K(e) = phi(e) / e``."""
+        return _each(self.map.gain, e_mm)
+
+    def curve(self, e_mm: Any) -> Any:
+        """``phi(e)``, in mm."""
+        return _each(lambda e: self.map.gain(e) * e, e_mm)
+
+    def slope(self, e_mm: Any) -> Any:
+        """``dphi/de``: the local loop gain at an error, relative to the linear part."""
+        return _each(self.map.slope, e_mm)
+
+    @property
+    def sector(self) -> tuple[float, float]:
+        """``(k1, k2)``: ``k1 <= K(e) <= k2``."""
+        return self.map.sector
+
+    @property
+    def slope_sector(self) -> tuple[float, float] | None:
+        """``(s1, s2)``: bounds of ``dphi/de``; None where the gain is :attr:`dependent`."""
+        return self.map.slope_sector
+
+    @property
+    def dependent(self) -> bool:
+        """Whether the gain multiplies the output of the linear part: then it is a gain that varies, no static map.
+
+        Criteria for gains that vary in time (the circle) hold for it; Popov, Tsypkin and Jury-Lee do not.
+        """
+        return self.map.dependent
+
+    @property
+    def error_unit_per_mm(self) -> float:
+        """Units of the error inside the map to a millimetre: 1000 for um."""
+        return self.map.error_unit_per_mm
+
+    @property
+    def error_unit(self) -> str:
+        """Unit of the error inside the map: ``um``, ``mm``, or how many make a millimetre."""
+        units = self.map.error_unit_per_mm
+        return {1000.0: "um", 1.0: "mm"}.get(units, f"1/{units:g} mm")
+
+    @property
+    def odd(self) -> bool:
+        """Whether ``phi(-e) = -phi(e)``, as far as errors around its bend tell."""
+        scale = self.map.scale_mm if math.isfinite(self.map.scale_mm) else 1.0
+        errors = scale * np.geomspace(1e-3, 1e3, 61)
+        return bool(np.allclose(self.gain(errors), self.gain(-errors), rtol=1e-12, atol=0.0))
+
+    @property
+    def scale_mm(self) -> float:
+        """Error at which the map has got to its bound or near it, mm; infinite where it is a straight line."""
+        return self.map.scale_mm
+
+
+STRAIGHT = ErrorMap(lambda _: 1.0, lambda _: 1.0, (1.0, 1.0), (1.0, 1.0))
+"""``phi(e) = e``."""
+
+_declared: dict[type, Callable[[Any], ErrorMap]] = {}
+
+
+def declare(params: type) -> Callable[[Callable[[Any], ErrorMap]], Callable[[Any], ErrorMap]]:
+    """Decorator: the map of all controllers that have parameters of this type, as a function of the parameters."""
+
+    def keep(made: Callable[[Any], ErrorMap]) -> Callable[[Any], ErrorMap]:
+        _declared[params] = made
+        return made
+
+    return keep
+
+
+def lure(block: Block, period: float = 5e-4) -> Lure:
+    """A controller as a static map of the error in front of a linear controller.
+
+    Args:
+        block: the controller.
+        period: of the trials, in seconds; a controller whose plan depends on it is tried at its own.
+
+    Raises:
+        ValueRefused: no controller of one position error, nonlinear without a declared map, or another law than the
+            map says; the sentence tells what to do.
+    """
+    if block.kind != "controller" or block.continuous:
+        raise ValueRefused(f"{block.name}: a loop is taken apart at a sampled controller, and this is none")
+    notes: list[str] = []
+    limits = {key: 0.0 for key, p in _parts(block.params) if _limited(p)}
+    if limits:
+        first = next(iter(limits))
+        notes.append(
+            f"the limit of the output, {_at(block.params, first):g} {block.unit}, is not in the proof: it holds while "
+            "the output stays inside"
+        )
+    free = _with(block, limits)
+    found = [(prefix, _maps()[type(p)](p)) for prefix, p in _own(free.params) if type(p) in _maps()]
+    bent = [(prefix, m) for prefix, m in found if m.sector != (1.0, 1.0) or m.slope_sector != (1.0, 1.0)]
+    if len(bent) > 1:
+        raise ValueRefused(f"{block.name} has {len(bent)} nonlinear gains; a Lur'e loop has one")
+    rng = np.random.default_rng(8)
+    if not bent:
+        if not _linear(free, rng, period):
+            raise ValueRefused(_undeclared(block))
+        return Lure(block, free, STRAIGHT, nonlinear=False, notes=tuple(notes))
+    prefix, law = bent[0]
+    _check_bounds(block, law)
+    if law.shared is not None and prefix:
+        raise ValueRefused(f"{block.name}: two paths inside another controller are not taken apart; certify them alone")
+    straight = {f"{prefix}{k}": v for k, v in law.linear.items()}
+    linear = _with(free, straight) if law.shared is None else law.shared(1.0)
+    taken = Lure(block, linear, law, nonlinear=True, notes=(*notes, *law.notes))
+    if not _linear(linear, rng, period):
+        raise ValueRefused(
+            f"{block.name}: with its map made a straight line ({', '.join(law.linear)}) it still does not answer in "
+            "proportion to the error, so something in it beside the declared map is nonlinear"
+        )
+    if not _same(taken, free, rng, period):
+        where = "behind" if law.dependent else "in front of"
+        raise ValueRefused(
+            f"{block.name} does not answer as its map {where} its linear part: either the declared map is another one, "
+            "or a part of the controller (a resonator, an observer) works beside the nonlinear gain and not behind "
+            "it, and then the loop is not one map in front of one linear loop; certify the controller without that part"
+        )
+    return taken
+
+
+def _check_bounds(block: Block, law: ErrorMap) -> None:
+    """Looks for an error at which the map leaves the sectors that are declared for it."""
+    scale = law.scale_mm if math.isfinite(law.scale_mm) else 1.0
+    half = np.sort(np.concatenate([np.geomspace(1e-6, 1e6, 361), np.linspace(0.0, 3.0, 301)[1:]]))
+    half = scale * half[np.diff(half, prepend=0.0) > 1e-9 * half]
+    errors = np.concatenate([-half[::-1], [0.0], half])
+    gains = np.array([law.gain(float(e)) for e in errors])
+    secants = np.diff(gains * errors) / np.diff(errors)
+    for what, values, bounds in (("gain K(e)", gains, law.sector), ("slope", secants, law.slope_sector)):
+        if bounds is None:
+            continue
+        worst = int(np.argmax(np.maximum(bounds[0] - values, values - bounds[1])))
+        if not bounds[0] - 1e-6 <= values[worst] <= bounds[1] + 1e-6:
+            raise ValueRefused(
+                f"{block.name}: its map is declared with a {what} from {bounds[0]:g} to {bounds[1]:g}, but at an error "
+                f"of {1e3 * errors[worst]:.4g} um it is {values[worst]:.6g}"
+            )
+
+
+def _undeclared(block: Block) -> str:
+    return (
+        f"{block.name} does not answer in proportion to the error, and no map of the error is declared for it: if it "
+        "is a static gain K(e) in front of a linear controller, declare it with declare("
+        f"{type(block.params).__name__}) of leadscrew.analysis.stability.lure; a controller that schedules, switches "
+        "or adapts in another way is not a Lur'e loop, and these criteria do not apply to it"
+    )
+
+
+# ---- the maps of the library
+def _maps() -> dict[type, Callable[[Any], ErrorMap]]:
+    if not _library:
+        from leadscrew.analysis.stability.lure_maps import known
+
+        _library.update(known())
+    return {**_library, **_declared}
+
+
+_library: dict[type, Callable[[Any], ErrorMap]] = {}
+
+
+# ---- trials
+def _linear(block: Block, rng: np.random.Generator, period: float) -> bool:
+    """Whether the answer to a sum is the sum of the answers, at every size of the error."""
+    rest = _answer(block, np.zeros(LENGTH), period)
+    shapes = rng.normal(size=(2, LENGTH))
+    unit = [_answer(block, x, period) - rest for x in shapes]
+    whole = max(float(np.abs(u).max()) for u in unit)
+    if not math.isfinite(whole) or whole == 0.0:
+        return False
+    for size in SIZES_MM:
+        parts = [_answer(block, size * x, period) - rest for x in shapes]
+        both = _answer(block, size * (shapes[0] + shapes[1]), period) - rest
+        floor = 1e-14 * float(np.abs(rest).max()) / size  # what rounding leaves of a known output
+        worst = max(
+            float(np.abs(p / size - u).max()) for p, u in zip([*parts, both], [*unit, unit[0] + unit[1]], strict=True)
+        )
+        if not worst <= ALIKE * whole + 10.0 * floor:
+            return False
+    return True
+
+
+def _same(taken: Lure, free: Block, rng: np.random.Generator, period: float) -> bool:
+    """Whether the block answers as the linear part does to the mapped error, around the bend of the map."""
+    scale = taken.scale_mm if math.isfinite(taken.scale_mm) else 1e-3
+    for size in (0.3, 1.0, 5.0):
+        errors = size * scale * rng.normal(size=LENGTH)
+        if taken.map.shared is not None:
+            ends = [_answer(taken.map.shared(s), x, period) for s, x in ((0.0, errors), (0.0, taken.curve(errors)))]
+            expected = ends[0] - ends[1] + _answer(taken.linear, taken.curve(errors), period)
+        elif taken.dependent:
+            expected = taken.gain(errors) * _answer(taken.linear, errors, period)
+        else:
+            expected = _answer(taken.linear, taken.curve(errors), period)
+        mine = _answer(free, errors, period)
+        if not np.allclose(mine, expected, rtol=0.0, atol=ALIKE * float(np.abs(expected).max())):
+            return False
+    return True
+
+
+def _answer(block: Block, errors: np.ndarray, period: float) -> np.ndarray:
+    """Outputs of a block at rest to a row of errors, by its own step."""
+    from leadscrew.references.motion import Motion
+
+    plan = block.params if block.prepare is None else block.prepare(block.params, period)
+    state = block.state if block.initial is None else block.initial(block.params)
+    for still in (0.0, Motion(0.0, 0.0, 0.0)):
+        s, out = copy.deepcopy(state), []
+        try:
+            for k, error in enumerate(errors):
+                given = {"command": still, "feedback": -float(error), "t": k * period, "dt": period}
+                done = block.step(*(x for x in (plan, s) if x is not None), *(given[name] for name in block.signals))
+                s, u = done if block.state is not None else (None, done)
+                out.append(float(u))
+        except (AttributeError, TypeError):
+            continue
+        except (ArithmeticError, ValueError):
+            return np.full(len(errors), np.nan)
+        return np.array(out)
+    raise ValueRefused(
+        f"{block.name} takes or gives several numbers where a loop of one axis has one position, one feedback and one "
+        "output; take apart one axis of it"
+    )
+
+
+# ---- parameters by place
+def _own(params: Any, prefix: str = "") -> Iterator[tuple[str, Any]]:
+    """Every NamedTuple among the parameters, with the start of its dotted keys."""
+    if isinstance(params, tuple) and hasattr(params, "_fields"):
+        yield prefix, params
+        for name, value in zip(params._fields, params, strict=True):
+            yield from _own(value, f"{prefix}{name}.")
+
+
+def _parts(params: Any) -> Iterator[tuple[str, Any]]:
+    for prefix, p in _own(params):
+        yield f"{prefix}max_output", p
+
+
+def _limited(p: Any) -> bool:
+    value = getattr(p, "max_output", 0.0)
+    return isinstance(value, float | int) and value > 0.0
+
+
+def _at(params: Any, key: str) -> Any:
+    for name in key.split("."):
+        params = getattr(params, name)
+    return params
+
+
+def _with(block: Block, changes: Mapping[str, Any]) -> Block:
+    """The block with parameters changed by dotted key."""
+    from leadscrew.kernel.sheet import checked_replace
+
+    if not changes:
+        return block
+    try:
+        return replace(block, params=checked_replace(block.params, changes, where=block.name))
+    except LeadscrewError as error:
+        raise ValueRefused(f"{block.name}: its declared map does not fit it: {error}") from error
+
+
+def _each(function: Callable[[float], float], e_mm: Any) -> Any:
+    if np.ndim(e_mm) == 0:
+        return float(function(float(e_mm)))
+    values = np.asarray(e_mm, dtype=float)
+    return np.array([function(float(e)) for e in values.ravel()]).reshape(values.shape)

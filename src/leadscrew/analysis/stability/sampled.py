@@ -1,0 +1,212 @@
+"""The linear loop of a built :class:`~leadscrew.kernel.loop.Loop`: from the very steps that run and are exported.
+
+Every block's step is called on unit states and a unit input, from its state at rest and with the command at zero; the
+differences are the columns of its matrices. For a linear step they are exact. Whatever only depends on time (lines of
+a disturbance, noise) cancels in the difference, and states that the error does not reach or the output does not show
+are left out. Delays become states: the outputs sent but not yet at the plant.
+
+The path is the one of the feedback: with a command of zero, ``feedback = -e``. A 2-DOF controller thus enters with what
+decides its stability, its path from the feedback.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from leadscrew.analysis.stability.linear import LinearLoop
+from leadscrew.analysis.stability.step_matrices import LARGE, Flat, Linear, filled, flat_step, numbers
+from leadscrew.kernel.block import Block
+from leadscrew.kernel.errors import ValueRefused
+from leadscrew.kernel.frame import pairs
+from leadscrew.kernel.layout import Layout, leaves
+from leadscrew.kernel.loop import Loop
+from leadscrew.plants.linear import hold_matrices
+
+LARGEST_ORDER = 400
+"""Most numbers in a controller's state: a memory of samples makes poles by the thousand, and its place in it moves."""
+
+
+def sampled_loop(loop: Loop, name: str = "") -> LinearLoop:
+    """The sampled linear loop, cut at the error, of a loop whose controller and plant are linear.
+
+    A sensor or actuator that is not linear (quantised, saturating, with a dead zone) counts as ideal, and the loop's
+    notes say so. A plant that gives a derivative is taken by its exact zero-order hold.
+
+    Raises:
+        ValueRefused: a loop without a period; a controller or plant that is not linear; a controller with a memory of
+            more than 400 numbers (repetitive control); signals of several axes.
+    """
+    if loop.continuous:
+        raise ValueRefused(f"{loop.name}: has no period; take continuous_loop for a continuous one")
+    notes: list[str] = []
+    feedback_leaf, command = _position(loop)
+    plant, read = _plant(loop)
+    sensor = _part(loop, "sensor", "actual", "actual", notes)
+    controller = _controller(loop, command, notes)
+    actuator = _part(loop, "actuator", "output", "output", notes)
+    a, b, c, d = _join(loop, plant, read, sensor, controller, actuator, feedback_leaf)
+    a, b, c = _pruned(a, b, c)
+    return LinearLoop(a, b, c, d, loop.period, name=name or loop.name, notes=tuple(notes), from_blocks=True)
+
+
+def _position(loop: Loop) -> tuple[int, Any]:
+    """Place of the position among the feedback's numbers, and a command of zero."""
+    command, feedback = (Layout(loop.signals[k]) for k in ("command", "feedback"))
+    compared = pairs(command.tree, feedback.tree)
+    if len(compared) != 1:
+        raise ValueRefused(f"{loop.name}: compares {len(compared)} axes; a stability analysis takes one at a time")
+    place = [leaf.key for leaf in leaves(feedback.tree)].index(compared[0].other)
+    return place, command.unpack(np.zeros(max(1, len(command.scalars))), np.zeros(1))
+
+
+def _controller(loop: Loop, command: Any, notes: list[str]) -> Linear:
+    example = loop.signals["feedback"]
+    inputs = len(Layout(example).scalars)
+    f, order, rest = flat_step(loop, "controller", lambda u: {"command": command, "feedback": filled(example, u)}, 0.0)
+    block: Block = loop.blocks["controller"]  # type: ignore[assignment]
+    if order > LARGEST_ORDER:
+        raise ValueRefused(
+            f"{block.name}: its state holds {order} numbers; a stability analysis takes controllers of up to "
+            f"{LARGEST_ORDER}. Repetitive control has a condition of its own: contraction() of "
+            "leadscrew.controllers.repetitive"
+        )
+    found = Linear(f, order, inputs, rest)
+    if not found.linear():
+        raise ValueRefused(
+            f"{block.name}: this controller is not linear in its error; take it apart by lure(), and analyse its "
+            "linear part with the sector of its nonlinearity"
+        )
+    if not found.follows(LARGE):
+        notes.append(
+            f"The controller {block.name} is linear for small errors only (a limit of its output, say): what is proved "
+            "holds while the limit is not reached."
+        )
+    return found
+
+
+def _part(loop: Loop, slot: str, signal: str, example: str, notes: list[str]) -> Linear | None:
+    """The matrices of a sensor or actuator; None where there is none or it is not linear."""
+    block = loop.blocks[slot]
+    if block is None:
+        return None
+    shape = loop.signals[example]
+    f, order, rest = flat_step(loop, slot, lambda u: {signal: filled(shape, u)}, 0.0)
+    found = Linear(f, order, len(Layout(shape).scalars), rest)
+    if not (found.linear() and found.follows(LARGE)):
+        notes.append(f"The {slot} {block.name} is not linear; it counts as ideal here.")
+        return None
+    return found
+
+
+def _plant(loop: Loop) -> tuple[Linear, np.ndarray]:
+    """The plant over one integration step, and the row of what it shows."""
+    block: Block = loop.blocks["plant"]  # type: ignore[assignment]
+    shape, load = loop.signals["applied"], loop.signals["load"]
+    none = filled(load, np.zeros(len(Layout(load).scalars)))
+    inputs = len(Layout(shape).scalars)
+    parts = []
+    for t in (0.0, 7.0 * loop.period):
+        f, order, rest = flat_step(loop, "plant", lambda u: {"u": filled(shape, u), "load": none}, t)
+        parts.append(Linear(f, order, inputs, rest))
+    found = parts[0]
+    if not (found.linear() and found.follows(LARGE)) or not np.allclose(parts[1].whole, found.whole, 1e-9, 0.0):
+        raise ValueRefused(
+            f"{block.name}: this plant is not linear (friction, backlash or a limit in it); give the loop a linear "
+            "model of it for a stability analysis"
+        )
+    if "dt" not in block.signals:
+        a, b = found.whole[:, :order], found.whole[:, order:]
+        moved = [hold_matrices(a, b[:, j], loop.step) for j in range(inputs)]
+        found.whole = np.column_stack([moved[0][0], *(drive for _, drive in moved)])
+    params, state = loop.prepared(block, "plant"), loop.start_state(block)
+    layout = Layout(state)
+    shown = block.output if block.output is not None else block.state._fields[0]
+    count = len(layout.scalars)
+
+    def read(x: np.ndarray, u: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        held = layout.unpack(x[:count] if count else np.zeros(1), x[count:] if layout.array_size else np.zeros(1))
+        if not callable(shown):
+            for part in str(shown).split("."):
+                held = getattr(held, part)
+            return np.zeros(0), numbers(held)
+        wanted = shown.__code__.co_varnames[: shown.__code__.co_argcount]
+        return np.zeros(0), numbers(shown(*({"p": params, "s": held}[n] for n in wanted)))
+
+    scalars, arrays = layout.pack(state)
+    rest = np.concatenate([scalars[:count], arrays[: layout.array_size]])
+    out = Linear(lambda x, u: read(x, u), 0, 0, np.zeros(0)) if order == 0 else _rows(read, rest)
+    return found, out.whole
+
+
+def _rows(read: Flat, rest: np.ndarray) -> Linear:
+    """What a plant shows, as rows on its state."""
+    found = Linear(lambda _, x: read(rest + x, x), 0, len(rest), np.zeros(0))
+    if not found.linear():
+        raise ValueRefused("this plant's output is not a linear function of its state")
+    return found
+
+
+def _join(
+    loop: Loop, plant: Linear, read: np.ndarray, sensor: Linear | None, controller: Linear, actuator: Linear | None,
+    place: int,
+) -> tuple[np.ndarray, ...]:  # fmt: skip
+    """The loop over one period, from the error to the sensed position.
+
+    The state is plant, sensor, controller, actuator and the line of outputs on their way, latest first.
+    """
+    whole, part = divmod(loop.sent + loop.seen, loop.substeps)
+    waiting = whole + (1 if part else 0)
+    ap, bp = plant.whole[:, : plant.order], plant.whole[:, plant.order :]
+    inputs = bp.shape[1]
+    late, early = _held(ap, bp, part), _held(ap, bp, loop.substeps - part)
+    sizes = [plant.order, sensor.order if sensor else 0, controller.order, actuator.order if actuator else 0]
+    at = np.concatenate([[0], np.cumsum(sizes)]).astype(int)
+    order = int(at[-1]) + waiting * inputs
+    # rows over (state, e); a signal is such rows
+    state = np.eye(order, order + 1)
+    error = np.zeros((1, order + 1))
+    error[0, -1] = 1.0
+    measured = read @ state[: at[1]]
+    moved = np.zeros((order, order + 1))
+    if sensor is not None:
+        measured, moved[at[1] : at[2]] = _through(sensor, state[at[1] : at[2]], measured)
+    seen = measured.copy()
+    seen[place] = -error[0]
+    output, moved[at[2] : at[3]] = _through(controller, state[at[2] : at[3]], seen)
+    if actuator is not None:
+        output, moved[at[3] : at[4]] = _through(actuator, state[at[3] : at[4]], output)
+    line = [output, *(state[at[4] + i * inputs : at[4] + (i + 1) * inputs] for i in range(waiting))]
+    x = state[: at[1]]
+    if part:
+        x = late[0] @ x + late[1] @ line[whole + 1]
+    moved[: at[1]] = early[0] @ x + early[1] @ line[whole]
+    for i in range(waiting):
+        moved[at[4] + i * inputs : at[4] + (i + 1) * inputs] = line[i]
+    shown = measured[place : place + 1]
+    return moved[:, :-1], moved[:, -1:], shown[:, :-1], shown[:, -1:]
+
+
+def _through(block: Linear, state: np.ndarray, given: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """What a block puts out, and its next state."""
+    a, b, c, d = block.matrices
+    return c @ state + d @ given, a @ state + b @ given
+
+
+def _held(a: np.ndarray, b: np.ndarray, steps: int) -> tuple[np.ndarray, np.ndarray]:
+    """``steps`` integration steps under a constant input."""
+    order, inputs = b.shape
+    one = np.block([[a, b], [np.zeros((inputs, order)), np.eye(inputs)]])
+    whole = np.linalg.matrix_power(one, steps)
+    return whole[:order, :order], whole[:order, order:]
+
+
+def _pruned(a: np.ndarray, b: np.ndarray, c: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """The states that the error reaches and the output shows, by which entries are zero."""
+    reached, shown = b[:, 0] != 0.0, c[0] != 0.0
+    for _ in range(len(a)):
+        reached = reached | ((a != 0.0) @ reached)
+        shown = shown | (shown @ (a != 0.0))
+    kept = reached & shown
+    return a[np.ix_(kept, kept)], b[kept], c[:, kept]
