@@ -17,12 +17,15 @@ from leadscrew.cli import (
     ballbar,
     bench,
     cache,
+    certify,
     compare,
     demo,
     design,
     diff,
     export,
+    frequency_response,
     fuzzy,
+    harmonics,
     identify,
     listing,
     montecarlo,
@@ -71,8 +74,11 @@ app.command("diff")(diff.diff)
 app.command("tune")(tune.tune)
 app.command("compare")(compare.compare)
 app.command("montecarlo")(montecarlo.montecarlo)
+app.command("certify")(certify.certify)
 app.command("positioning")(positioning.positioning)
 app.command("ballbar")(ballbar.ballbar)
+app.command("harmonics")(harmonics.harmonics)
+app.command("frequency-response")(frequency_response.frequency_response)
 app.add_typer(fuzzy.app, name="fuzzy")
 app.add_typer(design.app, name="design")
 app.add_typer(identify.app, name="identify")

@@ -1,4 +1,4 @@
-"""``leadscrew design vud``: a controller from a log of the one that it replaces, step by step."""
+"""``leadscrew design vud``: a controller from a log of the one that it replaces, step by step; ``design npid``."""
 
 from __future__ import annotations
 
@@ -7,17 +7,19 @@ from typing import Annotated
 
 import typer
 
+from leadscrew.cli.design_npid import npid
 from leadscrew.cli.output import Json, busy, emit
 from leadscrew.kernel.errors import ValueRefused
 
 SCHEMA_VERSION = 1
 
-app = typer.Typer(no_args_is_help=True, help="Design a controller from logged data.")
+app = typer.Typer(no_args_is_help=True, help="Design a controller: from logged data, or from a plant and its limits.")
+app.command("npid")(npid)
 
 
 @app.callback()
 def _design() -> None:
-    """Design a controller from logged data."""
+    """Design a controller: from logged data, or from a plant and its limits."""
 
 
 @app.command("vud")

@@ -36,6 +36,14 @@ COLOURS = {
     "ours.pid": ORANGE,
     "ours.pd_dob": PURPLE,
     "ours.pd_learned": BLACK,
+    "paper.pid": VERMILION,
+    "corrected.npid_um": BLUE,
+    "ours.npid_slope": SKY,
+    "ours.npid_slope_159": PURPLE,
+    "ours.npid_split": BLUE,
+    "ours.pid_ms_159": ORANGE,
+    "ours.pid_159_ff": GREEN,
+    "ours.resonant_full": BLACK,
 }
 """Colour by controller, kept across all figures; others get one of the rest by their name."""
 

@@ -1,0 +1,190 @@
+"""The paper's own way to a nonlinear PID, step by step with its numbers, and where each step breaks.
+
+Source: Abdullah et al., *Design and Analysis of Self-tuned Nonlinear PID Controller for XY Table Ballscrew Drive
+System*, sections II.B and II.C, equations (1) to (3), Table I. The steps: PID gains from earlier work; the intercept
+of the Popov plot with the negative real axis, (-0.4, j0); K(e_max) = 2.5 from (3); retuned by hand to 2.35 against
+chatter; e_max = 3 chosen; alpha from (2).
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from leadscrew.design.npid_axis import Axis, Gains
+
+if TYPE_CHECKING:
+    from leadscrew.analysis.stability.linear import LinearLoop
+
+INTERCEPT = -0.4
+K_RETUNED = 2.35
+E_MAX = 3.0
+
+
+@dataclass(frozen=True)
+class Step:
+    """One step of the procedure."""
+
+    name: str
+    paper: str
+    """What the paper does or says."""
+    found: str
+    """What we find when we do it."""
+    breaks: str = ""
+    """Where it breaks; empty where it does not."""
+
+
+@dataclass(frozen=True)
+class PaperDesign:
+    """The procedure walked, with the numbers that came out."""
+
+    steps: tuple[Step, ...]
+    k_limit: float
+    """``1 / 0.4``."""
+    alpha: float
+    """From (2) with 2.35 and 3."""
+    dead_time_s: float
+    """Dead time that puts the intercept at -0.4 in the continuous loop."""
+    sampled_dead_time_s: float
+    """The same in the loop sampled at 2 kHz with a backward difference."""
+    popov_zero: float
+    """Largest K of the sector [0, K] by Popov in that loop."""
+    popov_one: float
+    """Of the sector [1, K]."""
+    circle_one: float
+    slope: float
+    """Steepest slope of phi with alpha 0.5 and e_max 3."""
+    nyquist: float
+    """Gain limit of the axis' sampled loop."""
+    driven: float
+    """Largest slope proved there under command and load."""
+    linear_fit_r2: float
+    """Of a straight line through K(e_max) on [0, 3]: the paper calls it linear."""
+
+    def report(self) -> str:
+        """The steps as text."""
+        parts = []
+        for n, s in enumerate(self.steps, start=1):
+            parts.append(f"{n}. {s.name}\n   paper: {s.paper}\n   here:  {s.found}")
+            if s.breaks:
+                parts[-1] += f"\n   breaks: {s.breaks}"
+        return "\n\n".join(parts)
+
+    def as_dict(self) -> dict[str, Any]:
+        """For JSON."""
+        return {**{k: v for k, v in vars(self).items() if k != "steps"}, "steps": [vars(s) for s in self.steps]}
+
+
+def paper_design(axis: Axis | None = None, gains: Gains | None = None) -> PaperDesign:
+    """Walks the procedure with the printed plant and gains.
+
+    Raises:
+        ValueRefused: a PID whose loop is unstable on the axis.
+    """
+    from leadscrew.analysis.stability.circle import circle
+    from leadscrew.analysis.stability.driven import driven
+    from leadscrew.analysis.stability.loop import continuous_loop, pid_polynomials
+    from leadscrew.analysis.stability.margins import margins
+    from leadscrew.analysis.stability.popov import popov
+
+    axis, g = axis or Axis(), gains or Gains()
+    num, den = pid_polynomials(g.kp, g.ki, g.kd)
+
+    def model(dead_time: float) -> LinearLoop:
+        return continuous_loop(num, den, [axis.gain], [1.0, axis.damping, axis.stiffness], dead_time, "equation (1)")
+
+    printed = margins(model(0.0))
+    late = dead_time_for(model)
+    loop = model(late)
+    zero, one, disc = (float(c.limit or math.nan) for c in (popov(loop, 0.0), popov(loop, 1.0), circle(loop, 1.0)))
+    sampled = axis.linear(g)
+    nyquist = sampled.gain_limit(1.0)
+    pushed = driven(sampled, (1.0, 1.0))
+    proved = pushed.limit if pushed.limit is not None else math.nan
+    k_limit, alpha = -1.0 / INTERCEPT, math.acosh(K_RETUNED) / E_MAX
+    x = 0.5 * E_MAX
+    slope = math.cosh(x) + x * math.sinh(x)
+    fit = _r2(np.linspace(0.0, E_MAX, 301), 0.5)
+    sampled_late = _sampled_dead_time(axis, g)
+    steps = (
+        Step(
+            "PID gains (Table I)",
+            "Kp 1.32, Ki 0.000825, Kd 0.006805, from earlier work by gain and phase margin",
+            f"phase margin {printed.pm_deg:.1f} deg at {printed.w_gc:.0f} rad/s, gain margin "
+            f"{'infinite' if math.isinf(printed.gm) else f'{printed.gm:.3g}'}; Ki/Kp = {g.ki / g.kp:.3g} 1/s: a PD",
+        ),
+        Step(
+            "intercept of the plot with the negative real axis",
+            "probably at (-0.4, j0)",
+            "no crossing without dead time" if math.isinf(printed.gm) else f"crossing at {-1.0 / printed.gm:.4g}",
+            f"equation (1) with Table I never crosses; a dead time of {1e3 * late:.4f} ms puts it at -0.4 "
+            f"({1e3 * sampled_late:.4f} ms where sampled at {1.0 / axis.period_s:g} Hz with a backward difference)",
+        ),
+        Step(
+            "limit of the gain, equation (3)",
+            "K(e_max) = -1/|G| = 2.5, range (0, 2.5)",
+            f"1/0.4 = {k_limit:.4g}; with a modulus (3) is negative, -1/Re G is meant",
+            f"that is the Nyquist limit of a constant gain; Popov proves [0, {zero:.3f}] in that loop, and "
+            f"[1, {one:.3f}] because K is never below 1; the circle [1, {disc:.3f}]",
+        ),
+        Step(
+            "retuned by hand against chatter",
+            "K(e_max) = 2.35",
+            f"a gain margin of {nyquist / K_RETUNED:.3f} is left in the sampled loop",
+            f"chatter follows the slope of K(e) e, up to {slope:.4f}, not K; under command and load the sampled loop "
+            f"is proved up to a slope of {proved:.3f}, and oscillates from {nyquist:.3f} on",
+        ),
+        Step(
+            "e_max chosen, alpha from (2)",
+            "e_max = 3, alpha = 0.5",
+            f"alpha = acosh(2.35)/3 = {alpha:.4f}; cosh(0.5 x 3) = {math.cosh(x):.5f}",
+            "the unit of e_max is not said: in mm K(10 um) = 1 + 1.25e-5 and the controller is the PID; "
+            f"and K over e_max is no straight line (R^2 = {fit:.3f} on [0, 3])",
+        ),
+    )
+    return PaperDesign(
+        steps, k_limit, alpha, late, sampled_late, zero, one, disc, slope, nyquist, proved, fit
+    )  # fmt: skip
+
+
+def dead_time_for(model: Any, intercept: float = INTERCEPT) -> float:
+    """Dead time, s, with which the loop of ``model(dead_time)`` first crosses the negative real axis at ``intercept``.
+
+    ``|G|`` does not depend on the dead time, so the frequency where it is ``|intercept|`` does not either; the dead
+    time turns the phase there to -180 deg.
+    """
+    from scipy.optimize import brentq
+
+    free = model(0.0)
+
+    def over(log_w: float) -> float:
+        return float(np.abs(free.response(np.array([math.exp(log_w)]))[0])) + intercept
+
+    w = math.exp(float(brentq(over, math.log(1.0), math.log(1e6), xtol=1e-14)))
+    phase = float(np.angle(free.response(np.array([w]))[0]))
+    return (phase + math.pi) % (2.0 * math.pi) / w
+
+
+def _sampled_dead_time(axis: Axis, gains: Gains) -> float:
+    """The same of the sampled loop, by bisection on its gain limit."""
+    from dataclasses import replace
+
+    from scipy.optimize import brentq
+
+    def over(dead_time: float) -> float:
+        return replace(axis, dead_time_s=dead_time).linear(gains).gain_limit(1.0) + 1.0 / INTERCEPT
+
+    low, high = 0.2 * axis.period_s, 3.0 * axis.period_s
+    if over(low) * over(high) > 0.0:
+        return math.nan
+    return float(brentq(over, low, high, xtol=1e-9))
+
+
+def _r2(e_max: np.ndarray, alpha: float) -> float:
+    """Coefficient of determination of a straight line through ``cosh(alpha e_max)``."""
+    k = np.cosh(alpha * e_max)
+    line = np.polyval(np.polyfit(e_max, k, 1), e_max)
+    return float(1.0 - ((k - line) ** 2).sum() / ((k - k.mean()) ** 2).sum())
