@@ -2,10 +2,7 @@
 
 from __future__ import annotations
 
-import os
-import warnings
-from collections.abc import Iterable, Mapping
-from concurrent.futures import ThreadPoolExecutor
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -18,10 +15,10 @@ from leadscrew.sensors.ruler import ruler
 from leadscrew.studies.fsmc_ballscrew.controllers import CONTROLLERS
 from leadscrew.studies.fsmc_ballscrew.machines import MACHINES, machine_of
 from leadscrew.studies.fsmc_ballscrew.scenarios import SCENARIOS, FilteredStep, StepMove, command, start_speed
+from leadscrew.studies.loops import StudyLoops
 from leadscrew.studies.study import Scenario
 
 if TYPE_CHECKING:
-    from leadscrew.kernel.live import Live
     from leadscrew.kernel.loop import Loop
 
 PERIOD_S = 2.5e-4
@@ -89,71 +86,11 @@ def build(
     return loop
 
 
-class Loops:
+class Loops(StudyLoops):
     """Loops of the study; those that differ in values alone share one compiled program. Runs are kept."""
 
     def __init__(self) -> None:
-        self._built: list[Loop] = []
-        self._runs: dict[Any, Any] = {}
-
-    def get(self, controller: str | Block, scenario: str | Scenario, **options: Any) -> Loop:
-        """The loop of :func:`build` for these names, on a program that exists where there is one."""
-        block = CONTROLLERS[controller] if isinstance(controller, str) else controller
-        asked = SCENARIOS[scenario] if isinstance(scenario, str) else scenario
-        return self.adopt(build(block, asked, **options))
-
-    def adopt(self, loop: Loop) -> Loop:
-        """A loop of one's own, on a program that exists where there is one."""
-        if not any(loop.shares(other) for other in self._built):
-            self._built.append(loop)
-        return loop
-
-    def run(
-        self,
-        controller: str | Block,
-        scenario: str | Scenario,
-        seconds: float | None = None,
-        record: tuple[str, ...] = SIGNALS,
-        every: int = 1,
-        **options: Any,
-    ) -> Any:
-        """A run of the loop, made once for the same arguments; as long as the scenario unless told otherwise."""
-        key = self._key(controller, scenario, seconds, record, every, options)
-        if isinstance(controller, str) and key in self._runs:
-            return self._runs[key]
-        loop, asked = self.get(controller, scenario, **options), self._asked(scenario)
-        done = loop.run(asked.duration_s if seconds is None else seconds, record=record, every=every)
-        if isinstance(controller, str):
-            self._runs[key] = done
-        return done
-
-    def ahead(self, wanted: Iterable[tuple[str, str, Mapping[str, Any]]]) -> None:
-        """Makes runs of :meth:`run` side by side, one a core, for what will be asked: controller, scenario, options."""
-        from leadscrew.kernel.loop import DivergenceWarning
-
-        lives: dict[Any, tuple[Live, float]] = {}
-        for controller, scenario, options in wanted:
-            key = self._key(controller, scenario, None, SIGNALS, 1, options)
-            if key not in self._runs and key not in lives:
-                live = self.get(controller, scenario, **options).start()
-                lives[key] = live, self._asked(scenario).duration_s
-        with ThreadPoolExecutor(os.cpu_count()) as side_by_side, warnings.catch_warnings():
-            warnings.simplefilter("ignore", DivergenceWarning)
-            done = side_by_side.map(lambda m: m[0].advance(m[0].loop.periods(m[1]), record=SIGNALS), lives.values())
-            self._runs.update(zip(lives, done, strict=True))
-
-    @staticmethod
-    def _asked(scenario: str | Scenario) -> Scenario:
-        return SCENARIOS[scenario] if isinstance(scenario, str) else scenario
-
-    def _key(self, controller: Any, scenario: str | Scenario, *rest: Any) -> Any:
-        asked = self._asked(scenario)
-        return (controller, asked.name, asked.params, *rest[:-1], repr(sorted(rest[-1].items())))
-
-    @property
-    def runs(self) -> dict[str, Any]:
-        """The kept runs of plain scenarios, by ``scenario/controller``."""
-        return {f"{key[1]}/{key[0]}": run for key, run in self._runs.items() if key[-1] == "[]"}
+        super().__init__(CONTROLLERS, SCENARIOS, build, SIGNALS)
 
 
 def tail_um(run: Any, after: float = 0.5) -> tuple[float, float]:

@@ -1,0 +1,158 @@
+"""What the table is asked to do: a slow sine under cutting forces, as Table II was measured, and what tests a loop.
+
+The paper names neither the motion nor the forces. The lines of Table II are the odd harmonics of 0.7 Hz, so the motion
+is a sine of that frequency; its amplitude is ours. The forces at those lines are calibrated to the PID column
+(:mod:`leadscrew.studies.npid_xytable.calibration`); runout and tooth passing are ours.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Annotated, Any, NamedTuple
+
+from leadscrew.disturbances.five_sines import Line, five_sines
+from leadscrew.kernel.block import Block
+from leadscrew.kernel.errors import ValueRefused
+from leadscrew.kernel.sheet import Doc, Ge, Le, Unit
+from leadscrew.references.eased_sine import eased_sine, eased_sine_motion
+from leadscrew.references.quintic import quintic
+from leadscrew.references.step import step
+from leadscrew.studies.npid_xytable.calibration import BASE_HZ, LINES_HZ, volts
+from leadscrew.studies.npid_xytable.columns import PID_UM
+from leadscrew.studies.study import Scenario
+
+Amplitude = Annotated[float, Unit("mm"), Ge(0), Le(500), Doc("half of peak to peak of the motion")]
+Phase = Annotated[float, Unit("rad"), Doc("angle of this line of the disturbance at t = 0")]
+Encoder = Annotated[float, Unit("um"), Ge(0), Le(1000), Doc("resolution of the encoder; 0: the position itself")]
+Noise = Annotated[float, Unit("um"), Ge(0), Le(1000), Doc("standard deviation of a reading before it is rounded")]
+
+
+class Cutting(NamedTuple):
+    """A sine of 0.7 Hz while the spindle cuts."""
+
+    amplitude_mm: Amplitude = 1.0
+    spindle_rpm: Annotated[float, Unit("1/min"), Ge(0), Le(1e6), Doc("spindle speed; 0: no line of the spindle")] = (
+        1000.0
+    )
+    column: Annotated[int, Doc("spindle speed of Table II whose PID amplitudes the lines have; 0: no lines")] = 1000
+    phase3: Phase = 0.0
+    phase5: Phase = 0.0
+    phase7: Phase = 0.0
+    phase9: Phase = 0.0
+    phase11: Phase = 0.0
+    runout_mv: Annotated[float, Unit("mV"), Ge(0), Doc("force line once a revolution")] = 1.0
+    tooth_mv: Annotated[float, Unit("mV"), Ge(0), Doc("force line once a tooth")] = 2.0
+    teeth: Annotated[int, Ge(1), Le(100), Doc("teeth of the cutter")] = 2
+    encoder_um: Encoder = 0.0
+    noise_um: Noise = 0.0
+
+
+class Load(NamedTuple):
+    """A constant load at rest."""
+
+    load_mv: Annotated[float, Unit("mV"), Doc("constant load, as a voltage at the input")] = 1.32 * 3.0
+    encoder_um: Encoder = 0.0
+    noise_um: Noise = 0.0
+
+
+class StepMove(NamedTuple):
+    """A bare step from rest."""
+
+    size_um: Annotated[float, Unit("um"), Ge(-1e6), Le(1e6), Doc("size of the step")] = 10.0
+    encoder_um: Encoder = 0.0
+    noise_um: Noise = 0.0
+
+
+Move = Cutting | Load | StepMove
+
+
+def command(params: Move, motion: bool) -> Block:
+    """The reference block, in mm: a number, or a :class:`~leadscrew.references.motion.Motion`."""
+    if isinstance(params, StepMove):
+        distance = 1e-3 * params.size_um
+        return quintic(distance=distance, duration=0.0) if motion else step(target=distance)
+    amplitude = params.amplitude_mm if isinstance(params, Cutting) else 0.0
+    return (eased_sine_motion if motion else eased_sine)(amplitude=amplitude, frequency=BASE_HZ)
+
+
+def line_changes(frequencies: Sequence[Any], volts: Sequence[Any], phases: Sequence[Any]) -> dict[str, Any]:
+    """Parameters of ``five_sines`` by their keys, for as many lines as are given: numbers, or one a run of a batch."""
+    columns = zip(five_sines.params._fields, zip(frequencies, volts, phases, strict=True), strict=False)
+    return {
+        f"{place}.{field}": value for place, line in columns for field, value in zip(Line._fields, line, strict=True)
+    }
+
+
+def load(params: Move) -> Block:
+    """What disturbs the axis at the plant's input, in V, but for the lines of the spindle.
+
+    Raises:
+        ValueRefused: a column that Table II does not have.
+    """
+    if isinstance(params, StepMove):
+        return five_sines
+    if isinstance(params, Load):
+        return five_sines(**line_changes((0.0,), (1e-3 * params.load_mv,), (0.5 * math.pi,)))
+    if params.column not in (0, *PID_UM):
+        raise ValueRefused(f"column = {params.column!r} (scenario): Table II has {sorted(PID_UM)}; 0 is no lines")
+    sizes = volts(PID_UM[params.column]) if params.column else (0.0,) * len(LINES_HZ)
+    phases = (params.phase3, params.phase5, params.phase7, params.phase9, params.phase11)
+    return five_sines(**line_changes(LINES_HZ, sizes, phases))
+
+
+def spindle(params: Move) -> dict[str, float | int]:
+    """Parameters of ``xy_table_cutting`` for the lines of the spindle."""
+    if not isinstance(params, Cutting):
+        return {}
+    return {
+        "spindle_hz": params.spindle_rpm / 60.0,
+        "spindle_v": 1e-3 * params.runout_mv,
+        "teeth": params.teeth,
+        "tooth_v": 1e-3 * params.tooth_mv,
+    }
+
+
+SPEEDS = (1000, 2000, 3000)
+"""Spindle speeds of Table II, 1/min."""
+
+CUT_S = 20.0
+"""Of a run under cutting; its last 10 s, seven periods of the motion, are judged."""
+
+SCENARIOS: dict[str, Scenario] = {
+    s.name: s
+    for s in (
+        *(
+            Scenario(
+                f"spindle_{rpm}", Cutting(spindle_rpm=rpm, column=rpm),
+                f"1 mm at 0.7 Hz at {rpm} 1/min; its five lines are those of Table II under PID", CUT_S,
+            )
+            for rpm in SPEEDS
+        ),
+        *(
+            Scenario(
+                f"measured_{rpm}", Cutting(spindle_rpm=rpm, column=rpm, encoder_um=0.5, noise_um=0.1),
+                f"the same at {rpm} 1/min, read by an encoder of 0.5 um with 0.1 um of noise", CUT_S,
+            )
+            for rpm in SPEEDS
+        ),
+        Scenario("sine_1mm", Cutting(spindle_rpm=0.0, column=0), "1 mm at 0.7 Hz without cutting", CUT_S),
+        Scenario("sine_15mm", Cutting(15.0, 0.0, 0), "15 mm at 0.7 Hz without cutting", CUT_S),
+        Scenario(
+            "quiet", Cutting(0.0, 0.0, 0, encoder_um=0.5, noise_um=0.1),
+            "at rest, under the noise of the encoder alone: what the drive hears", 4.0,
+        ),
+        Scenario("constant_load", Load(), "at rest under a load of 3.96 mV: 3 um under Table I's PID", 3.0),
+        Scenario("step_10um", StepMove(), "a bare step of 10 um", 0.5),
+        *(
+            Scenario(
+                f"sine_{size}mm_on_friction_{level}", Cutting(float(size), 0.0, 0),
+                f"{size} mm at 0.7 Hz against friction: {words}", CUT_S,
+            )
+            for size, level, words in (
+                (1, "low", "2.6 mV"), (1, "medium", "20 mV"), (1, "high", "150 mV"), (15, "high", "150 mV"),
+            )
+        ),
+    )
+}  # fmt: skip
+"""By name; a name that ends in ``_on_MACHINE`` runs on that machine."""

@@ -1,0 +1,49 @@
+"""The XY table on two masses: the study's margins against the analysis of the loop that runs."""
+
+import pytest
+
+from leadscrew.analysis.stability.margins import margins
+from leadscrew.analysis.stability.sampled import sampled_loop
+from leadscrew.controllers.pid import TUNINGS, pid
+from leadscrew.kernel.loop import Loop
+from leadscrew.plants.xy_table_two_mass import XYTableTwoMassParams, xy_table_two_mass
+from leadscrew.references.sine import sine
+from leadscrew.studies.npid_xytable.claims_two_mass import two_mass_claims
+from leadscrew.studies.npid_xytable.runs import Loops
+from leadscrew.studies.npid_xytable.two_mass import TwoMassMap, judged, notched, slowed
+
+RETUNED = TUNINGS["ours.pid_ms_159"]
+
+
+@pytest.mark.parametrize(
+    ("controller", "hz", "at_table"),
+    [(RETUNED, 80.0, False), (notched(RETUNED, 150.0), 150.0, False), (slowed(RETUNED, 0.3), 120.0, True)],
+)
+def test_ms_is_that_of_the_loop_that_runs(controller, hz, at_table):
+    """By the steps themselves, delays in 25 us steps, on the analysis's own grid."""
+    plant = xy_table_two_mass(mode_hz=hz, at_table=at_table)
+    loop = Loop(
+        reference=sine(amplitude=1.0, frequency=0.7), controller=controller, plant=plant, period=0.5e-3, substeps=20,
+        computation_delay=0.775e-3, metrics={},
+    )  # fmt: skip
+    assert judged(controller, plant.params).ms == pytest.approx(margins(sampled_loop(loop)).ms, rel=2e-3)
+
+
+def test_without_a_mode_it_is_the_rigid_loop():
+    """L* of the digest: Ms 1.87, gain margin 2.51."""
+    stiff = XYTableTwoMassParams(mode_hz=5e4, mode_damping=0.5)
+    assert judged(pid, stiff).ms == pytest.approx(1.869, abs=2e-3)
+    gained = [pid(**{key: k * getattr(pid.params, key) for key in ("kp", "ki", "kd")}) for k in (2.500, 2.515)]
+    assert [judged(block, stiff).stable for block in gained] == [True, False]
+
+
+@pytest.mark.slow
+def test_every_required_claim_holds_and_pictures_are_drawn():
+    from leadscrew.studies.npid_xytable.figures_two_mass import two_mass_pictures
+
+    loops = Loops()
+    found = TwoMassMap(loops)
+    claims = two_mass_claims(loops, found)
+    assert [c.id for c in claims if c.kind != "report" and not c.passed] == []
+    assert len({c.id for c in claims}) == len(claims)
+    assert all(picture.draw().axes for picture in two_mass_pictures(found))
