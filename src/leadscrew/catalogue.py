@@ -22,6 +22,8 @@ if TYPE_CHECKING:
 BLOCKS: dict[str, str] = {
     # references
     "chirp": "leadscrew.references.chirp:chirp",
+    "eased_sine": "leadscrew.references.eased_sine:eased_sine",
+    "eased_sine_motion": "leadscrew.references.eased_sine:eased_sine_motion",
     "filtered_step": "leadscrew.references.filtered_step:filtered_step",
     "log_chirp": "leadscrew.references.chirp:log_chirp",
     "quintic": "leadscrew.references.quintic:quintic",
@@ -46,6 +48,7 @@ BLOCKS: dict[str, str] = {
     "ruler": "leadscrew.sensors.ruler:ruler",
     "screw_encoder": "leadscrew.sensors.screw_encoder:screw_encoder",
     # controllers
+    "cascade_ppi": "leadscrew.controllers.cascade_ppi:cascade_ppi",
     "csmc": "leadscrew.controllers.sliding.complementary:csmc",
     "csmc_ideal": "leadscrew.controllers.sliding.continuous:csmc_ideal",
     "duty_pd": "leadscrew.controllers.vud.duty_pd:duty_pd",
@@ -55,6 +58,9 @@ BLOCKS: dict[str, str] = {
     "fsmc_printed": "leadscrew.controllers.sliding.fuzzy:fsmc_printed",
     "fsmc_printed_ideal": "leadscrew.controllers.sliding.continuous:fsmc_printed_ideal",
     "npid": "leadscrew.controllers.npid:npid",
+    "npid_after": "leadscrew.controllers.npid_after:npid_after",
+    "npid_slope": "leadscrew.controllers.npid_slope:npid_slope",
+    "npid_split": "leadscrew.controllers.npid_split:npid_split",
     "pd_dob": "leadscrew.controllers.pd_dob:pd_dob",
     "pd_learned": "leadscrew.controllers.pd_learned:pd_learned",
     "pid": "leadscrew.controllers.pid:pid",
@@ -96,10 +102,16 @@ BLOCKS: dict[str, str] = {
     "mass_maxwell_slip": "leadscrew.plants.mass_maxwell_slip:mass_maxwell_slip",
     "mass_stribeck": "leadscrew.plants.mass_stribeck:mass_stribeck",
     "xy_table": "leadscrew.plants.xy_table:xy_table",
+    "xy_table_lugre": "leadscrew.plants.xy_table_lugre:xy_table_lugre",
+    "xy_table_two_mass": "leadscrew.plants.xy_table_two_mass:xy_table_two_mass",
+    "xy_table_cutting": "leadscrew.plants.xy_table_cutting:xy_table_cutting",
     # disturbances
+    "five_sines": "leadscrew.disturbances.five_sines:five_sines",
+    "kicked_load": "leadscrew.disturbances.kicked_load:kicked_load",
     "pulse_load": "leadscrew.disturbances.pulse_load:pulse_load",
     "sine_load": "leadscrew.disturbances.sine_load:sine_load",
     "step_load": "leadscrew.disturbances.step_load:step_load",
+    "wandering_spindle": "leadscrew.disturbances.wandering_spindle:wandering_spindle",
     "white_noise": "leadscrew.disturbances.white_noise:white_noise",
     # metrics
     "metrics.chatter": "leadscrew.kernel.metrics:chatter",
@@ -118,14 +130,24 @@ BLOCKS: dict[str, str] = {
 """Blocks that are ready to use."""
 
 MAKERS: dict[str, str] = {
+    "adaptive_resonant": "leadscrew.controllers.adaptive_resonant:adaptive_resonant",
+    "biquad": "leadscrew.controllers.biquad:biquad",
+    "dead_zone_inverse": "leadscrew.controllers.dead_zone_inverse:dead_zone_inverse",
     "feed_forward_table": "leadscrew.controllers.feed_forward_table:feed_forward_table",
+    "friction_feed_forward": "leadscrew.controllers.friction_feed_forward:friction_feed_forward",
     "friction_test": "leadscrew.references.friction_test:friction_test",
     "fuzzy.controller": "leadscrew.fuzzy:controller",
+    "input_dob": "leadscrew.controllers.input_dob:input_dob",
+    "inverse_feed_forward": "leadscrew.controllers.inverse_feed_forward:inverse_feed_forward",
+    "learned_feed_forward": "leadscrew.controllers.learned_feed_forward:learned_feed_forward",
     "look_ahead": "leadscrew.controllers.look_ahead:look_ahead",
     "path": "leadscrew.references.path:path",
     "path_from_gcode": "leadscrew.references.gcode:path_from_gcode",
+    "repetitive": "leadscrew.controllers.repetitive:repetitive",
+    "resonant": "leadscrew.controllers.resonant:resonant",
     "stairs": "leadscrew.references.stairs:stairs",
     "state_space": "leadscrew.plants.linear:state_space",
+    "tracking_differentiator": "leadscrew.controllers.tracking_differentiator:tracking_differentiator",
     "transfer_function": "leadscrew.plants.linear:transfer_function",
     "waypoints": "leadscrew.references.waypoints:waypoints",
 }
@@ -133,6 +155,7 @@ MAKERS: dict[str, str] = {
 
 STUDIES: dict[str, str] = {
     "fsmc_ballscrew": "leadscrew.studies.fsmc_ballscrew.study:STUDY",
+    "npid_xytable": "leadscrew.studies.npid_xytable.study:STUDY",
     "vud_lathe": "leadscrew.studies.vud_lathe.study:STUDY",
 }
 """The published systems."""

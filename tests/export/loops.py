@@ -3,11 +3,24 @@
 from dataclasses import replace
 
 from leadscrew.actuators.dead_zone import dead_zone
+from leadscrew.controllers.adaptive_resonant import adaptive_resonant
+from leadscrew.controllers.biquad import LowPass, Notch, biquad
+from leadscrew.controllers.cascade_ppi import cascade_ppi
+from leadscrew.controllers.dead_zone_inverse import dead_zone_inverse
+from leadscrew.controllers.friction_feed_forward import friction_feed_forward
+from leadscrew.controllers.input_dob import input_dob
+from leadscrew.controllers.learned_feed_forward import learned_feed_forward
+from leadscrew.controllers.npid_after import npid_after
+from leadscrew.controllers.npid_slope import TUNINGS as LIMITED
+from leadscrew.controllers.npid_split import npid_split
 from leadscrew.controllers.pd_dob import pd_dob
 from leadscrew.controllers.pid import TUNINGS
+from leadscrew.controllers.repetitive import repetitive
+from leadscrew.controllers.resonant import TUNINGS as RESONANT
 from leadscrew.controllers.sliding import smc_integral
 from leadscrew.controllers.sliding.fuzzy import TUNINGS as FSMC
 from leadscrew.controllers.sliding.super_twisting import super_twisting
+from leadscrew.controllers.tracking_differentiator import TUNINGS as FOLLOWED
 from leadscrew.controllers.vud import vud_beta_e, vud_scaled
 from leadscrew.fuzzy.block import controller
 from leadscrew.kernel.loop import Loop
@@ -16,12 +29,71 @@ from leadscrew.references.sine import sine
 from leadscrew.references.step import step
 from leadscrew.sensors.grating_count import grating_count
 from tests.controllers.stage_loop import stage_loop
+from tests.controllers.table_axis import table_axis
 from tests.controllers.xy_loop import xy_loop
 from tests.fuzzy.systems import mamdani, sugeno
 
 
 def pid():
     return xy_loop(TUNINGS["ours.pid_ms_159"](max_output=0.03, filter_s=1e-4), sine(amplitude=1.0, frequency=2.0))
+
+
+def npid_of_limited_slope():
+    return xy_loop(LIMITED["ours.npid_slope_159"](max_output=0.03), sine(amplitude=1.0, frequency=2.0))
+
+
+def npid_in_two_paths():
+    return xy_loop(npid_split(max_output=0.03), sine(amplitude=1.0, frequency=2.0))
+
+
+def npid_with_the_gain_behind():
+    return xy_loop(npid_after(max_output=0.03, anti_windup=2), sine(amplitude=1.0, frequency=2.0))
+
+
+def cascade():
+    return table_axis(cascade_ppi(kpos=150.0, kvp=0.004, kvi=0.6, acceleration_v=1e-5, max_output=0.06), frequency=5.0)
+
+
+def input_observer():
+    return table_axis(input_dob(TUNINGS["ours.pid_ms_159"], max_output=0.06), frequency=5.0)
+
+
+def friction_fed_forward():
+    return table_axis(friction_feed_forward(TUNINGS["ours.pid_ms_159"]), frequency=5.0)
+
+
+def following_the_spindle():
+    return table_axis(adaptive_resonant(TUNINGS["ours.pid_ms_159"]), frequency=5.0, spindle_hz=51.0, tooth_v=2e-3)
+
+
+def repeating():
+    return table_axis(repetitive(TUNINGS["ours.pid_ms_159"], 0.2 + 1e-4, room=500), frequency=5.0)
+
+
+def resonant_table():
+    return table_axis(RESONANT["ours.resonant_box"](max_output=0.04), frequency=5.0)
+
+
+def resonant_table_fed_forward():
+    return table_axis(RESONANT["ours.resonant_full"](**{"inner.spindle_hz": 50.0}), frequency=5.0)
+
+
+def table_that_learns_its_friction():
+    return table_axis(learned_feed_forward(TUNINGS["ours.pid_ms_159"], friction_share=0.0), frequency=5.0)
+
+
+def pid_through_a_notch():
+    block = biquad(TUNINGS["ours.pid_ms_159"], Notch(centre_hz=120.0, width_hz=30.0), LowPass(corner_hz=700.0))
+    return xy_loop(block, sine(amplitude=1.0, frequency=2.0))
+
+
+def pid_against_a_dead_zone():
+    drive = dead_zone(threshold=0.02, subtract=True)
+    return xy_loop(dead_zone_inverse(TUNINGS["ours.pid_ms_159"]), sine(amplitude=1.0, frequency=2.0), actuator=drive)
+
+
+def pid_with_a_tracking_differentiator():
+    return xy_loop(FOLLOWED["ours.pid_td"], sine(amplitude=1.0, frequency=2.0))
 
 
 def sliding_with_integral():

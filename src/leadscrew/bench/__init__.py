@@ -10,7 +10,7 @@ from leadscrew.bench.row import FIELDS
 PARTS = (
     "threads", "single runs", "batches", "settled loops", "other tools", "inference", "fuzzy systems",
     "stiff friction", "portable functions", "compilation", "fresh processes", "many runs",
-    "circular test",
+    "circular test", "robustness box",
 )  # fmt: skip
 """In this order: threads come first, before the bench itself puts load on the machine."""
 
@@ -22,7 +22,19 @@ def run(
 
     Targets are reported, not asserted: ``passed`` is True, False, or None where nothing is judged.
     """
-    from leadscrew.bench import circles, functions, fuzzy, machine, many, others, servo, stage, start, threads
+    from leadscrew.bench import (
+        circles,
+        functions,
+        fuzzy,
+        machine,
+        many,
+        others,
+        robustness,
+        servo,
+        stage,
+        start,
+        threads,
+    )
 
     rounds = 3 if quick else 9
     rows = [machine.row_of_load("before")]
@@ -41,6 +53,7 @@ def run(
         "fresh processes": lambda: start.rows(min(rounds, 5)),
         "many runs": lambda: many.rows(quick),
         "circular test": lambda: circles.rows(quick),
+        "robustness box": lambda: robustness.rows(quick),
     }
     for i, part in enumerate(parts):
         if progress is not None:
