@@ -84,6 +84,8 @@ def test_a_sector_beyond_the_nyquist_limit_is_refused_in_a_sentence(call):
 def test_a_grid_that_is_too_coarse_is_refused_in_a_sentence(call):
     found = certified("npid_slope", "--points", 12)
     circle = found["autonomous"][0]
+    assert found["margins"]["numbers"]["gm"] == pytest.approx(2.51, abs=0.001), "margins keep the loop's own grid"
+    assert any("too coarse" in w for w in found["warnings"])
     assert circle["grade"] == "refused" and "The grid of 12 frequencies is too coarse" in circle["statement"]
     assert found["driven"]["grade"] == "certificate", "a matrix inequality needs no grid"
     assert certified("npid_slope", "--points", 400)["autonomous"][0]["grade"] == "grid-checked"

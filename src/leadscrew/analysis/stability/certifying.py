@@ -19,7 +19,6 @@ if TYPE_CHECKING:
     from leadscrew.analysis.stability.cycles import CyclePrediction
     from leadscrew.kernel.loop import Loop
 
-DAMPED = 1e-12
 MOST_STATES = 100
 """More take minutes: an exact proof costs the fourth power of their number."""
 LOWEST_RAD_S = 1e-4
@@ -74,16 +73,19 @@ def certify(
     assert block is not None
     _check_size(loop)
     taken = lure(block, loop.period)
-    whole = answering(sampled_loop(with_controller(loop, taken.linear), name or loop.name))
-    linear = whole if taken.map.shared is None else answering(around(loop, taken, name or loop.name))
+    whole = sampled_loop(with_controller(loop, taken.linear), name or loop.name)
+    linear = whole if taken.map.shared is None else around(loop, taken, name or loop.name)
     grid = None if points is None else np.geomspace(LOWEST_RAD_S, linear.nyquist, points)
     stable = whole.stable(1.0)
     found: tuple[Certificate, ...] = ()
-    asked, pushed, cycle = None, None, None
+    asked, pushed, cycle, gaps = None, None, None, None
     if taken.nonlinear:
         found = _autonomous(linear, taken, grid)
-        if grid is not None:
-            found = _without_gaps(found, linear, grid)
+        gaps = None if grid is None else _gaps(linear, grid)
+        if gaps is not None:
+            found = tuple(
+                replace(c, grade="refused", statement=gaps) if c.grade == "grid-checked" else c for c in found
+            )
         asked = _popov(linear, taken) if model else None
     if taken.slope_sector is not None:
         from leadscrew.analysis.stability.driven import driven
@@ -92,9 +94,10 @@ def certify(
     if stable and taken.nonlinear and not taken.dependent and taken.map.shared is None:
         cycle = _worst_cycle(linear, taken)
     run = None if seconds is None else _run(loop, taken, seconds)
-    warnings = [*taken.notes, *linear.notes, *_remarks(taken, run, block.full_scale)]
+    said = [] if gaps is None else [gaps]
+    warnings = [*said, *taken.notes, *linear.notes, *_remarks(taken, run, block.full_scale)]
     return Certification(
-        of_loop(linear), taken, linear, level, factor, proof, margins(whole, grid=grid), stable,
+        of_loop(linear), taken, linear, level, factor, proof, margins(whole), stable,
         found, asked, pushed, cycle, tuple(dict.fromkeys(warnings)), run,
     )  # fmt: skip
 
@@ -112,21 +115,6 @@ def _check_size(loop: Loop) -> None:
             f"{block.name} has {states} states with its delays, the memory of a repetitive controller for example; at "
             f"most {MOST_STATES} can be certified: put a resonator for each line in place of the memory"
         )
-
-
-def answering(linear: LinearLoop) -> LinearLoop:
-    """The loop; its undamped poles damped by :data:`DAMPED` where a frequency of its grid meets one exactly."""
-    from leadscrew.analysis.stability.grid import own_grid
-
-    try:
-        linear.response(own_grid(linear).w)
-        return linear
-    except np.linalg.LinAlgError:
-        said = (
-            f"An undamped pole of the open loop (a resonator) is damped by {DAMPED:g} of itself, so that the response "
-            "is finite at every frequency; the saved matrices are these."
-        )
-        return replace(linear, a=(1.0 - DAMPED) * linear.a, notes=(*linear.notes, said))
 
 
 def with_controller(loop: Loop, block: Any) -> Loop:
@@ -184,20 +172,19 @@ def _autonomous(linear: LinearLoop, taken: Lure, grid: Any) -> tuple[Certificate
     return (*found, lmi_zames_falb(linear, k1, k2, taken.slope_sector[1]))
 
 
-def _without_gaps(found: tuple[Certificate, ...], linear: LinearLoop, grid: np.ndarray) -> tuple[Certificate, ...]:
-    """The certificates, those that were checked on a grid refused where it is too coarse for the loop's phase."""
+def _gaps(linear: LinearLoop, grid: np.ndarray) -> str | None:
+    """Where a grid is too coarse for the loop's phase, in a sentence; None where it will do."""
     g = linear.response(grid)
     turn = np.abs(np.angle(g[1:] / g[:-1]))
     turn[np.minimum(np.abs(g[1:]), np.abs(g[:-1])) < 0.01] = 0.0
     worst = int(np.argmax(turn))
     if turn[worst] <= WIDEST_TURN:
-        return found
-    said = (
+        return None
+    return (
         f"The grid of {len(grid)} frequencies is too coarse: between {grid[worst]:.4g} and {grid[worst + 1]:.4g} rad/s "
         f"the loop's phase turns by {math.degrees(turn[worst]):.0f} deg, so that the tightest frequency can be missed. "
         f"At most {math.degrees(WIDEST_TURN):.0f} deg will do: more points, or none given for the loop's own grid."
     )
-    return tuple(replace(c, grade="refused", statement=said) if c.grade == "grid-checked" else c for c in found)
 
 
 def _popov(linear: LinearLoop, taken: Lure) -> Certificate | None:

@@ -19,6 +19,10 @@ from leadscrew.analysis.stability.lure import ErrorMap
 from leadscrew.controllers import npid, npid_after, npid_slope, npid_split
 from leadscrew.controllers.npid_split import NPIDSplitParams, NPIDSplitState, paths
 from leadscrew.kernel.block import Block, make
+from leadscrew.kernel.errors import ValueRefused
+
+LARGEST = 100.0
+"""Of ``alpha e_max``: the gain is 1e43 there."""
 
 
 def known() -> dict[type, Callable[[Any], ErrorMap]]:
@@ -26,6 +30,11 @@ def known() -> dict[type, Callable[[Any], ErrorMap]]:
 
     def cosh(p: Any) -> ErrorMap:
         x = p.alpha * p.e_max
+        if x > LARGEST:
+            raise ValueRefused(
+                f"alpha e_max = {x:g} (npid): cosh of it has no number; at most {LARGEST:g}. Is e_max in the unit of "
+                "the error inside the gain?"
+            )
         top, steepest = math.cosh(x), math.cosh(x) + x * math.sinh(x)
         clipped = bool(p.clip_error)
         note = (
