@@ -67,7 +67,8 @@ def driven(loop: LinearLoop, slopes: tuple[float, float], asked: float = 1.0) ->
         law = f"With slopes of the error law in {interval(s1, top)}" if s1 != top else "Linear"
         said = (
             f"{law}, {loop.name!r} is stable under every command and load: {KEPT}. Proved in exact arithmetic for its "
-            f"matrices in double precision, and for all that differ from them by up to {proof.tolerance:.2g} of each entry; their rounding is below {ROUNDING:.2g}."
+            f"matrices in double precision, and for all that differ from them by up to {proof.tolerance:.2g} of each "
+            f"entry; their rounding is below {ROUNDING:.2g}."
         )
         numbers |= {"p": proof.p, "order": proof.order, "tolerance": proof.tolerance, "rounding": ROUNDING}
         return _certificate(loop, slopes, "certificate", said, max(top, limit or top), None, numbers)
