@@ -47,6 +47,16 @@ def test_phases_asked_for_in_the_error_are_found_there():
     assert np.cos(relative - asked) == pytest.approx(np.ones(5), abs=1e-6)
 
 
+def test_the_fitted_scenarios_have_the_fitted_phases_and_come_near_the_printed_column():
+    loops, off = Loops(), []
+    for rpm, phases in FITTED.items():
+        p = TABLE.scenario(f"fitted_{rpm}").params
+        given = np.array([p.phase3, p.phase5, p.phase7, p.phase9, p.phase11])
+        assert np.cos(given - of_the_disturbance(np.array(phases), 0.775e-3)) == pytest.approx(np.ones(5), abs=1e-7)
+        off += list(amplitudes_um(loops.run("corrected.npid_um", f"fitted_{rpm}")) - NPID_UM[rpm])
+    assert np.sqrt(np.mean(np.square(off))) <= 0.12
+
+
 def test_the_law_undoes_the_gain():
     errors = np.array([-40.0, -2.7, -0.3, 0.0, 1.1, 2.999, 8.0])
     scaled = np.array([1e3 * scaled_error(npid.params, 1e-3 * e) for e in errors])

@@ -119,6 +119,17 @@ SPEEDS = (1000, 2000, 3000)
 CUT_S = 20.0
 """Of a run under cutting; its last 10 s, seven periods of the motion, are judged."""
 
+FITTED_MM = 0.4212
+"""Amplitude of the motion whose following error under PID is 3 um."""
+
+FITTED = {
+    1000: (4.4582, 1.4098, 4.4563, 3.0743, 6.0035),
+    2000: (4.7736, 5.4416, 1.8207, 3.4209, 2.9254),
+    3000: (4.2064, 5.8132, 2.3483, 4.6275, 0.8124),
+}
+"""Phases of the disturbance in L*, rad, under which NPID comes nearest to its column of Table II
+(:data:`leadscrew.studies.npid_xytable.compression.FITTED`, moved from the error to the disturbance)."""
+
 SCENARIOS: dict[str, Scenario] = {
     s.name: s
     for s in (
@@ -133,6 +144,13 @@ SCENARIOS: dict[str, Scenario] = {
             Scenario(
                 f"measured_{rpm}", Cutting(spindle_rpm=rpm, column=rpm, encoder_um=0.5, noise_um=0.1),
                 f"the same at {rpm} 1/min, read by an encoder of 0.5 um with 0.1 um of noise", CUT_S,
+            )
+            for rpm in SPEEDS
+        ),
+        *(
+            Scenario(
+                f"fitted_{rpm}", Cutting(FITTED_MM, rpm, rpm, *FITTED[rpm], runout_mv=0.0, tooth_mv=0.0),
+                f"0.42 mm, Table II's lines of {rpm} 1/min, with phases fitted to its NPID column", CUT_S,
             )
             for rpm in SPEEDS
         ),
