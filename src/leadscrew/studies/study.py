@@ -55,6 +55,20 @@ class StudyResult:
     topics: tuple[tuple[str, int], ...] = ()
     """Headings of the claims, in their order, and how many stand below each; none: all in one table."""
 
+    @classmethod
+    def of(
+        cls,
+        judged: list[tuple[str, list[Claim]]],
+        pictures: list[Picture],
+        runs: Mapping[str, Any],
+        findings: Callable[[list[Claim]], list[str]],
+    ) -> StudyResult:
+        """The result for claims below their headings; ``findings`` makes the notes of all of them."""
+        claims = [claim for _, below in judged for claim in below]
+        return cls(
+            claims, pictures, dict(runs), findings(claims), tuple((title, len(below)) for title, below in judged)
+        )
+
     def by_topic(self) -> list[tuple[str, list[Claim]]]:
         """The claims below their headings; one group without a heading where the study has none."""
         if not self.topics:

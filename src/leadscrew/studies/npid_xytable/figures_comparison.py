@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -77,7 +77,7 @@ def _traces(found: Results) -> Figure:
 
     figure = Figure(figsize=(8.0, 6.5), layout="constrained")
     for axes, name in zip(figure.subplots(len(SHOWN), 1, sharex=True), SHOWN, strict=True):
-        run = found.loops.run(name, "spindle_1000", changes=_told(found, name))
+        run = found.loops.run(name, "spindle_1000", **_told(found, name))
         last = run.time >= run.time[-1] - 1.0 / 0.7
         axes.plot(run.time[last] - run.time[last][0], 1e3 * run["true_error"][last], linewidth=0.9, **pen(name))
         axes.set_ylabel("error (um)")
@@ -87,9 +87,10 @@ def _traces(found: Results) -> Figure:
     return figure
 
 
-def _told(found: Results, name: str) -> dict[str, float]:
-    """The spindle's speed, for a controller that is told it."""
-    return {spindle_key(found.loops.get(name, "spindle_1000")): 1000.0 / 60.0} if name in TOLD else {}
+def _told(found: Results, name: str) -> dict[str, Any]:
+    """The spindle's speed, for a controller that is told it, as an option of a run."""
+    key = spindle_key(found.loops.get(name, "spindle_1000")) if name in TOLD else None
+    return {} if key is None else {"changes": {key: 1000.0 / 60.0}}
 
 
 def _phases(found: Results) -> Figure:

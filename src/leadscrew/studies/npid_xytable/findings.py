@@ -41,8 +41,8 @@ the spindle's lines: it works by the size of the error. This holds at a quiet op
 the drive may be louder a linear PID is better than either.
 
 Against 150 mV of friction a learned feed-forward keeps {m5_friction_rms:.2g} um rms on 15 mm,
-{m5_friction_rms_corners:.2g} um with everything off. Believing half or double the presliding travel it does not keep
-1 um.
+{m5_friction_rms_corners:.2g} um with friction and presliding 20 % and the gain 10 % off. Believing half or double the
+presliding travel it does not keep 1 um.
 
 A mode of 40 to 150 Hz between motor and table makes every PID here unstable that reads the scale at the table; a
 notch, or the motor's encoder, is the way out.

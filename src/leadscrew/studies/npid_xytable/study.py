@@ -20,15 +20,8 @@ def evaluate(progress: Callable[[str, float], None] = lambda what, done: None) -
 
     found = Results()
     judged = topics(found, progress)
-    claims = [claim for _, below in judged for claim in below]
     progress("figures", 1.0)
-    return StudyResult(
-        claims,
-        all_pictures(found),
-        found.loops.runs,
-        findings(claims),
-        tuple((title, len(below)) for title, below in judged),
-    )
+    return StudyResult.of(judged, all_pictures(found), found.loops.runs, findings)
 
 
 STUDY = Study(

@@ -24,11 +24,9 @@ def evaluate(progress: Callable[[str, float], None] = lambda what, done: None) -
 
     found = results(lambda what, done: progress(what, RUNNING * done))
     judged = topics(found, lambda what, done: progress(what, RUNNING + (1.0 - RUNNING) * done))
-    claims = [claim for _, below in judged for claim in below]
-    notes = findings(claims, found.runs, learn(found.moves))
     progress("figures", 1.0)
-    return StudyResult(
-        claims, all_pictures(found), dict(found.runs), notes, tuple((title, len(below)) for title, below in judged)
+    return StudyResult.of(
+        judged, all_pictures(found), found.runs, lambda claims: findings(claims, found.runs, learn(found.moves))
     )
 
 
