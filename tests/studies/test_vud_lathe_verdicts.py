@@ -12,6 +12,7 @@ from tests.studies.contract import (
     assert_required_met_and_explained,
 )
 
+pytestmark = pytest.mark.slow
 LATHE = study("vud_lathe")
 SAID = []
 
