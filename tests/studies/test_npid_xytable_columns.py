@@ -9,7 +9,14 @@ from leadscrew.controllers.wrapping import takes_motion
 from leadscrew.kernel.errors import LeadscrewError
 from leadscrew.studies.npid_xytable.calibration import LINES_HZ, gain_um_per_mv, responses
 from leadscrew.studies.npid_xytable.columns import NPID_UM, PID_UM, PRINTED_PERCENT
-from leadscrew.studies.npid_xytable.compression import FITTED, misfit_um, npid_rows, of_the_disturbance, uncompressed
+from leadscrew.studies.npid_xytable.compression import (
+    FITTED,
+    misfit_um,
+    npid_rows,
+    of_the_disturbance,
+    refitted,
+    uncompressed,
+)
 from leadscrew.studies.npid_xytable.runs import Loops, amplitudes_um, spindle_lines_hz, tail_um
 from leadscrew.studies.npid_xytable.trials import BOX, phases_of, trial
 
@@ -67,6 +74,14 @@ def test_large_errors_are_cut_by_the_largest_gain_and_small_ones_not_at_all():
     large = npid_rows(1000, np.zeros(5), 1e4)
     assert large / PID_UM[1000] == pytest.approx(np.full(5, 1.0 / np.cosh(1.5)), rel=0.01)
     assert misfit_um(3.0, {r: np.array(p) for r, p in FITTED.items()}) == pytest.approx(0.1192, abs=1e-4)
+
+
+@pytest.mark.slow
+def test_a_following_error_of_e_max_fits_best():
+    digest = {1.4: 0.162, 2.0: 0.138, 2.5: 0.125, 3.0: 0.119, 3.5: 0.120, 4.0: 0.127, 5.0: 0.142, 7.1: 0.169}
+    found = {motion: misfit_um(motion, refitted(motion, starts=3)) for motion in digest}
+    assert list(found.values()) == pytest.approx(list(digest.values()), abs=0.0015)
+    assert min(found, key=found.get) == 3.0
 
 
 def test_a_batch_of_trials_is_its_runs_one_by_one():

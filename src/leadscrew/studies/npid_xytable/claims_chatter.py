@@ -52,7 +52,7 @@ def _table(rows: c.Rows) -> Iterator[Claim]:
         turning = size > c.QUIET_UM
         yield own(
             f"chatter_mean_{key}", NO_PAPER, f"mean error of NPID in L* under a load of {load:g} um", mean, "um",
-            MEANS_UM[k], "the mean over 0.5 s, no whole number of turns, wanders by 0.01 um and more with its beginning"
+            MEANS_UM[k], "the mean over 0.5 s, no whole number of turns, wanders by up to 0.03 um with its beginning"
             if turning else f"phi(e) = {load:g} um but for the slow integral and the finite gain of the axis",
             tolerance=0.03 if turning else 0.005 if load < 20.0 else 0.05,
         )  # fmt: skip

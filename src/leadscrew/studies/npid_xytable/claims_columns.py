@@ -7,6 +7,9 @@ from functools import partial
 
 import numpy as np
 
+from leadscrew.controllers.pid import TUNINGS as PID
+from leadscrew.controllers.pid import pid
+from leadscrew.plants.xy_table import xy_table
 from leadscrew.report.claim import Claim
 from leadscrew.studies.npid_xytable.calibration import BASE_HZ, DEAD_TIME_S, LINES_HZ, responses
 from leadscrew.studies.npid_xytable.columns import NPID_UM, PID_UM, PRINTED_PERCENT
@@ -19,6 +22,7 @@ from leadscrew.studies.npid_xytable.compression import (
     refitted,
     uncompressed,
 )
+from leadscrew.studies.npid_xytable.rejection import opened
 from leadscrew.studies.npid_xytable.runs import Loops, amplitudes_um
 from leadscrew.studies.npid_xytable.saying import said
 from leadscrew.studies.npid_xytable.scenarios import SPEEDS
@@ -31,7 +35,36 @@ RANDOM = {0.0: ("0", 20.2), 0.42: ("042", 38.2), 1.0: ("1", 53.1), 15.0: ("15", 
 
 def columns_claims(loops: Loops) -> list[Claim]:
     """A7, A8, A9, and the compression law behind them."""
-    return [*_pid(loops), *_fitted(loops), *_random(loops), *_compression(loops)]
+    return [*_plant(), *_pid(loops), *_fitted(loops), *_random(loops), *_compression(loops)]
+
+
+def _plant() -> Iterator[Claim]:
+    p = xy_table.params
+    slow, fast = sorted(np.roots([1.0, p.damping, p.stiffness]).real, key=abs)
+    facts = {
+        "pole_fast": ("fast pole of the plant", fast, "rad/s", -143.64, 0.005),
+        "pole_slow": ("slow pole of the plant", slow, "rad/s", -1.158, 5e-4),
+        "dc_gain": ("gain of the plant at rest", p.gain / p.stiffness, "mm/V", 417.2, 0.05),
+        "popov_swing": (
+            "swing of w Im G at high frequency, ideal derivative",
+            pid.params.kd * p.gain,
+            "rad/s",
+            472.0,
+            0.5,
+        ),
+        "crossover_185": ("gain crossover of the retuned PID of Ms 1.85", _crossover(), "rad/s", 398.0, 0.5),
+    }
+    for name, (words, value, unit, target, tolerance) in facts.items():
+        yield said(
+            f"plant_{name}", "equation (1)", words, float(value), unit, target, "worked out from the coefficients",
+            tolerance=tolerance, basis="printed plant",
+        )  # fmt: skip
+
+
+def _crossover() -> float:
+    from leadscrew.analysis.stability import margins
+
+    return float(margins(opened(PID["ours.pid_ms_185"])).w_gc)
 
 
 def _pid(loops: Loops) -> Iterator[Claim]:
@@ -154,6 +187,11 @@ def _compression(loops: Loops) -> Iterator[Claim]:
                 f"following error of {motion:g} um", own[order], "um", value,
                 "a sine through the inverse of the gain's curve: small lines can so get worse", tolerance=0.006,
             )  # fmt: skip
+    third = amplitudes_um(loops.run(NPID, "sine_1mm"), LINES_HZ)[0]
+    yield said(
+        "compression_own_3_chatter", "Table II", "line 3 that NPID makes itself at 1 mm in L*, where it chatters",
+        third, "um", 0.31, "0.47 um by the law: chatter smooths the gain's curve", tolerance=0.006,
+    )  # fmt: skip
     amplitude, draws = 1.0, phases_of(DRAWS)
     simulated = random_trial(loops, amplitude).by_row()
     motion = 1e3 * amplitude * abs(responses(BASE_HZ)[0])

@@ -110,9 +110,9 @@ def _ours(loops: Loops) -> Iterator[Claim]:
                word(d.binding == ("stability under command and load", "noise budget")), "", "yes",
                f"binding: {', '.join(d.binding) or 'nothing'}; gain {b.gain:.3f} of {limits.gain:.3f} allowed at rest",
                sense="yes/no")
-    yield said("design_es", source, "es of the designed law: finite, because of the noise", b.scale_um, "um", 0.5,
-               f"within [0.2, 0.8] um; the digest took 0.5 um, the budget is {limits.budget_mv:.2f} mV a period at "
-               f"rest, 1.2 times the PID's {d.base.rest_du_mv:.2f}", tolerance=0.3)
+    yield said("design_es", source, "es of the designed law: far from 0, because of the noise", b.scale_um, "um", 0.1,
+               f"the digest took 0.5 um by hand; the budget is {limits.budget_mv:.2f} mV a period at "
+               f"rest, 1.2 times the PID's {d.base.rest_du_mv:.2f}", sense=">=")
     yield said("design_degenerate", source, "es of the best candidate where noise is not counted: towards 0",
                d.free.scale_um, "um", 0.01, f"a constant gain of {d.free.gain:.3f}, as loud as "
                f"{d.free.rest_du_mv:.1f} mV a period at rest; score {d.free.score:.3f} against {b.score:.3f}",

@@ -230,16 +230,18 @@ def _unit(loops: Loops) -> Iterator[Claim]:
     largest = float(np.abs(rows[1]).max())
     yield table(
         "unit_rows_1mm", "abstract, Table II", "largest change of a row of Table II by NPID with the error in mm, 1 mm",
-        largest, "%", 0.15, f"fifteen rows, at most {largest:.1e} %", sense="<=",
+        largest, "%", 0.005, f"fifteen rows, at most {largest:.1e} %; at the largest error of 11 um the slope of f is "
+        "1 + 4.5e-5", sense="<=",
         verdict="not reproduced" if largest < 8.0 else "reproduced",
     )  # fmt: skip
     far = rows[2]
     own = 1e3 * UNIT_MM[2] * abs(responses(BASE_HZ)[0])
     yield table(
-        "unit_rows_15mm", "abstract, Table II", "the same, 15 mm", float(np.abs(far).max()), "%", None,
-        f"rows change by {far.min():+.2f} to {far.max():+.2f} %, on average {far.mean():+.2f} %: a following error of "
-        f"{own:.0f} um makes a third harmonic of its own, {own * (0.5e-3 * own) ** 2 / 8.0:.3f} um, which adds to the "
-        "row of 2.1 Hz or takes from it, as phases have it", kind="report",
+        "unit_rows_15mm", "abstract, Table II", "the same, 15 mm", float(np.abs(far).max()), "%", 0.15,
+        f"0.15 % in the digest, which we miss: rows change by {far.min():+.2f} to {far.max():+.2f} %, on average "
+        f"{far.mean():+.2f} %: a following error of {own:.0f} um makes a third harmonic of its own, "
+        f"{own * (0.5e-3 * own) ** 2 / 8.0:.3f} um, which adds to the row of 2.1 Hz or takes from it, by phases",
+        sense="<=", kind="report",
         verdict="not reproduced" if np.abs(far).max() < 8.0 else "reproduced",
     )  # fmt: skip
     following = 1e3 * abs(responses(BASE_HZ)[0])

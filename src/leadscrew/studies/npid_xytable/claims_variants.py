@@ -87,7 +87,7 @@ def _limited(loops: Loops) -> Iterator[Claim]:
     less = 100.0 * (1.0 - size[1::2] / size[::2])
     yield said("slope_limited_reduction", "section II", "reduction of the rms error by the slope-limited law, 15 mm",
                float(less[1]), "%", limit, f"1 - 1/k = {limit:.1f} % for large errors, what is missing is "
-               f"lost at the reversals; at 1 mm {less[0]:.1f} %", sense="<=")
+               f"lost at the reversals; at 1 mm {less[0]:.1f} %", kind="report")
     yield said("slope_limited_calm", "section II", "change of its output from period to period on a 1 mm sine, rms",
                float(calm[1]), "mV", 0.02, f"the cosh of Table I chatters there; largest error {most[1]:.2f} um",
                sense="<=")
