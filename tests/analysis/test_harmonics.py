@@ -331,3 +331,30 @@ def test_sampling_says_its_length_and_nyquist():
     taken = sampling(times(20000, start=5.0))
     assert (taken.samples, taken.duration, taken.nyquist, taken.start) == (20000, pytest.approx(10.0), 1000.0, 5.0)
     assert taken.time == pytest.approx(times(20000, start=5.0)) and isinstance(taken, Sampling)
+
+
+def test_noise_alone_is_no_spindle():
+    """By the interval of one line most of these records have one: the best of many places is that large by chance."""
+    t, seen, taken = times(3200, rate=200.0), 0, 0
+    for seed in range(20):
+        y = np.random.default_rng(seed).normal(size=len(t))
+        try:
+            fitted_fundamental(t, y, 1100.0 / 60.0, (1, 2), 0.02)
+        except DataError:
+            continue
+        seen += 1
+        with pytest.raises(DataError, match=r"no fundamental within 2 % of 1100 1/min: .* no better than noise"):
+            measure(t, y, spindle_rpm=1100.0, teeth=2, fit_spindle=True)
+        y = y + 0.3 * np.sin(2 * np.pi * 1090.0 / 60.0 * t)
+        found = measure(t, y, spindle_rpm=1100.0, teeth=2, fit_spindle=True).spindle
+        taken += abs(60.0 * found.frequency - 1090.0) < 5.0 * 60.0 * found.sd
+    assert seen > 8 and taken == seen
+
+
+def test_a_line_of_which_there_is_a_part_of_a_period_is_not_to_be_believed():
+    t = times(200)
+    notes = measure(t, np.sin(2 * np.pi * 30.0 * t), base=0.7, lines=(30.0,)).notes
+    assert any(
+        "order 1: 0.07 of a period" in n and "do not believe its amplitude" in n and "1.43 s" in n for n in notes
+    )
+    assert not any(n.startswith("30 Hz") for n in notes)

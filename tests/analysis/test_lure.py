@@ -7,15 +7,23 @@ import numpy as np
 import pytest
 
 from leadscrew.analysis.stability.lure import ErrorMap, declare, lure
+from leadscrew.analysis.stability.sampled import sampled_loop
 from leadscrew.catalogue import block
 from leadscrew.controllers.feed_forward_table import feed_forward_table
-from leadscrew.controllers.npid import READINGS, npid
+from leadscrew.controllers.learned_feed_forward import learned_feed_forward
+from leadscrew.controllers.look_ahead import look_ahead
+from leadscrew.controllers.npid import READINGS, NPIDParams, npid
 from leadscrew.controllers.npid_after import npid_after
 from leadscrew.controllers.npid_slope import npid_slope
 from leadscrew.controllers.parallel import PIDState
+from leadscrew.controllers.pd_dob import pd_dob
 from leadscrew.controllers.pid import pid
-from leadscrew.kernel.block import controller
+from leadscrew.kernel.block import controller, make
 from leadscrew.kernel.errors import ValueRefused
+from leadscrew.kernel.loop import Loop
+from leadscrew.plants.xy_table_cutting import xy_table_cutting
+from leadscrew.references.eased_sine import eased_sine_motion
+from leadscrew.studies.npid_xytable.controllers import CONTROLLERS
 from tests.controllers.xy_loop import outputs
 
 UM = 1e-3
@@ -54,9 +62,20 @@ def test_a_gain_behind_the_pid_is_no_static_map():
     assert any("circle criterion" in note for note in found.notes)
 
 
-@pytest.mark.parametrize("name", ["pid", "torque_pid", "pd_dob"])
-def test_linear_controllers_have_the_sector_one(name):
-    found = lure(block(name, "controller"))
+@pytest.mark.parametrize(
+    "linear",
+    [
+        pid,
+        block("torque_pid"),
+        pd_dob(kp_slow=0.0, kd_slow=0.0),
+        look_ahead(pd_dob(kp_slow=0.0, kd_slow=0.0), acts_late_s=1e-4, seen_late_s=1e-4),
+        *(CONTROLLERS[f"ours.{k}"] for k in ("pid_ff", "cascade", "pid_dob_150", "resonant_full", "repetitive")),
+        learned_feed_forward(pid, rate=0.0),
+    ],
+    ids=lambda b: b.name,
+)
+def test_linear_controllers_have_the_sector_one_whatever_their_command_adds(linear):
+    found = lure(linear)
     assert not found.nonlinear and found.sector == found.slope_sector == (1.0, 1.0) and found.curve(0.3) == 0.3
 
 
@@ -76,6 +95,7 @@ def test_the_map_is_the_one_that_the_step_computes(inner):
     h = 1e-8
     secant = [(found.curve(e + h) - found.curve(e - h)) / (2.0 * h) for e in errors + 0.11 * UM]
     assert found.slope(errors + 0.11 * UM) == pytest.approx(secant, rel=1e-5)
+    assert found.slope_sector is not None
     low, high = found.slope_sector
     assert low <= found.slope(errors).min() and found.slope(errors).max() <= high
 
@@ -89,6 +109,62 @@ def test_a_limit_of_the_output_is_named_and_left_out():
     found = lure(npid(max_output=10.0))
     assert "10 V" in found.notes[0] and found.linear.params.max_output == 0.0
     assert not lure(pid(max_output=0.01)).nonlinear
+
+
+class Scheduled(NamedTuple):
+    kp: float = 1.32
+    kd: float = 0.006805
+    per_mm: float = 0.0
+    per_speed: float = 0.0
+    beyond_mm: float = 0.0
+
+
+@controller(Scheduled(), PIDState(), unit="V")
+def scheduled(p, s, command, feedback, dt):
+    """A PD with a gain that grows with the command, or with its speed."""
+    e = command.position - feedback
+    g = 1.0 + p.per_mm * max(abs(command.position) - p.beyond_mm, 0.0) + p.per_speed * abs(command.velocity)
+    return PIDState(0.0, e, 0.0, 0.0), g * (p.kp * e + p.kd * (e - s.last) / dt)
+
+
+class Weighted(NamedTuple):
+    law: NPIDParams = NPIDParams()
+    per_mm: float = 0.0
+
+
+def weighted(p, s, command, feedback, dt):
+    """An NPID whose output grows with the command."""
+    after, u = npid.step(p.law, s, command, feedback, dt)
+    return after, u * (1.0 + p.per_mm * abs(command))
+
+
+@pytest.mark.parametrize("gain", [{"per_mm": 50.0}, {"per_mm": 1e-4}, {"per_mm": 1.0, "beyond_mm": 14.0},
+                                  {"per_speed": 1e-4}])  # fmt: skip
+def test_a_gain_that_is_scheduled_on_the_command_is_refused(gain):
+    assert not lure(scheduled).nonlinear
+    with pytest.raises(ValueRefused, match="answers the same error differently under a command"):
+        lure(scheduled(**gain))
+
+
+def test_so_is_one_behind_a_declared_map_and_shares_that_are_learned_and_gains_by_speed():
+    by_command = make("controller", weighted, Weighted(), PIDState())
+    assert lure(by_command).nonlinear
+    for changing in (by_command(per_mm=0.01), learned_feed_forward(pid), pd_dob):
+        with pytest.raises(ValueRefused, match="schedules on the command or adapts to it"):
+            lure(changing)
+
+
+def test_sampled_loop_refuses_them_too():
+    def loop(law):
+        return Loop(reference=eased_sine_motion, controller=law, plant=xy_table_cutting, period=5e-4, metrics={})
+
+    still = sampled_loop(loop(scheduled)).closed_poles()
+    assert np.abs(still).max() < 1.0
+    for changing in (scheduled(per_mm=50.0), scheduled(per_speed=1e-3), learned_feed_forward(pid)):
+        with pytest.raises(ValueRefused, match="it answers an error otherwise"):
+            sampled_loop(loop(changing))
+    held = sampled_loop(loop(learned_feed_forward(pid, rate=0.0)))
+    assert held.gain_limit() == pytest.approx(2.51, abs=1e-3)
 
 
 @pytest.mark.parametrize("name", ["smc", "vud_beta_e", "power_law", "super_twisting"])
@@ -159,9 +235,6 @@ def test_a_controller_of_ones_own_is_taken_apart_by_its_declared_map():
 
 
 def test_a_part_beside_the_nonlinear_gain_is_refused():
-    from leadscrew.controllers.npid import NPIDParams
-    from leadscrew.kernel.block import make
-
     class Both(NamedTuple):
         inner: NPIDParams = NPIDParams()
         beside: float = 0.5

@@ -106,6 +106,89 @@ def test_the_levels_and_a_reserve_decide_what_counts():
     assert certified("npid_slope", "--set", "controller.k=2", "--reserve", 1.1)["certified"]
 
 
+def test_a_linear_controller_is_certified_at_either_level(call):
+    found = certified("paper.pid", "--level", "autonomous", "--proof", "--reserve", 2)
+    assert found["certified"] and found["grade"] == "certificate" and found["driven"]["limit"] > 2.0
+    found = certified("ours.pid_scaled", "--level", "autonomous", "--reserve", 1.5, code=1)
+    limit, margin = found["driven"]["limit"], found["margins"]["numbers"]["gm"]
+    assert f"with a reserve of 1.5 times: the limit of {limit:.4g} is {limit:.4g} times" in found["verdict"]
+    assert 1.0 < limit < margin == pytest.approx(2.51 / 2.265, abs=1e-3)
+
+
+def test_a_reserve_that_is_missed_at_rest_is_one_of_the_gain_and_names_who_proves_most():
+    found = certified("corrected.npid_um", "--level", "autonomous", "--reserve", 1.05, code=1)
+    most = max(found["autonomous"], key=lambda c: c["limit"] or 0.0)
+    share = most["limit"] / found["map"]["sector"][1]
+    assert most["criterion"] == "Zames-Falb" and 1.0 < share < 1.05
+    said = f"the limit of {most['limit']:.4g} is {share:.4g} times its bound of 2.352, by Zames-Falb."
+    assert said in found["verdict"]
+
+
+def test_no_criterion_reaches_further_than_zames_falb_and_a_limit_beyond_the_slope_is_one_of_both():
+    found = certified("npid_slope")
+    limits = {c["criterion"]: c["limit"] for c in found["autonomous"] if "inequality" not in c["criterion"]}
+    others = [limits[k] for k in ("circle", "Tsypkin", "Jury-Lee")]
+    assert found["map"]["slope_sector"][1] < max(others) <= limits["Zames-Falb"] * (1.0 + 1e-5)
+    assert limits["Zames-Falb"] <= found["nyquist_limit"] == pytest.approx(2.51, abs=1e-3)
+
+
+LEVITATED = '''
+from typing import NamedTuple
+
+from leadscrew import Loop, controller, plant
+from leadscrew.references.step import step
+
+
+class AxisParams(NamedTuple):
+    pull: float = 400.0
+
+
+class AxisState(NamedTuple):
+    position: float = 0.0
+    speed: float = 0.0
+
+
+@plant(AxisParams(), AxisState(), output="position", unit="mm")
+def levitated(p, s, u):
+    """A slide on a magnet that pulls it the further away, the further it is."""
+    return AxisState(s.speed, p.pull * s.position + 1000.0 * u)
+
+
+class HoldParams(NamedTuple):
+    kp: float = 4.0
+    kd: float = 0.1
+    max_output: float = 1.0
+
+
+class HoldState(NamedTuple):
+    last: float = 0.0
+
+
+@controller(HoldParams(), HoldState(), unit="V")
+def hold(p, s, command, feedback, dt):
+    e = command - feedback
+    u = p.kp * e + p.kd * (e - s.last) / dt
+    limited = min(max(u, -p.max_output), p.max_output)
+    return HoldState(e), limited if p.max_output > 0.0 else u
+
+
+loop = Loop(reference=step(target=5.0), controller=hold, plant=levitated, period=5e-4, substeps=4, metrics={})
+'''
+
+
+def test_a_scenario_that_diverges_is_not_certified_whatever_is_proved(call, tmp_path):
+    """The pull of the magnet at 5 mm, 2 V, is more than the drive has: worked by hand, 400 * 5 / 1000."""
+    (tmp_path / "levitated.py").write_text(LEVITATED, encoding="utf-8")
+    subject = f"{tmp_path / 'levitated.py'}:loop"
+    options = ("--no-popov", "--duration", 1, "--json")
+    ran = strict_json(call("certify", subject, *options, code=1).stdout)
+    assert ran["driven"]["grade"] == "certificate" and not ran["certified"] and ran["grade"] == "refused"
+    assert "the scenario diverged: the error ran away to" in ran["verdict"] and "what is proved" in ran["verdict"]
+    held = strict_json(call("certify", subject, *options, "--set", "controller.max_output=0").stdout)
+    near = strict_json(call("certify", subject, *options, "--set", "reference.target=0.05").stdout)
+    assert held["certified"] and near["certified"] and near["run"]["diverged"] is None
+
+
 def test_the_gain_behind_the_pid_has_no_driven_criterion(call):
     found = certified("npid_after", code=1)
     assert found["driven"] is None and "stands behind" in found["verdict"]
@@ -174,6 +257,9 @@ def test_the_plot_is_drawn(call, tmp_path):
         (["-c", "paper.pid", "-s", "sine_1mm_on_friction_low"], "not linear"),
         (["-c", "ours.repetitive"], "at most 100 can be certified"),
         (["-c", "ours.resonant_adaptive"], "no map of the error is declared"),
+        (["-c", "ours.pid_td"], "no map of the error is declared"),
+        (["-c", "ours.learned"], "schedules on the command or adapts to it"),
+        (["-c", "ours.learned", "--level", "autonomous"], "schedules on the command or adapts to it"),
     ],
 )
 def test_what_cannot_be_is_refused_with_exit_code_2(refused, args, said):

@@ -2,7 +2,9 @@
 
 import pytest
 
-from leadscrew import controller_file
+from leadscrew import catalogue, controller_file
+from leadscrew.cli.design_npid import runs_in
+from leadscrew.kernel.errors import ValueRefused
 from tests.cli.conftest import left, strict_json
 
 
@@ -57,9 +59,28 @@ def test_json_holds_the_limits_the_grid_and_what_binds(call):
         (["--kd", "0.03"], "makes an unstable loop"),
         (["--dead-time", "9"], "at most 4 periods"),
         (["--study", "npid_xytabel", "-o", "x.toml"], "npid_xytable"),
+        (["--study", "nosuch"], "nosuch"),
     ],
 )
 def test_options_that_cannot_be_are_refused_and_nothing_is_written(refused, tmp_path, monkeypatch, args, said):
     monkeypatch.chdir(tmp_path)
     assert said in refused("design", "npid", *args)
     assert left(tmp_path) == []
+
+
+@pytest.mark.slow
+def test_a_study_whose_commands_are_motions_gets_no_file(refused, tmp_path):
+    said = refused(
+        "design", "npid", "--study", "fsmc_ballscrew", "-o", tmp_path / "x.toml", "--plot", tmp_path / "x.png"
+    )
+    assert "--study fsmc_ballscrew: the designed controller cannot run in this study" in said
+    assert "are motions, with velocity and acceleration, and npid_slope takes a number; nothing is written" in said
+    assert left(tmp_path) == []
+
+
+def test_a_controller_is_tried_in_the_study_that_its_file_names():
+    blocks = (catalogue.block("npid_slope"), catalogue.block("npid"))
+    for block in blocks:
+        runs_in(catalogue.study("npid_xytable"), block, "npid_xytable")
+        with pytest.raises(ValueRefused, match=f"--study here: .* are motions, .* and {block.name} takes a number"):
+            runs_in(catalogue.study("fsmc_ballscrew"), block, "here")

@@ -103,6 +103,29 @@ def test_friction_repeats_itself_and_is_learned():
     assert found[1] < 0.5 * found[0]
 
 
+def test_what_did_not_act_is_not_learned():
+    """Gain one: errors of 0.5 act, of 2.0 they do not; a period later the first are met by the taps, the others not."""
+    errors = np.zeros(400)
+    errors[100:130], errors[160:190] = 0.5, 2.0
+    late = 150
+    block = repetitive(ONE, late * PERIOD, cutoff_hz=200.0, lead_s=0.0, strength=0.6, room=300, max_output=1.0)
+    found = np.array(tried(block, errors, np.zeros(400)))
+    taps = low_pass(200.0, PERIOD)
+    learned = np.convolve(np.where(errors == 0.5, 0.6 * errors, 0.0), taps)[TAPS : TAPS + 400]
+    expected = np.clip(errors, -1.0, 1.0)
+    expected[late : 2 * late] += learned[:late]
+    assert found[: 2 * late - TAPS] == pytest.approx(expected[: 2 * late - TAPS], abs=1e-12)
+
+
+@pytest.mark.parametrize("limit", [0.0, 5e-3])
+def test_a_limit_outside_keeps_the_memory_from_winding_up(limit):
+    """A motion that needs 60 times the voltage, around a PID with the same limit: what is added to its command."""
+    block = repetitive(TUNED(max_output=5e-3, anti_windup=1), max_output=limit)
+    run = table_axis(block).run(20.0, record=("output", "controller.added"))
+    most = np.abs(run["controller.added"]).max()
+    assert np.abs(run["output"]).max() == 5e-3 and (most < 0.05 if limit else most > 1.0)
+
+
 def test_periods_and_cut_offs_that_the_memory_cannot_hold_are_refused():
     with pytest.raises(ValueRefused, match=r"period_s = 3.0 .* 45 to 4055; a longer one needs more room"):
         table_axis(repetitive(pid, 3.0)).run(0.1)
@@ -121,7 +144,7 @@ def test_the_first_output_after_an_align_is_the_last_one_before():
 
 
 def test_all_engines_give_the_same_bits():
-    loop = table_axis(repetitive(TUNED, 0.05 + 1e-4, room=200), frequency=20.0)
+    loop = table_axis(repetitive(TUNED, 0.05 + 1e-4, room=200, max_output=0.05), frequency=20.0)
     record = ("output", "actual", "controller.at", "controller.added")
     fast, plain = (loop.run(0.2, record=record, engine=engine) for engine in ("llvm", "python"))
     assert all(np.array_equal(fast[name], plain[name]) for name in plain.signals)

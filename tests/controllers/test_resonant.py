@@ -135,6 +135,15 @@ def test_at_the_limit_of_the_output_resonators_do_not_grow():
     assert np.abs(outputs[-500:]).max() < 1.01e-3 and np.ptp(outputs[-1000:]) > 1e-3
 
 
+def test_a_cutter_of_one_tooth_has_one_line_at_the_spindles_speed():
+    errors = RNG.normal(size=400)
+    one, same = (
+        tried(b, errors.tolist(), np.zeros(400)) for b in (resonant(pid, [0.7], spindle_hz=20.0, teeth=1),
+                                                          resonant(pid, [0.7, 20.0]))
+    )  # fmt: skip
+    assert one == pytest.approx(same, rel=1e-12, abs=1e-15)
+
+
 def test_the_parameters_are_those_of_the_inner_controller_and_its_gain_moves_the_phase():
     loop = table_axis(TUNINGS["ours.resonant_full"])
     assert loop.parameters["controller.inner.inner.kp"] == 1.17
@@ -165,6 +174,8 @@ def test_wrong_lines_are_refused_in_a_sentence():
     for lines in ([], [[1.0]], [0.7, -2.0], [math.inf]):
         with pytest.raises(ValueRefused, match="expected positive numbers in one row"):
             resonant(pid, lines)
+    with pytest.raises(ValueRefused, match=r"\[0.7, 2.1, 0.7\] \(resonant\): expected each frequency once"):
+        resonant(pid, [0.7, 2.1, 0.7])
     with pytest.raises(ValueRefused, match=r"1200 Hz \(resonant\).* below half the sampling frequency, here 1000 Hz"):
         table_axis(resonant(pid, [1200.0])).run(0.1)
     with pytest.raises(BlockError, match=r"resonant\(xy_table\)"):

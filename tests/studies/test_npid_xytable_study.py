@@ -72,7 +72,9 @@ def test_items_point_at_claims_and_pictures_that_exist(result):
 def test_moonshots_are_reached_but_those_that_are_known_to_be_missed(result):
     """What is missed is said in the findings and in the docs; a miss more, or one less, must be looked at."""
     missed = {name for name, c in plain(TABLE, result.claims).items() if c.kind == "moonshot" and not c.passed}
-    assert missed == {"chatter_m6_describing_size", "m4_rows_no_spindle"}
+    assert missed == {
+        "chatter_m6_describing_size", "m4_rows_no_spindle", "m4_rows_15mm", "m4_rows_15mm_no_spindle",
+    }  # fmt: skip
 
 
 @pytest.mark.slow

@@ -8,10 +8,12 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from leadscrew.cli.output import Json, busy, emit, print_table
-from leadscrew.kernel.errors import ValueRefused
+from leadscrew.kernel.errors import BlockError, ValueRefused
 
 if TYPE_CHECKING:
     from leadscrew.design.npid_axis import Axis, Gains, Work
+    from leadscrew.kernel.block import Block
+    from leadscrew.studies.study import Study
 
 SCHEMA_VERSION = 1
 PLOTS = (".png", ".svg", ".pdf")
@@ -67,8 +69,7 @@ def npid(
         raise ValueRefused(f"--plot {plot}: expected {', '.join(PLOTS)}")
     if not rate > 0.0:
         raise ValueRefused(f"--rate {rate!r} Hz: must be positive")
-    if out is not None:
-        catalogue.study(userfile.absolute(study))
+    home = catalogue.study(userfile.absolute(study))
     free([out, plot])
     axis = Axis(gain, damping, stiffness, 1e-3 * dead_time, 1.0 / rate)
     gains = Gains(kp, ki, kd)
@@ -77,6 +78,8 @@ def npid(
         found = design_npid(axis, work, gains, law=law, retune_ms=retune, m1=m1, m2=m2, budget_mv=budget)  # type: ignore[arg-type]
         walked = paper_of(axis, gains) if as_paper else None
         rows = None if walked is None else _compared(walked, found)
+        if out is not None:
+            runs_in(home, found.controller(), study)
         if plot is not None:
             _draw(found, as_paper).savefig(plot, dpi=150)
         if out is not None:
@@ -111,6 +114,33 @@ def table_2_work(amplitude: float, encoder: float, noise: float, tracking: float
 
     cases = tuple(Case(f"{rpm} 1/min", volts(um), rpm / 60.0) for rpm, um in PID_UM.items())
     return Work(cases, LINES_HZ, amplitude, BASE_HZ, encoder, noise, tracking_weight=tracking)
+
+
+def runs_in(home: Study, block: Block, named: str) -> None:
+    """Tries the controller's first period in the first loop of a study.
+
+    Raises:
+        ValueRefused: it cannot run there; says why.
+    """
+    for scenario in list(home.scenarios)[:1]:
+        try:
+            _ = home.loop(block, scenario).signals
+        except BlockError as error:
+            why = str(error)
+            if any(_commands_motions(home, other, scenario) for other in list(home.controllers)[:1]):
+                why = (
+                    f"its commands (scenario {scenario}) are motions, with velocity and acceleration, and {block.name} "
+                    "takes a number"
+                )
+            raise ValueRefused(
+                f"--study {named}: the designed controller cannot run in this study: {why}; nothing is written"
+            ) from None
+
+
+def _commands_motions(home: Study, controller: str, scenario: str) -> bool:
+    from leadscrew.references.motion import Motion
+
+    return isinstance(home.loop(controller, scenario).signals["command"], Motion)
 
 
 def paper_of(axis: Axis, gains: Gains) -> Any:

@@ -17,6 +17,9 @@ may have resonators of its own; gains are worked out with those in place, and li
 ``strength`` (in rad/s). A speed outside ``within`` is not followed; a steady drift of 0.2 % a second is, a swing of 2 %
 in 10 s only in part.
 
+``max_output`` limits the sum; at the limit the lines turn but do not grow, and the speed goes on as its drift says. It
+belongs on the outermost block: of a limit inside, the lines know nothing. With ``teeth = 1`` there is one line.
+
 The problem is that of R. Marino, G. L. Santosuosso, P. Tomei, *Robust adaptive compensation of biased sinusoidal
 disturbances with unknown frequency*, Automatica 39 (10), 2003; this simple form, normalised by ``abs(z)^2``, is ours.
 No proof of convergence is given: it is measured (study ``npid_xytable``, M7). Bumpless start as the inner controller's,
@@ -31,6 +34,7 @@ from typing import Annotated, Any, NamedTuple, cast
 import numpy as np
 
 from leadscrew.controllers.inverse_feed_forward import inverse_feed_forward
+from leadscrew.controllers.parallel import MaxOutput
 from leadscrew.controllers.pid import TUNINGS as PID
 from leadscrew.controllers.resonant import Strength, Teeth, disturbance_response, resonant
 from leadscrew.controllers.response import TABLE, TableModel
@@ -88,6 +92,11 @@ def entered(before, entry):
     return LineState(re if abs(re) > TINY else 0.0, im if abs(im) > TINY else 0.0)
 
 
+def scaled(entry, share):
+    """A share of an entry."""
+    return LineState(share * entry.re, share * entry.im)
+
+
 def adaptive_resonant(
     inner: Block,
     spindle_hz: float = 50.0,
@@ -97,6 +106,7 @@ def adaptive_resonant(
     within: float = 0.03,
     floor_mv: float = 0.1,
     model: TableModel = TABLE,
+    max_output: float = 0.0,
     name: str = "",
 ) -> Block:
     """The controller ``inner`` with adaptive resonators; its parameters are those of ``inner`` below ``inner.``.
@@ -109,7 +119,7 @@ def adaptive_resonant(
     align_law: Any = part.align
     own: list[Any] = [
         ("spindle_hz", Nominal), ("teeth", Teeth), ("strength", Strength), ("rate", Rate), ("within", Within),
-        ("floor_mv", Floor), ("model", TableModel),
+        ("floor_mv", Floor), ("model", TableModel), ("max_output", MaxOutput),
     ]  # fmt: skip
     params_type = cast(Any, NamedTuple("AdaptiveParams", [("inner", type(inner.params)), *own]))
     state_type = cast(Any, NamedTuple("AdaptiveOuter", [("inner", type(inner.state)), ("spindle", AdaptiveState)]))
@@ -117,7 +127,8 @@ def adaptive_resonant(
     def prepare(params: Any, dt: float) -> Any:
         ready = params.inner if before is None else before(params.inner, dt)
         plan: list[Any] = [("inner", type(ready)), ("first", LineEntry), ("tooth", LineEntry), ("speed", float),
-                           ("most", float), ("rate", float), ("drift_rate", float), ("floor", float)]  # fmt: skip
+                           ("most", float), ("rate", float), ("drift_rate", float), ("floor", float),
+                           ("max_output", float)]  # fmt: skip
         plan_type = cast(Any, NamedTuple("AdaptivePlan", plan))
         orders = np.array([1.0, float(params.teeth)])
         highest = float(params.teeth) * params.spindle_hz * (1.0 + params.within)
@@ -128,11 +139,11 @@ def adaptive_resonant(
             )
         w = TWO_PI * params.spindle_hz
         h = disturbance_response(part, ready, params.model, dt, orders * w)
-        enter = params.strength * dt * np.conj(h) / np.abs(h) ** 2
+        enter = params.strength * dt * np.conj(h) / np.abs(h) ** 2 * (1.0, float(params.teeth > 1))
         lines = [LineEntry(n, e.real, e.imag) for n, e in zip(orders.tolist(), enter.tolist(), strict=True)]
         return plan_type(
             ready, lines[0], lines[1], w, params.within * w, params.rate, 0.25 * params.rate**2,
-            (1e-3 * params.floor_mv) ** 2,
+            (1e-3 * params.floor_mv) ** 2, params.max_output,
         )  # fmt: skip
 
     def align(params, command, feedback, output):
@@ -149,6 +160,10 @@ def adaptive_resonant(
         w = p.speed + o.offset
         z1, i1 = turned(p.first, o.first, w, dt, error)
         z2, i2 = turned(p.tooth, o.tooth, w, dt, error)
+        total = u + entered(z1, i1).re + entered(z2, i2).re
+        output = min(max(total, -p.max_output), p.max_output) if p.max_output > 0.0 else total
+        acts = 1.0 if total == output else 0.0
+        i1, i2 = scaled(i1, acts), scaled(i2, acts)
         first, tooth = entered(z1, i1), entered(z2, i2)
         seen = p.first.order * (i1.im * z1.re - i1.re * z1.im) + p.tooth.order * (i2.im * z2.re - i2.re * z2.im)
         weight = p.first.order * p.first.order * (z1.re * z1.re + z1.im * z1.im)
@@ -160,10 +175,11 @@ def adaptive_resonant(
         spindle = AdaptiveState(
             first, tooth, offset if abs(offset) > TINY else 0.0, drift if abs(drift) > TINY else 0.0, w / TWO_PI, 0.0
         )
-        return state_type(after, spindle), u + first.re + tooth.re
+        return state_type(after, spindle), output
 
     return same_kind(
-        following, part, params_type(inner.params, spindle_hz, teeth, strength, rate, within, floor_mv, model),
+        following, part,
+        params_type(inner.params, spindle_hz, teeth, strength, rate, within, floor_mv, model, max_output),
         state_type(inner.state, AdaptiveState()), "Resonators follow the spindle's speed.", prepare=prepare,
         align=None if align_law is None else align, name=name or f"{inner.name}_adaptive",
     )  # fmt: skip

@@ -16,7 +16,10 @@ regeneration spectrum*, ASME J. Dynamic Systems 113, 1991; plug-in form: M. Tomi
 and synthesis of discrete-time repetitive controllers*, ASME J. Dynamic Systems 111, 1989.
 
 The price: between the multiples of ``1 / period_s`` errors grow, up to twofold, and it takes some periods to learn. A
-line that is no multiple (a spindle's) stays. Bumpless start as the inner controller's, with an empty memory.
+line that is no multiple (a spindle's) stays.
+
+``max_output`` limits the output; while it is at the limit, its own or the same one of the inner controller, the error
+is not learned, and what is remembered fades by ``q``. Bumpless start as the inner controller's, with an empty memory.
 """
 
 from __future__ import annotations
@@ -27,6 +30,7 @@ from typing import Annotated, Any, NamedTuple, cast
 import numpy as np
 
 from leadscrew.controllers.inverse_feed_forward import inverse_feed_forward
+from leadscrew.controllers.parallel import MaxOutput
 from leadscrew.controllers.pid import TUNINGS as PID
 from leadscrew.controllers.response import TABLE, TableModel, law_response, table_response
 from leadscrew.controllers.wrapping import same_kind, wrapped
@@ -67,6 +71,7 @@ def repetitive(
     lead_s: float = 2e-3,
     strength: float = 0.7,
     room: int = 4096,
+    max_output: float = 0.0,
     name: str = "",
 ) -> Block:
     """The controller ``inner`` with repetitive control; its parameters are those of ``inner`` below ``inner.``.
@@ -82,7 +87,8 @@ def repetitive(
         raise BlockError(f"repetitive({inner.name}): room = {room!r}; expected 100 or more")
     law, before, place = part.law, inner.prepare, part.place
     align_law: Any = part.align
-    own: list[Any] = [("period_s", PeriodS), ("cutoff_hz", CutoffHz), ("lead_s", LeadS), ("strength", Share)]
+    own: list[Any] = [("period_s", PeriodS), ("cutoff_hz", CutoffHz), ("lead_s", LeadS), ("strength", Share),
+                      ("max_output", MaxOutput)]  # fmt: skip
     params_type = cast(Any, NamedTuple("RepetitiveParams", [("inner", type(inner.params)), *own]))
     fields: list[Any] = [("inner", type(inner.state)), ("memory", np.ndarray), ("at", int), ("added", float)]
     state_type = cast(Any, NamedTuple("RepetitiveState", fields))
@@ -91,7 +97,7 @@ def repetitive(
     def prepare(params: Any, dt: float) -> Any:
         ready = params.inner if before is None else before(params.inner, dt)
         plan: list[Any] = [("inner", type(ready)), ("taps", np.ndarray), ("back", int), ("strength", float),
-                           ("lead", int), ("still", np.ndarray)]  # fmt: skip
+                           ("lead", int), ("max_output", float), ("still", np.ndarray)]  # fmt: skip
         plan_type = cast(Any, NamedTuple("RepetitivePlan", plan))
         late = params.period_s / dt
         near = round(late)
@@ -102,7 +108,9 @@ def repetitive(
                 f"{room - TAPS - 1}; a longer one needs more room"
             )
         taps = low_pass(params.cutoff_hz, dt, near - late)  # tap i is near + TAPS - i samples old
-        return plan_type(ready, taps, near, params.strength, round(params.lead_s / dt), np.zeros(room))
+        return plan_type(
+            ready, taps, near, params.strength, round(params.lead_s / dt), params.max_output, np.zeros(room)
+        )
 
     def align(params, command, feedback, output):
         """The state from which the next output is ``output``."""
@@ -119,13 +127,16 @@ def repetitive(
             added = added + p.taps[i] * s.memory[k - n if k >= n else k]
         error = place(command) - feedback
         after, u = law(p.inner, s.inner, command, feedback - added, dt)
+        output = min(max(u, -p.max_output), p.max_output) if p.max_output > 0.0 else u
+        acts = abs(u) < p.max_output if p.max_output > 0.0 else True
+        learned = error if acts else 0.0
         s.memory[s.at] = added if abs(added) > TINY else 0.0
         ahead = s.at - p.lead if s.at >= p.lead else s.at - p.lead + n
-        s.memory[ahead] = s.memory[ahead] + p.strength * error
-        return state_type(after, s.memory, s.at + 1 if s.at + 1 < n else 0, added), u
+        s.memory[ahead] = s.memory[ahead] + p.strength * learned
+        return state_type(after, s.memory, s.at + 1 if s.at + 1 < n else 0, added), output
 
     return same_kind(
-        remembering, part, params_type(inner.params, period_s, cutoff_hz, lead_s, strength), rest,
+        remembering, part, params_type(inner.params, period_s, cutoff_hz, lead_s, strength, max_output), rest,
         "A memory of one period corrects its command.", prepare=prepare, align=None if align_law is None else align,
         name=name or f"{inner.name}_repetitive",
     )  # fmt: skip

@@ -17,13 +17,13 @@ each line decays as ``exp(-strength t / 2)`` while the strength is small against
 ``strength = 1`` is a time constant of 2 s. The stability margins change only inside such a narrow band around each
 line. ``H`` is worked out in ``prepare``, for the period at hand and by trying the inner controller's own step.
 
-The lines: ``frequencies_hz``; and, with ``spindle_hz > 0``, one at the spindle's speed and one at ``teeth`` times it. A
-line above half the sampling frequency is refused. Frequencies have to be right: a line that is off by ``d`` rad/s keeps
-the share ``|d| / sqrt(d^2 + (strength/2)^2)`` of itself. Where they are not known:
+The lines: ``frequencies_hz``; and, with ``spindle_hz > 0``, one at the spindle's speed and, with two teeth or more, one
+at ``teeth`` times it. A line above half the sampling frequency is refused. Frequencies have to be right: a line that is
+off by ``d`` rad/s keeps the share ``|d| / sqrt(d^2 + (strength/2)^2)`` of itself. Where they are not known:
 :mod:`leadscrew.controllers.adaptive_resonant`.
 
-``max_output`` limits the sum; at the limit the resonators turn but do not grow. Bumpless start as the inner
-controller's, with resonators at rest.
+``max_output`` limits the sum; at the limit the resonators turn but do not grow. It belongs on the outermost block: of a
+limit inside, the resonators know nothing. Bumpless start as the inner controller's, with resonators at rest.
 """
 
 from __future__ import annotations
@@ -66,11 +66,14 @@ def checked(frequencies: Any) -> np.ndarray:
     """The frequencies as a row of numbers.
 
     Raises:
-        ValueRefused: none, not in a row, or one that is not a positive number.
+        ValueRefused: none, not in a row, one that is not a positive number, or one twice: its line would have twice the
+            strength.
     """
     values = np.array(frequencies, dtype=np.float64)
     if values.ndim != 1 or values.size < 1 or not np.isfinite(values).all() or values.min() <= 0.0:
         raise ValueRefused(f"frequencies_hz = {frequencies!r} (resonant): expected positive numbers in one row")
+    if len(np.unique(values)) < values.size:
+        raise ValueRefused(f"frequencies_hz = {frequencies!r} (resonant): expected each frequency once")
     return values
 
 
@@ -86,7 +89,7 @@ def resonators(part: Inner, ready: Any, params: Any, dt: float) -> Resonators:
     Raises:
         ValueRefused: a line at or above half the sampling frequency.
     """
-    spindle = np.array([1.0, float(params.teeth)]) * params.spindle_hz
+    spindle = np.array([1.0, float(params.teeth) if params.teeth > 1 else 0.0]) * params.spindle_hz
     f = np.concatenate([checked(params.frequencies_hz), spindle])
     if f.max() >= 0.5 / dt:
         raise ValueRefused(
@@ -114,7 +117,7 @@ def resonant(
 
     Raises:
         BlockError: ``inner`` is not a sampled controller with parameters and state, or takes other signals.
-        ValueRefused: frequencies that are not a row of positive numbers.
+        ValueRefused: frequencies that are not a row of positive numbers, each once.
     """
     part = wrapped(inner, "resonant")
     law, before, place = part.law, inner.prepare, part.place

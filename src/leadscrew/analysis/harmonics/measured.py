@@ -13,7 +13,7 @@ from leadscrew.analysis.harmonics.fft import Spectrum, Window, spectrum
 from leadscrew.analysis.harmonics.fundamental import Fundamental, fitted_fundamental
 from leadscrew.analysis.harmonics.lines import Harmonics, least_squares
 from leadscrew.analysis.harmonics.record import Array, Sampling, folded, sampling, values
-from leadscrew.kernel.errors import ValueRefused
+from leadscrew.kernel.errors import DataError, ValueRefused
 
 ROUNDS = 3
 """How often base and spindle are fitted, each with the other's lines in the model."""
@@ -21,6 +21,8 @@ SLIP = 0.02
 """How far the spindle's speed is looked for to both sides."""
 LOUD = 8.0
 """A line of the residual stands out where its Hann amplitude is so many medians of the spectrum beside it."""
+CHANCE = 1e-3
+"""How often noise alone may pass for a line somewhere in the range of a fitted frequency."""
 
 
 @dataclass(frozen=True)
@@ -81,7 +83,9 @@ def measure(
     A line of the spindle above half the sampling rate is measured where it folds to, and a note says so.
 
     Raises:
-        DataError: times that are not even, a value that is not finite, no fundamental within the range.
+        DataError: times that are not even, a value that is not finite, no fundamental within the range: the best fit
+            lies at its end, or none of its lines is larger than what noise makes at the best place of such a range
+            (once in 1000 records).
         ValueRefused: no line at all, another line above Nyquist (says where it folds), or a value out of its range.
     """
     taken = t if isinstance(t, Sampling) else sampling(t, 8)
@@ -120,12 +124,44 @@ def measure(
             notes.append(
                 f"{name} at {f:g} Hz is above half the sampling rate: measured at its alias, {named[name]:g} Hz"
             )
+    if found_base is not None:
+        _stands_out(taken, found_base, within * (base or 0.0), f"{100.0 * within:g} % of {base:g} Hz")
+    if found_spindle is not None:
+        _stands_out(taken, found_spindle, SLIP * (spindle_rpm or 0.0) / 60.0, f"2 % of {spindle_rpm:g} 1/min")
     _no_two_alike(named)
     h = least_squares(taken, seen, list(named.values()))
     shown = spectrum(taken, seen, window)
     wanted = list(named.values())
-    notes += [*h.notes, *_loud(taken, seen - h.at(taken.time), h)]
+    notes += [*h.notes, *_part_of_a_period(taken, named), *_loud(taken, seen - h.at(taken.time), h)]
     return Measured(tuple(named), h, found_base, found_spindle, shown, shown.amplitude(wanted), tuple(notes))
+
+
+def _stands_out(taken: Sampling, found: Fundamental, reach: float, where: str) -> None:
+    """Refuses a frequency whose lines are no larger than noise makes them at the best place of ``reach`` to both sides.
+
+    A line at a given place is seen where noise alone makes it so large in 1 of 20 records. The best of many places is
+    that large in most records: here 1 in 1000 records counts, shared among all places, one a bin and order.
+    """
+    lines = found.harmonics
+    bins = [max(1.0, 2.0 * reach * n * taken.duration) for n in found.orders]
+    if np.any(lines.confidence(1.0 - 2.0 * CHANCE / sum(bins))[0] > 0.0):
+        return
+    best = int(np.argmax(lines.amplitudes / np.maximum(lines.sd, 1e-300)))
+    raise DataError(
+        f"no fundamental within {where}: the best, {found.frequency:.6g} Hz, is no better than noise makes somewhere "
+        f"in such a range (its clearest line has {lines.amplitudes[best]:.3g}, the noise {lines.sd[best]:.2g}); look "
+        "at the spectrum for the right one, or name the strong lines beside it"
+    )
+
+
+def _part_of_a_period(taken: Sampling, named: dict[str, float]) -> list[str]:
+    """A sentence for every line of which the record holds less than a period."""
+    return [
+        f"{name}: {f * taken.duration:.2g} of a period is in the record: do not believe its amplitude and interval; "
+        f"take {1.0 / f:.3g} s or more"
+        for name, f in named.items()
+        if f * taken.duration < 1.0 - 1e-6
+    ]
 
 
 def _no_two_alike(named: dict[str, float]) -> None:

@@ -10,7 +10,8 @@
 5. What chatters, by the describing function, where the slope exceeds the Nyquist limit.
 
 :func:`leadscrew.analysis.stability.certifying.certify` does it. The verdict is about the level that was asked for. A
-linear controller has one level: its loop is stable or not.
+linear controller has one level, the second: its loop is stable or not. A simulation that diverges overrules any proof:
+then something that runs is not in the proof.
 """
 
 from __future__ import annotations
@@ -74,24 +75,35 @@ class Certification:
         )
 
     @property
+    def diverged(self) -> bool:
+        """Whether the loop was simulated and diverged."""
+        return self.run is not None and self.run["diverged"] is not None
+
+    @property
+    def _under_command(self) -> bool:
+        """Whether the verdict rests on level 2: it was asked, or the controller is linear and both levels are one."""
+        return self.level == "driven" or not self.taken.nonlinear
+
+    @property
     def passed(self) -> bool:
         """Whether the loop is certified as asked."""
-        if not self.stable:
+        if not self.stable or self.diverged:
             return False
-        if self.level == "driven":
+        if self._under_command:
             return self.counts(self.driven)
         return any(self.counts(c) for c in self.autonomous)
 
     @property
     def best(self) -> Certificate | None:
-        """The certificate that the verdict rests on: the level's strongest."""
-        if self.level == "driven":
+        """The certificate that the verdict rests on: the level's strongest; where none counts, of most reach."""
+        if self._under_command:
             return self.driven
-        return min(
-            self.autonomous,
-            key=lambda c: (not self.counts(c), GRADES.index(c.grade), -(c.limit or 0.0)),
-            default=None,
-        )
+        counted = [c for c in self.autonomous if self.counts(c)]
+        if counted:
+            return min(counted, key=lambda c: (GRADES.index(c.grade), -(c.limit or 0.0)))
+        verified = [c for c in self.autonomous if c.grade == "certificate"]
+        among = verified if self.proof and verified else self.autonomous
+        return max(among, key=lambda c: c.limit or 0.0, default=None)
 
     @cached_property
     def nyquist(self) -> float:
@@ -110,12 +122,20 @@ class Certification:
         name = self.taken.block.name
         if not self.stable:
             return f"NOT CERTIFIED: the linear loop of {name} is unstable."
+        if self.run is not None and self.diverged:
+            return (
+                f"NOT CERTIFIED: simulated for {self.run['seconds']:g} s, the scenario diverged: "
+                f"{str(self.run['diverged']).rstrip('.')}. Something that runs in it is not in the proof of {name} (a "
+                "limit of the drive, say), so what is proved does not count."
+            )
         kind = {"certificate": "a verified matrix inequality", "grid-checked": "a check on a grid of frequencies"}
         if not self.taken.nonlinear and self.passed:
             return f"CERTIFIED: {name} is linear and its sampled loop is stable ({kind[self.grade]})."
-        what = {"driven": "under every command and load", "autonomous": "at rest, without command and load"}[self.level]
+        what = "under every command and load" if self._under_command else "at rest, without command and load"
         if self.passed:
             return f"CERTIFIED: {name} is stable {what}, by {kind[self.grade]}."
+        if self.factor > 1.0:
+            what += f", with a reserve of {self.factor:g} times"
         rest = [c.grade for c in self.autonomous if self.counts(c)]
         if self.level == "driven" and rest:
             grade = "proved" if "certificate" in rest else "checked on a grid"
@@ -133,9 +153,13 @@ class Certification:
         if best is None:
             return "no criterion applies."
         if best.limit is not None and best.proved:
-            asked = (slopes or self.taken.sector)[1]
-            grade = f", by {best.grade}" if self.proof and best.grade != "certificate" else ""
-            return f"the limit of {number(best.limit)} is {best.limit / asked:.3g} times its bound{grade}."
+            # the slope where level 2 is asked; a linear controller has the same bound at both
+            asked = (slopes or self.taken.sector)[1] if self._under_command else self.taken.sector[1]
+            grade = f" ({best.grade})" if self.proof and best.grade != "certificate" else ""
+            return (
+                f"the limit of {number(best.limit)} is {best.limit / asked:.4g} times its bound of {asked:.4g}, by "
+                f"{best.criterion}{grade}."
+            )
         return best.statement
 
     def as_dict(self) -> dict[str, Any]:

@@ -29,6 +29,8 @@ LOADS = 9
 """Loads at which the describing function is asked, between those that hold the error where the slope is too large."""
 BEYOND = 2.5
 """Up to this many times the error at which the map reaches its bound."""
+RAN_AWAY = 100.0
+"""An error this many times the largest command is one of a loop that diverges, by a limit of its drive more slowly."""
 IDLE = 0.01
 """Part of the way from its smallest to its largest gain that a nonlinearity must go in a run, or it does nothing."""
 
@@ -233,7 +235,7 @@ def _run(loop: Loop, taken: Lure, seconds: float) -> dict[str, Any]:
 
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
-        done = loop.run(seconds, record=("true_error", "output"))
+        done = loop.run(seconds, record=("true_error", "output", "command"))
     error = _first(done, "true_error")
     output = _first(done, "output")
     largest = float(np.abs(error).max(initial=0.0))
@@ -241,13 +243,23 @@ def _run(loop: Loop, taken: Lure, seconds: float) -> dict[str, Any]:
     assert block is not None
     return {
         "seconds": seconds,
-        "diverged": None if done.diverged is None else str(done.diverged),
+        "diverged": _diverged(done, error),
         "largest_error_mm": largest,
         "largest_output": float(np.abs(output).max(initial=0.0)),
         "unit": block.unit,
         "gain": float(taken.gain(largest)),
         "slope": float(taken.slope(largest)),
     }
+
+
+def _diverged(run: Any, error: np.ndarray) -> str | None:
+    """That the simulation diverged, in words: numbers beyond all bounds, or an error far beyond every command."""
+    if run.diverged is not None:
+        return str(run.diverged)
+    most, command = float(np.abs(error).max(initial=0.0)), float(np.abs(_first(run, "command")).max(initial=0.0))
+    if 0.0 < RAN_AWAY * command < most:
+        return f"the error ran away to {most:.3g} mm, at a command of at most {command:.3g} mm"
+    return None
 
 
 def _first(run: Any, name: str) -> np.ndarray:

@@ -9,8 +9,10 @@ Prentice Hall 2002, section 7.1; C. A. Desoer, M. Vidyasagar, *Feedback Systems*
 
 :func:`lure` knows the maps of :mod:`leadscrew.analysis.stability.lure_maps`, also inside a wrapper that adds a
 feed-forward, and takes a controller that answers linearly as one with ``phi(e) = e``. It does not take anybody's word:
-the block's own step is run on random errors, and so is the linear part behind the map; both must answer the same. For a
-controller of your own, declare the map::
+the block's own step is run on random errors, and so is the linear part behind the map; both must answer the same. Under
+a command that moves, the answer to an error must be the one at rest, beside what the command alone makes
+(:mod:`leadscrew.analysis.stability.lure_trials`): a controller that schedules on the command, or adapts to it, is
+refused. For a controller of your own, declare the map::
 
     @declare(MyParams)
     def my_map(p):
@@ -23,7 +25,6 @@ where ``linear`` names the parameters, with their values, that make ``phi(e) = e
 
 from __future__ import annotations
 
-import copy
 import math
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
@@ -31,17 +32,12 @@ from typing import Any
 
 import numpy as np
 
+from leadscrew.analysis.stability.lure_trials import ALIKE, LENGTH, answer, moved_by_command
 from leadscrew.kernel.block import Block
 from leadscrew.kernel.errors import LeadscrewError, ValueRefused
 
 SIZES_MM = (1e-5, 1e-3, 1e-1, 10.0)
 """Errors for which an undeclared controller must answer in proportion to be taken as linear, mm: 10 nm to 10 mm."""
-
-LENGTH = 60
-"""Periods of each trial of a controller's answer."""
-
-ALIKE = 1e-8
-"""Two answers are the same up to this, relative to the largest value: rounding of unlike orders of computation."""
 
 
 @dataclass(frozen=True)
@@ -163,7 +159,7 @@ def lure(block: Block, period: float = 5e-4) -> Lure:
 
     Raises:
         ValueRefused: no controller of one position error, nonlinear without a declared map, or another law than the
-            map says; the sentence tells what to do.
+            map says, or one that depends on the command; the sentence tells what to do.
     """
     if block.kind != "controller" or block.continuous:
         raise ValueRefused(f"{block.name}: a loop is taken apart at a sampled controller, and this is none")
@@ -184,6 +180,7 @@ def lure(block: Block, period: float = 5e-4) -> Lure:
     if not bent:
         if not _linear(free, rng, period):
             raise ValueRefused(_undeclared(block))
+        _check_commands(block, free, SIZES_MM[1:3], rng, period)
         return Lure(block, free, STRAIGHT, nonlinear=False, notes=tuple(notes))
     prefix, law = bent[0]
     _check_bounds(block, law)
@@ -204,7 +201,22 @@ def lure(block: Block, period: float = 5e-4) -> Lure:
             "or a part of the controller (a resonator, an observer) works beside the nonlinear gain and not behind "
             "it, and then the loop is not one map in front of one linear loop; certify the controller without that part"
         )
+    scale = law.scale_mm if math.isfinite(law.scale_mm) else 1e-3
+    _check_commands(block, free, (0.3 * scale, 5.0 * scale), rng, period)
     return taken
+
+
+def _check_commands(
+    block: Block, free: Block, sizes: tuple[float, ...], rng: np.random.Generator, period: float
+) -> None:
+    """Refuses a controller whose answer to an error depends on the command."""
+    found = moved_by_command(free, sizes, rng, period)
+    if found is not None:
+        raise ValueRefused(
+            f"{block.name} answers the same error differently under {found} than at rest: it schedules on the command "
+            "or adapts to it, so what is proved of its loop at rest does not hold while the axis moves, and it is not "
+            "certified; certify it with its gains or shares held (a rate of 0, say)"
+        )
 
 
 def _check_bounds(block: Block, law: ErrorMap) -> None:
@@ -250,15 +262,15 @@ _library: dict[type, Callable[[Any], ErrorMap]] = {}
 # ---- trials
 def _linear(block: Block, rng: np.random.Generator, period: float) -> bool:
     """Whether the answer to a sum is the sum of the answers, at every size of the error."""
-    rest = _answer(block, np.zeros(LENGTH), period)
+    rest = answer(block, np.zeros(LENGTH), period)
     shapes = rng.normal(size=(2, LENGTH))
-    unit = [_answer(block, x, period) - rest for x in shapes]
+    unit = [answer(block, x, period) - rest for x in shapes]
     whole = max(float(np.abs(u).max()) for u in unit)
     if not math.isfinite(whole) or whole == 0.0:
         return False
     for size in SIZES_MM:
-        parts = [_answer(block, size * x, period) - rest for x in shapes]
-        both = _answer(block, size * (shapes[0] + shapes[1]), period) - rest
+        parts = [answer(block, size * x, period) - rest for x in shapes]
+        both = answer(block, size * (shapes[0] + shapes[1]), period) - rest
         floor = 1e-14 * float(np.abs(rest).max()) / size  # what rounding leaves of a known output
         worst = max(
             float(np.abs(p / size - u).max()) for p, u in zip([*parts, both], [*unit, unit[0] + unit[1]], strict=True)
@@ -274,41 +286,16 @@ def _same(taken: Lure, free: Block, rng: np.random.Generator, period: float) -> 
     for size in (0.3, 1.0, 5.0):
         errors = size * scale * rng.normal(size=LENGTH)
         if taken.map.shared is not None:
-            ends = [_answer(taken.map.shared(s), x, period) for s, x in ((0.0, errors), (0.0, taken.curve(errors)))]
-            expected = ends[0] - ends[1] + _answer(taken.linear, taken.curve(errors), period)
+            ends = [answer(taken.map.shared(s), x, period) for s, x in ((0.0, errors), (0.0, taken.curve(errors)))]
+            expected = ends[0] - ends[1] + answer(taken.linear, taken.curve(errors), period)
         elif taken.dependent:
-            expected = taken.gain(errors) * _answer(taken.linear, errors, period)
+            expected = taken.gain(errors) * answer(taken.linear, errors, period)
         else:
-            expected = _answer(taken.linear, taken.curve(errors), period)
-        mine = _answer(free, errors, period)
+            expected = answer(taken.linear, taken.curve(errors), period)
+        mine = answer(free, errors, period)
         if not np.allclose(mine, expected, rtol=0.0, atol=ALIKE * float(np.abs(expected).max())):
             return False
     return True
-
-
-def _answer(block: Block, errors: np.ndarray, period: float) -> np.ndarray:
-    """Outputs of a block at rest to a row of errors, by its own step."""
-    from leadscrew.references.motion import Motion
-
-    plan = block.params if block.prepare is None else block.prepare(block.params, period)
-    state = block.state if block.initial is None else block.initial(block.params)
-    for still in (0.0, Motion(0.0, 0.0, 0.0)):
-        s, out = copy.deepcopy(state), []
-        try:
-            for k, error in enumerate(errors):
-                given = {"command": still, "feedback": -float(error), "t": k * period, "dt": period}
-                done = block.step(*(x for x in (plan, s) if x is not None), *(given[name] for name in block.signals))
-                s, u = done if block.state is not None else (None, done)
-                out.append(float(u))
-        except (AttributeError, TypeError):
-            continue
-        except (ArithmeticError, ValueError):
-            return np.full(len(errors), np.nan)
-        return np.array(out)
-    raise ValueRefused(
-        f"{block.name} takes or gives several numbers where a loop of one axis has one position, one feedback and one "
-        "output; take apart one axis of it"
-    )
 
 
 # ---- parameters by place

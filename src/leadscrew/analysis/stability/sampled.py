@@ -6,23 +6,30 @@ a disturbance, noise) cancels in the difference, and states that the error does 
 are left out. Delays become states: the outputs sent but not yet at the plant.
 
 The path is the one of the feedback: with a command of zero, ``feedback = -e``. A 2-DOF controller thus enters with what
-decides its stability, its path from the feedback.
+decides its stability, its path from the feedback. Under commands that are not zero the matrices have to be the same: a
+controller that schedules on the command or adapts to it is refused.
 """
 
 from __future__ import annotations
 
+from functools import partial
 from typing import Any
 
 import numpy as np
 
 from leadscrew.analysis.stability.linear import LinearLoop
-from leadscrew.analysis.stability.step_matrices import LARGE, Flat, Linear, filled, flat_step, numbers
+from leadscrew.analysis.stability.step_matrices import EQUAL, LARGE, Flat, Linear, filled, flat_step, numbers
 from leadscrew.kernel.block import Block
 from leadscrew.kernel.errors import ValueRefused
 from leadscrew.kernel.frame import pairs
 from leadscrew.kernel.layout import Layout, leaves
 from leadscrew.kernel.loop import Loop
 from leadscrew.plants.linear import hold_matrices
+
+COMMANDS = (2.0**-7, -(2.0**-5))
+"""Commands (and their derivatives) under which a controller must have the matrices that it has at zero: 8 and 31 um."""
+FAR_COMMANDS = (1.0, -300.0)
+"""The same for a controller without a limit of its output."""
 
 LARGEST_ORDER = 400
 """Most numbers in a controller's state: a memory of samples makes poles by the thousand, and its place in it moves."""
@@ -78,12 +85,41 @@ def _controller(loop: Loop, command: Any, notes: list[str]) -> Linear:
             f"{block.name}: this controller is not linear in its error; take it apart by lure(), and analyse its "
             "linear part with the sector of its nonlinearity"
         )
-    if not found.follows(LARGE):
+    free = found.follows(LARGE)
+    _check_commands(loop, found, (*COMMANDS, *FAR_COMMANDS) if free else COMMANDS)
+    if not free:
         notes.append(
             f"The controller {block.name} is linear for small errors only (a limit of its output, say): what is proved "
             "holds while the limit is not reached."
         )
     return found
+
+
+def _signals(command: Any, shape: Any, at: np.ndarray, u: np.ndarray) -> dict[str, Any]:
+    """What a controller gets: a command, and a feedback that differs by ``u`` from what it is ``at``."""
+    return {"command": command, "feedback": filled(shape, at + u)}
+
+
+def _check_commands(loop: Loop, found: Linear, commands: tuple[float, ...]) -> None:
+    """Refuses a controller whose matrices depend on the command, by its step under commands that are not zero."""
+    block: Block = loop.blocks["controller"]  # type: ignore[assignment]
+    shape, seen = loop.signals["command"], loop.signals["feedback"]
+    place = _position(loop)[0]
+    for size in commands:
+        # every number of the command is of this size: a position, and its derivatives where it is a motion
+        command = filled(shape, np.full(max(1, len(Layout(shape).scalars)), size))
+        at = np.zeros(found.inputs)
+        at[place] = size
+        given = partial(_signals, command, seen, at)
+        f, order, rest = flat_step(loop, "controller", given, 0.0)
+        under = Linear(f, order, found.inputs, rest).whole
+        apart = np.abs(under - found.whole)[:, found.live]
+        scale = np.abs(found.whole).max(axis=1, keepdims=True)
+        if np.any(apart > EQUAL * scale + 1e-12):
+            raise ValueRefused(
+                f"{block.name}: under a command of {size:g} it answers an error otherwise than under none: it "
+                "schedules on the command or adapts to it, so it has no one linear loop"
+            )
 
 
 def _part(loop: Loop, slot: str, signal: str, example: str, notes: list[str]) -> Linear | None:

@@ -9,11 +9,16 @@ slope has no upper bound). It rests on ``sum_k f_k g_k >= |sum_k f_k g_(k-i)|`` 
 Automatic Control 13 (1968) 503. Tsypkin's criterion is the case of one tap. The multiplier of most reach is a linear
 program: at each frequency the left side is linear in the ``q_i``, ``p_i`` and ``1 / (k2 - k1)``. It is solved on a few
 frequencies, checked on the loop's grid, and solved again with the worst of those, until none is left.
+
+The limit is the largest ``k2`` that is proved for slopes of at most ``max(s2, k2)``: with the slope as it is up to
+``k2 = s2``; beyond, where a map of slope ``s2`` has no such ``k2``, the slope is taken to grow with the sector. It is
+then what the map may be multiplied by, never less than the limit of the circle.
 """
 
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -21,7 +26,7 @@ import numpy as np
 from leadscrew.analysis.stability.certificate import Certificate
 from leadscrew.analysis.stability.envelope import best
 from leadscrew.analysis.stability.linear import LinearLoop
-from leadscrew.analysis.stability.outcome import outcome
+from leadscrew.analysis.stability.outcome import limit_of, outcome
 from leadscrew.analysis.stability.question import Question, ask
 from leadscrew.kernel.errors import ValueRefused
 
@@ -33,6 +38,10 @@ TAPS = 10
 FIRST = 200
 WORST = 20
 ROUNDS = 30
+EDGE = 1e-6
+"""Below the Nyquist limit by this, relative: at it no condition holds."""
+NEAR = 1e-4
+"""How exactly a limit beyond the slope is searched, relative."""
 LARGEST = 1e4
 """Bound of the multiplier's coefficients: beyond it their differences are rounding."""
 SMALL = 1e-6
@@ -54,7 +63,8 @@ def zames_falb(
         loop: sampled, cut at the error.
         k1: lower bound of the sector and of the slope; that of ``nonlinearity`` where not given, else 0.
         k2: upper bound; that of ``nonlinearity`` where not given, else as large as can be proved.
-        slope: upper bound of the slope; that of ``nonlinearity`` where given.
+        slope: upper bound of the slope; that of ``nonlinearity`` where given. A limit beyond it lets the slope grow
+            with the sector.
         nonlinearity: checked against the sector and the slopes.
         grid: frequencies in rad/s; the loop's own where not given.
         taps: delays of the multiplier to either side.
@@ -85,19 +95,44 @@ def zames_falb(
         )
     if asked.refusal:
         return asked.refused()
-    weights = _solved(asked, slope, taps)
+    steepest = _steepest(asked, slope, taps)
+    weights = _solved(asked, steepest, taps)
 
     def lines(w: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        r, columns = _condition(asked, w, slope, taps)
+        r, columns = _condition(asked, w, steepest, taps)
         return r + columns @ weights, np.zeros(len(w))
 
     found = best(lines, asked.grid.w, 0.0, 0.0, 0.0, 1.0)
+    if steepest > slope and limit_of(asked.k1, found.m) > steepest:
+        found = replace(found, m=1.0 / (steepest - asked.k1))
     from leadscrew.analysis.stability.plot import condition_plot
 
-    bound = "" if math.isinf(slope) else f" and at most {slope:.4g}"
+    bound = "" if math.isinf(slope) else f" and at most {steepest if asked.k2 is None else slope:.4g}"
     which = f", time-invariant and odd, with a slope of at least {asked.k1:g}{bound}"
-    data = {"loop": loop, "lines": lines, "size": 0.0, "taps": taps, "weights": weights}
+    data = {"loop": loop, "lines": lines, "size": 0.0, "taps": taps, "weights": weights, "slope": steepest}
     return outcome(asked, found, which, None, data, condition_plot)
+
+
+def _steepest(asked: Question, slope: float, taps: int) -> float:
+    """The slope to prove the limit with: ``slope``, or the largest proved for sector and slope alike, if more."""
+    if slope >= asked.nyquist or not _reaches(asked, slope, taps):
+        return slope
+    low, high = slope, asked.nyquist
+    if math.isinf(high):
+        return slope
+    if _reaches(asked, high * (1.0 - EDGE), taps):
+        return high * (1.0 - EDGE)
+    while high - low > NEAR * high:
+        middle = 0.5 * (low + high)
+        low, high = (middle, high) if _reaches(asked, middle, taps) else (low, middle)
+    return low
+
+
+def _reaches(asked: Question, slope: float, taps: int) -> bool:
+    """Whether the sector is proved up to the slope, on the grid as it is."""
+    r, columns = _condition(asked, asked.grid.w, slope, taps)
+    m = float((r + columns @ _solved(asked, slope, taps)).max())
+    return limit_of(asked.k1, m) >= slope * (1.0 - 1e-9)
 
 
 def _condition(asked: Question, w: np.ndarray, slope: float, taps: int) -> tuple[np.ndarray, np.ndarray]:

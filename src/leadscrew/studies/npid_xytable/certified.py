@@ -26,7 +26,8 @@ from leadscrew.kernel.sheet import Ge, Le
 from leadscrew.studies.npid_xytable.calibration import LINES_HZ, PERIOD_S
 from leadscrew.studies.npid_xytable.columns import PID_UM
 from leadscrew.studies.npid_xytable.runs import Loops
-from leadscrew.studies.npid_xytable.trials import BOX, trial
+from leadscrew.studies.npid_xytable.scenarios import SPEEDS
+from leadscrew.studies.npid_xytable.trials import BOX, Trial, trial
 
 MS = 1.6
 """Peak of the sensitivity that both may have."""
@@ -36,6 +37,8 @@ LINEAR = pid(kp=0.368723, ki=62.219044, kd=0.002937, filter_s=0.001726)
 """What :func:`best_linear` finds."""
 SPLIT = npid_split
 """The law that is compared: sought as :func:`searched` does, by an earlier form of it, and rounded by hand."""
+SHARE = 0.9
+"""Of the motion's voltage that feed-forward gives both, where it is said."""
 SHARES = np.linspace(0.0, 1.0, 11)
 """Slopes of ``large`` at which the loop is linearised."""
 OFFSETS = 8
@@ -85,6 +88,59 @@ def around_large(block: Block, changes: dict[str, float] | None = None) -> Linea
     quiet = low.b - 0.25 * firm_less_quiet
     return LinearLoop(low.a - quiet @ low.c, firm_less_quiet, low.c, low.d, low.dt, name="L* with npid_split",
                       notes=low.notes, from_blocks=True)  # fmt: skip
+
+
+def fed(block: Block) -> Block:
+    """A law with inverse-plant feed-forward: a voltage of the command alone, under which the proof holds as it is."""
+    from leadscrew.controllers.inverse_feed_forward import inverse_feed_forward
+
+    return inverse_feed_forward(block, share=SHARE)
+
+
+class Reduction(NamedTuple):
+    """By how many percent one law is below another."""
+
+    rows: np.ndarray
+    """Of the fifteen rows of Table II, each a mean over the draws."""
+    row_off: np.ndarray
+    """Half of the 95 % interval of each."""
+    mean: float
+    mean_off: float
+    draws: int
+
+    @property
+    def least(self) -> int:
+        """Which row is the smallest."""
+        return int(np.argmin(self.rows))
+
+    @property
+    def said(self) -> str:
+        """Mean and smallest row with their intervals."""
+        return (
+            f"mean {self.mean:.1f} +- {self.mean_off:.1f} %, smallest {self.rows.min():.1f} +- "
+            f"{self.row_off[self.least]:.1f} % ({self.draws} draws a speed, 95 %)"
+        )
+
+
+def reduction(ours: Trial, theirs: Trial) -> Reduction:
+    """Rows of the first against those of the second under the same draws; intervals by the jackknife over the draws."""
+    from scipy.stats import t
+
+    amounts = [np.array([x.at(rpm) for rpm in SPEEDS]).swapaxes(0, 1).reshape(-1, 15) for x in (ours, theirs)]
+    draws = len(amounts[0])
+
+    def rows(kept: np.ndarray) -> np.ndarray:
+        a, b = (x[kept].mean(axis=0) for x in amounts)
+        return np.asarray(100.0 * (1.0 - a / b))
+
+    def off(without: np.ndarray) -> np.ndarray:
+        spread = np.sqrt((draws - 1) / draws * np.sum((without - without.mean(axis=0)) ** 2, axis=0))
+        return np.asarray(t.ppf(0.975, draws - 1) * spread)
+
+    every = np.arange(draws)
+    found = rows(every)
+    without = np.array([rows(every[every != i]) for i in range(draws)])
+    return Reduction(found, off(without), float(found.mean()), float(off(without.mean(axis=1))), draws)
 
 
 def box_plants() -> list[dict[str, float]]:

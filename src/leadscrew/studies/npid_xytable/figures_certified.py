@@ -24,7 +24,8 @@ def certified_pictures(loops: Loops) -> list[Picture]:
     """The rows of M4, and the random plants."""
     return [
         Picture("m4_rows", "Moonshot M4: the proved law in two paths against the best linear PID of the same Ms and "
-                "the same change of the output at rest. Left, how it parts the error; right, the rows of Table II.",
+                "the same change of the output at rest. Left, how it parts the error; right, the rows of Table II at "
+                "1 mm.",
                 partial(m4_rows, loops)),
         Picture("proof_gap", "What is proved and what is true, on random plants with delay: each gain in parts of the "
                 "Nyquist limit of its plant. Up to a mark it is proved, beyond the cross an example breaks it, between "

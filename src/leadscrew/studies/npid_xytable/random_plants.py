@@ -18,7 +18,7 @@ from functools import lru_cache
 import numpy as np
 
 from leadscrew.analysis.stability.linear import LinearLoop
-from leadscrew.analysis.stability.lmi import largest_proved
+from leadscrew.analysis.stability.lmi import Form, largest_proved
 
 COUNT = 20
 SEED = 8
@@ -31,6 +31,10 @@ LOWER = 0.3
 """Where the shifted sector begins, in parts of the Nyquist limit."""
 PERIODS = 1000
 """Of a trial."""
+LONG = 3000
+"""Of a trial at the bound of Jury and Lee, so near Nyquist's limit that motions decay slowly."""
+STEEP = 1.5
+"""Upper bound of the slopes for Jury and Lee, in parts of the Nyquist limit: laws may be steeper than it, and fall."""
 BELOW = 0.999
 """Trials are run with the sector's upper bound at this part of what is proved."""
 
@@ -126,6 +130,16 @@ def bands(e: np.ndarray, k: np.ndarray, period: int) -> np.ndarray:
     return np.asarray(np.where(np.floor(3.0 * np.log2(np.abs(e) + 1e-12)) % 2.0 == 0.0, k, 0.0) * e)
 
 
+def rolling(e: np.ndarray, k: np.ndarray, period: int) -> np.ndarray:
+    """A gain that swings between 0 and ``k`` over wide bands of the error: slopes from ``-k / 2`` to ``3 k / 2``."""
+    return np.asarray(k * e * (0.5 + 0.5 * np.sin(math.sqrt(3.0) * np.log(np.abs(e) + 1e-12))))
+
+
+def hump(e: np.ndarray, k: np.ndarray, period: int) -> np.ndarray:
+    """Straight at rest, largest at 1, falls to 0 far out: slopes from ``-0.45 k`` to ``k``."""
+    return np.asarray(k * e * np.exp(-0.5 * e * e))
+
+
 def switching(low: int, high: int) -> Law:
     """A gain that is 0 for ``low`` periods and ``k`` for ``high``, over and over."""
 
@@ -146,6 +160,8 @@ MONOTONE: dict[str, Law] = {
     "straight": straight, "saturation": saturation, "dead zone": dead_zone, "slope-limited": slope_law,
 }  # fmt: skip
 """In the sector and the slope sector."""
+FALLING: dict[str, Law] = {"rolling": rolling, "hump": hump}
+"""In the sector, of slopes up to 1.5 of its bound, and not monotone: neither Tsypkin's nor Zames and Falb's."""
 VARYING: dict[str, Law] = {
     "switching 3+3": switching(3, 3), "switching 8+8": switching(8, 8), "switching 20+12": switching(20, 12),
     "scattered": scattered,
@@ -215,21 +231,26 @@ class Inside:
 
 @lru_cache(maxsize=4)
 def inside(count: int = COUNT, seed: int = SEED) -> Inside:
-    """Every law of its kind at the bound of every proved sector, and pairs of motions under a command."""
+    """Every law of its kind at :data:`BELOW` of the bound of every proved sector, and pairs of motions under a command.
+
+    Jury and Lee's bound is below the Nyquist limit and the laws' slopes are at most :data:`STEEP` of their gain, so
+    they keep to its bound of the slope.
+    """
     plants = random_plants(count, seed)
     found = gaps(count, seed)
-    circle, tsypkin, shifted, low = (
-        np.array([getattr(g, name) for g in found]) for name in ("circle", "tsypkin", "shifted", "low")
+    circle, tsypkin, jury_lee, shifted, low = (
+        np.array([getattr(g, name) for g in found]) for name in ("circle", "tsypkin", "jury_lee", "shifted", "low")
     )
-    asked: list[tuple[str, dict[str, Law], np.ndarray, np.ndarray | float]] = [
-        ("circle", VARYING | STATIC, BELOW * circle, 0.0),
-        ("circle from above 0", VARYING | STATIC, low + BELOW * (shifted - low), low),
-        ("Tsypkin", MONOTONE, BELOW * tsypkin, 0.0),
+    asked: list[tuple[str, dict[str, Law], np.ndarray, np.ndarray | float, int]] = [
+        ("circle", VARYING | STATIC, BELOW * circle, 0.0, PERIODS),
+        ("circle from above 0", VARYING | STATIC, low + BELOW * (shifted - low), low, PERIODS),
+        ("Tsypkin", MONOTONE, BELOW * tsypkin, 0.0, PERIODS),
+        ("Jury-Lee", MONOTONE | FALLING, BELOW * jury_lee, 0.0, LONG),
     ]
     worst, where, trials = 0.0, "", 0
-    for criterion, laws, k, floor in asked:
+    for criterion, laws, k, floor, periods in asked:
         for name, law in laws.items():
-            factor = float(growth(stepped(plants, law, k, floor)).max())
+            factor = float(growth(stepped(plants, law, k, floor, periods)).max())
             trials += count * STARTS
             if factor >= worst:
                 worst, where = factor, f"{name}, {criterion}"
@@ -278,8 +299,8 @@ def switching_limit(loop: LinearLoop, top: float, most: int = 14) -> float:
 
 @dataclass(frozen=True)
 class Gap:
-    """One plant: limits of the gain; ``circle`` and ``tsypkin`` are proved for the sector from 0, ``shifted`` from
-    ``low``.
+    """One plant: limits of the gain; ``circle``, ``tsypkin`` and ``jury_lee`` are proved for the sector from 0,
+    ``shifted`` from ``low``.
     """
 
     delay: int
@@ -287,6 +308,8 @@ class Gap:
     simulated: float
     circle: float
     tsypkin: float
+    jury_lee: float
+    """For slopes of up to :data:`STEEP` of the Nyquist limit."""
     low: float
     shifted: float
     switching: float
@@ -300,6 +323,11 @@ class Gap:
     def static_gap(self) -> float:
         """What is proved for fixed monotone laws, in parts of the Nyquist limit, which breaks every such proof."""
         return self.tsypkin / self.nyquist
+
+    @property
+    def steep_gap(self) -> float:
+        """What is proved for fixed laws of bounded slope that may fall, in parts of the Nyquist limit."""
+        return self.jury_lee / self.nyquist
 
     @property
     def shifted_gap(self) -> float:
@@ -317,27 +345,30 @@ def gaps(count: int = COUNT, seed: int = SEED) -> tuple[Gap, ...]:
     return tuple(
         Gap(
             plant.delay, float(top), float(seen), _proved(loop, 0.0, "circle"), _proved(loop, 0.0, "tsypkin"),
-            float(LOWER * top), _proved(loop, float(LOWER * top), "circle"), switching_limit(loop, float(top)),
+            _proved(loop, 0.0, "jury-lee", float(STEEP * top)), float(LOWER * top),
+            _proved(loop, float(LOWER * top), "circle"), switching_limit(loop, float(top)),
         )
         for plant, loop, top, seen in zip(plants, loops, nyquist, simulated, strict=True)
     )  # fmt: skip
 
 
-def _proved(loop: LinearLoop, k1: float, form: str) -> float:
-    found = largest_proved(loop, k1, form)  # type: ignore[arg-type]
+def _proved(loop: LinearLoop, k1: float, form: Form, slope: float | None = None) -> float:
+    """Jury and Lee's has no lower bound of the slope: the one that is passed is not used."""
+    found = largest_proved(loop, k1, form, None if slope is None else (-slope, slope))
     return float("nan") if found.limit is None else found.limit
 
 
 def gap_table(count: int = COUNT, seed: int = SEED) -> str:
     """The gap between certificate and truth as text, a line a plant."""
     head = (
-        "plant delay  Nyquist  simulated |  circle  switching  proved/true | Tsypkin  proved/true | circle from "
-        f"{LOWER:g} of it  proved/true"
+        "plant delay  Nyquist  simulated |  circle  switching  proved/true | Tsypkin  proved/true | Jury-Lee  "
+        f"proved/true | circle from {LOWER:g} of it  proved/true"
     )
     rows = [head, "-" * len(head)]
     for i, g in enumerate(gaps(count, seed)):
         rows.append(
             f"{i:5d} {g.delay:5d} {g.nyquist:8.4f} {g.simulated:10.4f} | {g.circle:7.4f} {g.switching:10.4f} "
-            f"{g.varying_gap:12.3f} | {g.tsypkin:7.4f} {g.static_gap:12.3f} | {g.shifted:18.4f} {g.shifted_gap:12.3f}"
+            f"{g.varying_gap:12.3f} | {g.tsypkin:7.4f} {g.static_gap:12.3f} | "
+            f"{g.jury_lee:8.4f} {g.steep_gap:12.3f} | {g.shifted:18.4f} {g.shifted_gap:12.3f}"
         )
     return "\n".join(rows)
