@@ -68,7 +68,8 @@ def _rows(found: Results) -> Figure:
         axes.grid(axis="y", alpha=0.3)
         if number == 0:
             axes.legend(ncols=3, fontsize="small", loc="upper center", bbox_to_anchor=(0.5, 1.45))
-    axes.set_xticks(places, [f"{hz:.1f} Hz" for hz in LINES_HZ])
+    axes.set_xticks(places, [f"{hz:.1f}" for hz in LINES_HZ])
+    axes.set_xlabel("line (Hz)")
     return figure
 
 
@@ -123,5 +124,6 @@ def _box(found: Results) -> Figure:
     axes.invert_yaxis()
     axes.set_xscale("log")
     axes.set_xlabel("rms error of a run (um)")
+    axes.set_ylabel("controller")
     axes.grid(axis="x", alpha=0.3)
     return figure

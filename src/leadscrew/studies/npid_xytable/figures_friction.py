@@ -127,7 +127,7 @@ def robust(runs: FrictionRuns) -> Figure:
     axes.barh(places - 0.2, runs.learned.largest, 0.4, color=SKY, label="largest")
     axes.axvline(1.0, color=VERMILION, linestyle=":", label="M5: rms below 1 um")
     axes.axvline(float(runs.table["full"].rms[3]), color=GREEN, linestyle="--", label="21 resonators, rms")
-    axes.set(xscale="log", xlabel="error (um)", xlim=(0.05, 30.0))
+    axes.set(xscale="log", xlabel="error (um)", ylabel="the axis", xlim=(0.05, 30.0))
     axes.set_yticks(places, names)
     axes.grid(axis="x", color="0.92", linewidth=0.6)
     axes.set_axisbelow(True)
