@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from leadscrew.design.npid import design_npid
-from leadscrew.design.npid_axis import Axis, Case, Gains, Work, block_of, bounds_of, strength_for
+from leadscrew.design.npid_axis import Case, Gains, TableAxis, Work, block_of, bounds_of, strength_for
 from leadscrew.design.npid_paper import paper_design
 from leadscrew.design.npid_retune import retuned
 from leadscrew.design.npid_trial import Bench
@@ -46,7 +46,7 @@ def test_the_candidates_are_the_blocks_that_they_name():
 
 
 def test_a_trial_reproduces_the_calibrated_column_and_the_following_error():
-    bench = Bench(Axis(), WORK, "slope")
+    bench = Bench(TableAxis(), WORK, "slope")
     found = bench.tried(Gains(), [1.0], [1.0])
     assert found.rows_um[0] == pytest.approx(np.array(list(PID_UM.values())), abs=6e-3)
     assert found.tracking_um[0] == pytest.approx(7.12, rel=2e-3)
@@ -73,7 +73,7 @@ def test_the_papers_way_gives_its_numbers_and_says_where_it_breaks():
 
 def test_a_retuned_pid_has_the_sensitivity_that_was_asked_and_beats_the_digests_at_it():
     control = pytest.importorskip("control")
-    axis = Axis()
+    axis = TableAxis()
     found = retuned(axis, LINES_HZ, 1.85)
     g = found.gains
     loop = axis.linear(g).to_control()
@@ -137,7 +137,7 @@ def test_the_cosh_is_bound_by_its_slope_alone():
         ({"budget_mv": 1.0}, "the PID alone moves the voltage by"),
         ({"m2": 3.0}, "no gain above 1 is left"),
         ({"retune_ms": 1.0}, "a peak of sensitivity is above 1"),
-        ({"axis": Axis(dead_time_s=0.01)}, "at most 4 periods"),
+        ({"axis": TableAxis(dead_time_s=0.01)}, "at most 4 periods"),
     ],
 )
 def test_what_cannot_be_designed_is_refused(options, said):

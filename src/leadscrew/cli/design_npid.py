@@ -11,7 +11,7 @@ from leadscrew.cli.output import Json, busy, emit, print_table
 from leadscrew.kernel.errors import BlockError, ValueRefused
 
 if TYPE_CHECKING:
-    from leadscrew.design.npid_axis import Axis, Gains, Work
+    from leadscrew.design.npid_axis import Gains, TableAxis, Work
     from leadscrew.kernel.block import Block
     from leadscrew.studies.study import Study
 
@@ -61,7 +61,7 @@ def npid(
     from leadscrew import catalogue, controller_file, userfile
     from leadscrew.cli.tune import free
     from leadscrew.design.npid import design_npid
-    from leadscrew.design.npid_axis import Axis, Gains
+    from leadscrew.design.npid_axis import Gains, TableAxis
 
     if out is not None and out.suffix != ".toml":
         raise ValueRefused(f"--out {out}: a controller file ends in .toml")
@@ -71,7 +71,7 @@ def npid(
         raise ValueRefused(f"--rate {rate!r} Hz: must be positive")
     home = catalogue.study(userfile.absolute(study))
     free([out, plot])
-    axis = Axis(gain, damping, stiffness, 1e-3 * dead_time, 1.0 / rate)
+    axis = TableAxis(gain, damping, stiffness, 1e-3 * dead_time, 1.0 / rate)
     gains = Gains(kp, ki, kd)
     work = table_2_work(amplitude, encoder, noise, tracking)
     with busy("designing"):
@@ -143,7 +143,7 @@ def _commands_motions(home: Study, controller: str, scenario: str) -> bool:
     return isinstance(home.loop(controller, scenario).signals["command"], Motion)
 
 
-def paper_of(axis: Axis, gains: Gains) -> Any:
+def paper_of(axis: TableAxis, gains: Gains) -> Any:
     """The paper's procedure on this axis."""
     from leadscrew.design.npid_paper import paper_design
 

@@ -22,7 +22,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from leadscrew.design.npid_axis import Axis, Gains, Law, Work, block_of, bounds_of, parameters_of, strength_for
+from leadscrew.design.npid_axis import Gains, Law, TableAxis, Work, block_of, bounds_of, parameters_of, strength_for
 from leadscrew.design.npid_retune import Retuned, retuned
 from leadscrew.design.npid_trial import Bench, Tried
 from leadscrew.kernel.errors import ValueRefused
@@ -96,7 +96,7 @@ class Candidate:
 class NpidDesign:
     """A designed nonlinear PID, and what led to it."""
 
-    axis: Axis
+    axis: TableAxis
     work: Work
     law: Law
     gains: Gains
@@ -186,7 +186,7 @@ def rest_limit(loop: LinearLoop) -> tuple[float, str]:
 
 
 def design_npid(
-    axis: Axis | None = None,
+    axis: TableAxis | None = None,
     work: Work | None = None,
     gains: Gains | None = None,
     *,
@@ -215,7 +215,7 @@ def design_npid(
     """
     from leadscrew.analysis.stability.driven import driven
 
-    axis, work, old = axis or Axis(), work or Work(), gains or Gains()
+    axis, work, old = axis or TableAxis(), work or Work(), gains or Gains()
     for name, value in (("m1", m1), ("m2", m2)):
         if not (math.isfinite(value) and value >= 1.0):
             raise ValueRefused(f"{name} = {value!r}: a margin is a factor from 1 on")

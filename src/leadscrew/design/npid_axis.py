@@ -79,7 +79,7 @@ class Work:
 
 
 @dataclass(frozen=True)
-class Axis:
+class TableAxis:
     """The plant, its dead time and its period."""
 
     gain: float = 69380.0
@@ -147,10 +147,10 @@ class Axis:
 
 @lru_cache(maxsize=1)
 def _signals() -> dict[str, Any]:
-    """The shapes of the signals of :meth:`Axis.loop` at rest: the same for all values, and slow to find."""
+    """The shapes of the signals of :meth:`TableAxis.loop` at rest: the same for all values, and slow to find."""
     from leadscrew.controllers.pid import pid
 
-    return Axis().loop(pid).signals
+    return TableAxis().loop(pid).signals
 
 
 RUN_S = 20.0

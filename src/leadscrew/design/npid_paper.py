@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from leadscrew.design.npid_axis import Axis, Gains
+from leadscrew.design.npid_axis import Gains, TableAxis
 
 if TYPE_CHECKING:
     from leadscrew.analysis.stability.linear import LinearLoop
@@ -62,7 +62,7 @@ class PaperDesign:
     driven: float
     """Largest slope proved there under command and load."""
     linear_fit_r2: float
-    """Of a straight line through K(e_max) on [0, 3]: the paper calls it linear."""
+    """Of a straight line through K(e_max) on [0, 3], which the paper calls linear."""
 
     def report(self) -> str:
         """The steps as text."""
@@ -78,7 +78,7 @@ class PaperDesign:
         return {**{k: v for k, v in vars(self).items() if k != "steps"}, "steps": [vars(s) for s in self.steps]}
 
 
-def paper_design(axis: Axis | None = None, gains: Gains | None = None) -> PaperDesign:
+def paper_design(axis: TableAxis | None = None, gains: Gains | None = None) -> PaperDesign:
     """Walks the procedure with the printed plant and gains.
 
     Raises:
@@ -90,7 +90,7 @@ def paper_design(axis: Axis | None = None, gains: Gains | None = None) -> PaperD
     from leadscrew.analysis.stability.margins import margins
     from leadscrew.analysis.stability.popov import popov
 
-    axis, g = axis or Axis(), gains or Gains()
+    axis, g = axis or TableAxis(), gains or Gains()
     num, den = pid_polynomials(g.kp, g.ki, g.kd)
 
     def model(dead_time: float) -> LinearLoop:
@@ -168,7 +168,7 @@ def dead_time_for(model: Any, intercept: float = INTERCEPT) -> float:
     return (phase + math.pi) % (2.0 * math.pi) / w
 
 
-def _sampled_dead_time(axis: Axis, gains: Gains) -> float:
+def _sampled_dead_time(axis: TableAxis, gains: Gains) -> float:
     """The same of the sampled loop, by bisection on its gain limit."""
     from dataclasses import replace
 

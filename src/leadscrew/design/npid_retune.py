@@ -18,7 +18,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from leadscrew.design.npid_axis import Axis, Gains
+from leadscrew.design.npid_axis import Gains, TableAxis
 from leadscrew.kernel.errors import ValueRefused
 
 FASTEST_INTEGRAL = 150.0
@@ -40,7 +40,7 @@ class Retuned:
 class _Judge:
     """Sensitivities of a grid of gains."""
 
-    def __init__(self, axis: Axis, lines_hz: tuple[float, ...], old: Gains) -> None:
+    def __init__(self, axis: TableAxis, lines_hz: tuple[float, ...], old: Gains) -> None:
         self.t = axis.period_s
         self.axis = axis
         unit = axis.linear(Gains(1.0, 0.0, 0.0))
@@ -66,7 +66,7 @@ class _Judge:
 
 
 def retuned(
-    axis: Axis, lines_hz: tuple[float, ...], ms: float, old: Gains | None = None, ti_rate: float = FASTEST_INTEGRAL
+    axis: TableAxis, lines_hz: tuple[float, ...], ms: float, old: Gains | None = None, ti_rate: float = FASTEST_INTEGRAL
 ) -> Retuned:
     """The PID with the smallest response to the lines at a peak of sensitivity of at most ``ms``.
 

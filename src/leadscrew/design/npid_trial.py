@@ -20,9 +20,9 @@ import numpy as np
 
 from leadscrew.design.npid_axis import (
     RUN_S,
-    Axis,
     Gains,
     Law,
+    TableAxis,
     Work,
     block_of,
     changes_of,
@@ -81,7 +81,7 @@ class Bench:
     ``adopt`` may put the loop on a program that exists, as ``StudyLoops.adopt`` of a study does.
     """
 
-    def __init__(self, axis: Axis, work: Work, law: Law, adopt: Callable[[Loop], Loop] | None = None) -> None:
+    def __init__(self, axis: TableAxis, work: Work, law: Law, adopt: Callable[[Loop], Loop] | None = None) -> None:
         self.axis, self.work, self.law = axis, work, law
         loop = axis.loop(block_of(law, Gains()), work)
         self.loop = loop if adopt is None else adopt(loop)

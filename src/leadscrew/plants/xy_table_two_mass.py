@@ -1,7 +1,7 @@
 """Ball-screw axis of the XY table with the first mode of its screw: equation (1) on two masses.
 
     (1 - s) x_m'' = gain u - damping x_m' - stiffness x_m - k (x_m - x_t) - c (x_m' - x_t')        motor side, mm
-         s  x_t'' = gain load + k (x_m - x_t) + c (x_m' - x_t')                                    table
+    s x_t'' = gain load + k (x_m - x_t) + c (x_m' - x_t')        table
     k = s (1 - s) (2 pi mode_hz)^2,      c = 2 mode_damping s (1 - s) 2 pi mode_hz
 
 ``s`` is the part of the moved mass that is the table's, ``mode_hz`` the frequency of the two against each other,

@@ -15,7 +15,7 @@ from leadscrew.analysis.stability.lmi import lmi_circle
 from leadscrew.analysis.stability.margins import margins
 from leadscrew.controllers.npid_slope import npid_slope
 from leadscrew.design.npid import NpidDesign, design_npid
-from leadscrew.design.npid_axis import Axis, Case, Work, strength_for
+from leadscrew.design.npid_axis import Case, TableAxis, Work, strength_for
 from leadscrew.design.npid_retune import Retuned, retuned
 from leadscrew.design.npid_trial import Bench, Tried
 from leadscrew.report.claim import Claim
@@ -60,13 +60,13 @@ class Certified(NamedTuple):
 @lru_cache(maxsize=2)
 def designed(loops: Loops) -> NpidDesign:
     """Our procedure on L* with Table I."""
-    return design_npid(Axis(), table_2_work(), adopt=loops.adopt)
+    return design_npid(TableAxis(), table_2_work(), adopt=loops.adopt)
 
 
 @lru_cache(maxsize=2)
 def certified(loops: Loops) -> Certified:
     """The best linear PID of Ms 1.6, and a slope-limited law on it with a gain margin of 2 where it is steepest."""
-    axis, work = Axis(), table_2_work()
+    axis, work = TableAxis(), table_2_work()
     pid = retuned(axis, LINES_HZ, MS)
     linear = axis.linear(pid.gains)
     nyquist = linear.gain_limit(1.0)
@@ -78,7 +78,7 @@ def certified(loops: Loops) -> Certified:
     plants = [dict(zip(BOX, values, strict=True)) for values in zip(*BOX.values(), strict=True)]
     proved = sum(
         lmi_circle(
-            Axis(p["plant.gain"], p["plant.damping"], dead_time_s=p["plant.dead_time_s"]).linear(pid.gains), 1.0, k
+            TableAxis(p["plant.gain"], p["plant.damping"], dead_time_s=p["plant.dead_time_s"]).linear(pid.gains), 1.0, k
         ).grade
         == "certificate"
         for p in plants
