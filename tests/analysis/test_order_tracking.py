@@ -6,6 +6,8 @@ import pytest
 from leadscrew.analysis.order_tracking import angle, speed_trace, track_orders, vold_kalman
 from leadscrew.kernel.errors import DataError, ValueRefused
 
+pytestmark = pytest.mark.slow
+
 RATE, SECONDS = 2000.0, 10.0
 T = np.arange(int(RATE * SECONDS)) / RATE
 RPM = 1000.0 * (1.0 + 0.02 * np.sin(2 * np.pi * 0.1 * T))

@@ -6,6 +6,8 @@ import pytest
 from leadscrew.analysis.stability.margins import margins
 from leadscrew.studies.npid_xytable import random_plants as r
 
+pytestmark = pytest.mark.slow
+
 FEW = 3
 NUMBERS = [FEW, pytest.param(r.COUNT, marks=pytest.mark.slow)]
 

@@ -16,6 +16,8 @@ from leadscrew.kernel.errors import ValueRefused
 from leadscrew.sensors.noisy_ruler import noisy_ruler
 from tests.controllers.table_axis import PERIOD, rms_um, table_axis, tried
 
+pytestmark = pytest.mark.slow
+
 RPM, SHARES = (1000, 2000, 3000), (0.98, 1.0, 1.02)
 PLAIN = adaptive_resonant(PID["ours.pid_ms_159"])
 FOUND = "controller.spindle.spindle_hz"

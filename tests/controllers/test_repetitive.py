@@ -18,6 +18,8 @@ from leadscrew.plants.xy_table_lugre import LEVELS
 from leadscrew.references.eased_sine import eased_sine_motion
 from tests.controllers.table_axis import PERIOD, lines_um, rms_um, table_axis, tried
 
+pytestmark = pytest.mark.slow
+
 ONE = pid(kp=1.0, ki=0.0, kd=0.0)
 TUNED = PID["ours.pid_ms_159"]
 W = np.geomspace(1.0, 6200.0, 2000)

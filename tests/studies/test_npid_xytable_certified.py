@@ -12,6 +12,8 @@ from leadscrew.studies.npid_xytable.claims_certified import certified_claims
 from leadscrew.studies.npid_xytable.figures_certified import certified_pictures
 from leadscrew.studies.npid_xytable.runs import Loops
 
+pytestmark = pytest.mark.slow
+
 
 @pytest.fixture(scope="module")
 def loops():
