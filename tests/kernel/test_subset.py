@@ -462,6 +462,8 @@ def test_what_fails_in_the_first_period_names_block_file_and_line():
         BlockError, match=r"wants_field: its first period fails at .*test_subset.py:\d+: AttributeError"
     ):
         controller_of(wants_field).run(0.01)
+    with pytest.raises(BlockError, match=r"it was given command as a number"):
+        controller_of(wants_field).run(0.01)
 
 
 @pytest.mark.parametrize("engine", ["llvm", "python"])

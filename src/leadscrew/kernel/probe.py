@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import traceback
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -21,6 +22,11 @@ def _copied(value: Any) -> Any:
     if isinstance(value, np.ndarray):
         return value.copy()
     return type(value)(*(_copied(v) for v in value)) if is_branch(value) else value
+
+
+def _kind(value: Any) -> str:
+    """What a signal is, for a message: a number, or the names of a NamedTuple."""
+    return f"{type(value).__name__}({', '.join(value._fields)})" if is_branch(value) else "as a number"
 
 
 class _Probe:
@@ -50,7 +56,8 @@ class _Probe:
         state = None if block.state is None else _copied(self.loop.start_state(block))
         if state is not None:
             lead.append(state)
-        result = self._tried(block.name, slot, *lead, *(signals[n] for n in block.signals))
+        given = {n: signals[n] for n in block.signals if n in ("command", "feedback", "actual", "output")}
+        result = self._tried(block.name, slot, *lead, *(signals[n] for n in block.signals), given=given)
         if state is not None and isinstance(result, tuple) and result:
             self._arrays_stay(block.name, state, result if slot == "plant" else result[0], "")
         return self._signal(block, slot, result)
@@ -66,8 +73,8 @@ class _Probe:
             for field, a, b in zip(old._fields, old, new, strict=True):
                 self._arrays_stay(name, a, b, f"{key}.{field}" if key else field)
 
-    def _tried(self, name: str, step: str, *args: Any) -> Any:
-        """Calls a step; what it raises becomes one sentence with file and line."""
+    def _tried(self, name: str, step: str, *args: Any, given: Mapping[str, Any] | None = None) -> Any:
+        """Calls a step; what it raises becomes one sentence with file, line and the signals that it was given."""
         try:
             with np.errstate(all="ignore"):
                 return self.space[self.names[step]](*args)
@@ -76,7 +83,11 @@ class _Probe:
         except Exception as error:
             frames = traceback.extract_tb(error.__traceback__)[1:]
             place = f" at {frames[-1].filename}:{frames[-1].lineno}" if frames else ""
-            raise BlockError(f"{name}: its first period fails{place}: {type(error).__name__}: {error}") from None
+            said = ", ".join(f"{signal} {_kind(value)}" for signal, value in (given or {}).items())
+            raise BlockError(
+                f"{name}: its first period fails{place}: {type(error).__name__}: {error}"
+                + (f"; it was given {said}" if said else "")
+            ) from None
 
     def _signal(self, block: Block, slot: str, result: Any) -> Any:
         if slot == "plant":
