@@ -30,6 +30,11 @@ def said(
     )  # fmt: skip
 
 
+def verdict_of(holds: bool, change: bool = False) -> Verdict:
+    """The verdict on a statement of the paper that holds here, under a change of ours or without, or does not."""
+    return ("reproduced with change" if change else "reproduced") if holds else "not reproduced"
+
+
 def word(holds: bool) -> str:
     """``yes`` or ``no``."""
     return "yes" if holds else "no"
