@@ -21,14 +21,18 @@ LONG = ("leadscrew demo", "leadscrew run", "leadscrew bench", "leadscrew cache c
 """Commands that other tests run, or that would disturb this machine."""
 ELSEWHERE = ("export.md", "fuzzy.md", "tuning.md")
 """Pages whose Python needs what their commands wrote: tests of their own run both."""
+QUICK = ("README.md", "first_steps.md", "blocks.md", "loops.md", "engines.md", "add_controller.md", "add_plant.md")
+"""Pages that run in every `make test`; the others run with the slow sweep."""
 COMMANDS = {
     page: [c for c in commands_of(page) if not c.startswith(LONG)] for page in PAGES if page.name not in ELSEWHERE
 }
 
 
-@pytest.mark.parametrize(
-    "page", [p for p in PAGES if blocks(p, ("python",)) and p.name not in ELSEWHERE], ids=lambda p: p.name
-)
+def each(pages):
+    return [pytest.param(p, marks=() if p.name in QUICK else pytest.mark.slow, id=p.name) for p in pages]
+
+
+@pytest.mark.parametrize("page", each(p for p in PAGES if blocks(p, ("python",)) and p.name not in ELSEWHERE))
 def test_python_of_page_runs(page: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     name = f"page_{page.stem.lower()}"
     file = tmp_path / f"{name}.py"
@@ -46,7 +50,7 @@ def test_first_loop_of_the_readme_is_short() -> None:
     assert len([line for line in first if line.strip()]) <= 25
 
 
-@pytest.mark.parametrize("page", [p for p in COMMANDS if COMMANDS[p]], ids=lambda p: p.name)
+@pytest.mark.parametrize("page", each(p for p in COMMANDS if COMMANDS[p]))
 def test_commands_of_a_page_run(page: Path, tmp_path: Path) -> None:
     shown = {step.command: step for step in steps_of(page)}
     for command in COMMANDS[page]:
