@@ -97,6 +97,7 @@ def test_runs_that_are_one_run_are_said_to_be(call, tmp_path, monkeypatch):
     assert call(*quiet[:-1], "1", "-o", "one").stderr == ""
 
 
+@pytest.mark.slow
 def test_sobol_indices_that_nobody_can_know_are_not_shown(call, tmp_path, monkeypatch):
     needed("SALib", "tune")
     monkeypatch.chdir(tmp_path)

@@ -203,6 +203,7 @@ def test_a_full_disk_keeps_what_is_done_and_says_how_to_go_on(call, refused, tmp
     assert sorted(p.name for p in tmp_path.iterdir()) == ["report", "t.toml"]
 
 
+@pytest.mark.slow
 def test_a_lost_cluster_keeps_what_is_done(refused, call, tmp_path):
     needed("distributed", "cluster")
     out = tmp_path / "t.toml"

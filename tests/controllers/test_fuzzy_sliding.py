@@ -208,6 +208,7 @@ def test_too_little_fuzzy_torque_hangs_up_microns_away():
     assert 9.0 < UM * abs(step_loop(weak, quintic).run(0.6, record=SIGNALS)["true_error"][-1]) < 20.0
 
 
+@pytest.mark.slow
 # ---- sampled
 def test_sampled_fast_enough_it_is_the_ideal_law():
     run = stage_loop(fsmc(pieces=1), "fast", period=2e-6).run(2.0, record="true_error", every=10)
@@ -223,6 +224,7 @@ AT_4_KHZ = [("slow", 1.9), ("wide", 0.100), ("fast", 0.76)]
 """RMS in um of an earlier and independent simulation of ours."""
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("name", "rms"), AT_4_KHZ)
 def test_at_4_khz_with_the_papers_lam_it_leaves_the_known_errors(name, rms):
     seconds = 4.0 if name == "fast" else 4.0 * np.pi

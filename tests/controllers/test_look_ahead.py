@@ -56,6 +56,7 @@ def test_a_perfectly_followed_command_shows_no_error_through_a_filter():
     assert abs(now.position - late) > 5e-4 and abs(e) < 1e-15
 
 
+@pytest.mark.slow
 def test_without_lags_it_is_the_inner_controller():
     plain = stage_loop(pd_dob, "fast").run(0.1, record=("output", "actual"))
     ahead = stage_loop(look_ahead(pd_dob), "fast").run(0.1, record=("output", "actual"))

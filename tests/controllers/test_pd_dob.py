@@ -149,12 +149,14 @@ KNOWN = [
 """RMS in um of an earlier and independent simulation of ours, and how near ours must be."""
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("tuning", "name", "known"), [(t, n, k) for t, rows in KNOWN for n, k in rows.items()])
 def test_at_4_khz_with_a_10_nm_encoder_it_leaves_the_known_errors(tuning, name, known):
     run = stage_loop(TUNINGS[tuning], name, encoder_mm=1e-5).run(seconds(name), record="true_error")
     assert errors_um(run)[1] == pytest.approx(known[0], abs=known[1])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("block", [ROBUST, OURS], ids=["robust", "ours"])
 def test_and_stays_below_the_known_peaks(block):
     for name, largest in (("slow", 0.07), ("wide", 0.11), ("fast", 0.21)):

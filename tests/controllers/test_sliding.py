@@ -70,6 +70,7 @@ RADAU = {
 """Angle and speed at so many ms on sin 2 pi t, all bristles at rest at t = 0: SciPy's Radau at rtol 1e-10."""
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "module"), [("smc", conventional), ("smc_integral", integral), ("csmc", complementary)]
 )
@@ -86,6 +87,7 @@ IDEAL_WIDE = [("corrected.smc", 0.283), ("paper.smc_integral", 0.057), ("paper.c
 IDEAL_SLOW = [("corrected.smc", 0.377), ("paper.smc_integral", 0.034), ("paper.csmc", 0.161)]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("name", "largest", "rms"), IDEAL)
 def test_sampled_fast_enough_the_printed_gains_leave_the_error_of_the_ideal_law(name, largest, rms):
     run = stage_loop(READINGS[name](pieces=1), "fast", period=2e-6).run(2.0, record="true_error", every=10)
@@ -137,6 +139,7 @@ AT_4_KHZ = [
 ]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("block", "command", "known"), [(b, c, k) for b, rows in AT_4_KHZ for c, k in rows.items()])
 def test_a_layer_made_for_4_khz_leaves_the_known_errors(block, command, known):
     seconds = 6.0 if command == "fast" else 4.0 * np.pi

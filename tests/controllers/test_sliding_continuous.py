@@ -61,6 +61,7 @@ def radau_error(friction_from, seconds):
     return UM * (np.sin(w * t) - TRAVEL_MM_PER_RAD * angle)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("friction_from", [1, 2])
 def test_it_is_the_paper_s_equations_through_a_reversal(friction_from):
     run = loop_of(smc_ideal(friction_from=friction_from)).run(0.3, record="true_error")
@@ -69,6 +70,7 @@ def test_it_is_the_paper_s_equations_through_a_reversal(friction_from):
     assert np.abs(UM * run["true_error"] - expected).max() < 1e-4
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("block", "largest"), [(smc_ideal, 0.327), (smc_integral_ideal, 0.084), (csmc_ideal, 0.164), (fsmc_ideal, 0.0528)]
 )

@@ -69,6 +69,7 @@ KNOWN = [("slow", 0.011, 5e-4), ("wide", 0.32, 0.02), ("fast", 0.33, 0.005)]
 """RMS in um of an earlier and independent simulation of ours, which chatters on the second sine, and how near."""
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("name", "rms", "near"), KNOWN)
 def test_at_4_khz_with_a_10_nm_encoder_it_leaves_the_known_errors(name, rms, near):
     seconds = 4.0 if name == "fast" else 4.0 * math.pi

@@ -280,6 +280,7 @@ def test_a_bad_setting_is_refused_by_name_and_range():
         vud_fast(braking=1.5)
 
 
+@pytest.mark.slow
 def test_a_small_search_already_meets_the_issues_targets():
     found = search(MACHINES["linear"], {}, robust=False, seed=3, generations=8)
     for target, seconds in TARGETS:

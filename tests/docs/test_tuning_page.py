@@ -5,6 +5,8 @@ import re
 import subprocess
 import sys
 
+import pytest
+
 from leadscrew.export.folder import compiler_path
 from tests.docs import sessions
 from tests.docs.snippets import ROOT, assert_printed, shown, with_marks
@@ -21,6 +23,7 @@ def typed(place, part):
         return subprocess.Popen(["bash", str(script)], cwd=place, stdout=out, stderr=subprocess.STDOUT)
 
 
+@pytest.mark.slow
 def test_every_command_does_what_it_shows_and_so_does_the_python_in_the_folder_that_they_leave(tmp_path):
     """One test, so that workers of pytest-xdist do not type it all twice; what stands alone runs beside the rest."""
     if compiler_path() is None:

@@ -44,6 +44,7 @@ def test_between_the_values_is_a_straight_line_also_from_the_last_to_the_first()
     assert out == pytest.approx([1.0, 1.5, 2.0, 1.5, 1.0, 1.5], rel=1e-12)
 
 
+@pytest.mark.slow
 def test_a_table_of_zeros_is_the_inner_controller():
     plain = stage_loop(pd_dob, "fast").run(0.1, record=("output", "actual"))
     tabled = stage_loop(feed_forward_table(pd_dob, np.zeros(7)), "fast").run(0.1, record=("output", "actual"))

@@ -175,6 +175,7 @@ def test_the_other_units_give_the_gain_that_they_say(reading, changes, k):
     assert found.get("controller.eta", 120.0) == pytest.approx(changes.get("eta", 120.0))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("weights", "eta", "name"),
     [(CONVENTIONAL, 120.0, "corrected.smc"), (LITERAL, 120.0, "paper.smc"), (COMPLEMENTARY, 20.0, "paper.csmc")],
