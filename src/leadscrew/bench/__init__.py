@@ -10,7 +10,7 @@ from leadscrew.bench.row import FIELDS
 PARTS = (
     "threads", "single runs", "batches", "settled loops", "other tools", "inference", "fuzzy systems",
     "stiff friction", "portable functions", "compilation", "fresh processes", "many runs",
-    "circular test", "robustness box",
+    "circular test", "robustness box", "grey prediction", "turning Monte Carlo",
 )  # fmt: skip
 """In this order: threads come first, before the bench itself puts load on the machine."""
 
@@ -26,6 +26,7 @@ def run(
         circles,
         functions,
         fuzzy,
+        grey,
         machine,
         many,
         others,
@@ -34,6 +35,7 @@ def run(
         stage,
         start,
         threads,
+        turning,
     )
 
     rounds = 3 if quick else 9
@@ -54,6 +56,8 @@ def run(
         "many runs": lambda: many.rows(quick),
         "circular test": lambda: circles.rows(quick),
         "robustness box": lambda: robustness.rows(quick),
+        "grey prediction": lambda: grey.rows(rounds),
+        "turning Monte Carlo": lambda: turning.rows(quick),
     }
     for i, part in enumerate(parts):
         if progress is not None:

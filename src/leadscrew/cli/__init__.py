@@ -30,6 +30,7 @@ from leadscrew.cli import (
     listing,
     montecarlo,
     positioning,
+    predict,
     replay,
     run,
     simulate,
@@ -79,6 +80,7 @@ app.command("positioning")(positioning.positioning)
 app.command("ballbar")(ballbar.ballbar)
 app.command("harmonics")(harmonics.harmonics)
 app.command("frequency-response")(frequency_response.frequency_response)
+app.command("predict")(predict.predict)
 app.add_typer(fuzzy.app, name="fuzzy")
 app.add_typer(design.app, name="design")
 app.add_typer(identify.app, name="identify")

@@ -1,0 +1,137 @@
+"""``leadscrew predict``: what a grey predictor would have said of a logged signal, beside simpler predictors."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from leadscrew.cli.output import Json, emit, print_table
+from leadscrew.kernel.errors import DataError, NameUnknown, ValueRefused
+
+Log = Annotated[Path, typer.Argument(metavar="LOG", help="CSV, Parquet, or a folder of simulate --out.")]
+
+
+def predict(
+    log: Log,
+    column: Annotated[str, typer.Option(metavar="COLUMN", help="The signal.")] = "force",
+    model: Annotated[str, typer.Option(metavar="NAME", help="gm11, dgm11, verhulst, gm11_shifted, ...")] = "gm11",
+    window: Annotated[int, typer.Option(metavar="N", help="Samples of a window, from 4.")] = 5,
+    horizon: Annotated[int, typer.Option(metavar="N", help="Samples ahead, from 1.")] = 1,
+    reference: Annotated[float | None, typer.Option(metavar="X", help="For gm11_clamped: what is asked for.")] = None,
+    shift: Annotated[float | None, typer.Option(metavar="X", help="For gm11_shifted: added before the fit.")] = None,
+    first: Annotated[int, typer.Option("--from-row", metavar="N", help="First row of data used, from 1.")] = 1,
+    final: Annotated[int | None, typer.Option("--to-row", metavar="N", help="Last row of data used.")] = None,
+    csv: Annotated[
+        Path | None, typer.Option("--csv", metavar="FILE.csv", help="Also write the predictions there.")
+    ] = None,
+    as_json: Json = False,
+) -> None:
+    """How well a grey model predicts a logged signal, beside its last value, a line and two points.
+
+    Each prediction uses the samples up to one row and is compared with the row --horizon later. Near a set-point
+    GM(1,1) is a fixed filter that amplifies noise: there the last value is usually better.
+    """
+    from leadscrew.cli.logs import SIGNALS
+    from leadscrew.grey.predictors import KINDS
+    from leadscrew.grey.score import BESIDE, compare
+    from leadscrew.identify.log import read_columns
+    from leadscrew.kernel.sheet import nearest
+
+    if model not in KINDS:
+        raise NameUnknown(f"--model {model!r}: there is no such predictor{nearest(model, list(KINDS))}")
+    options = _options(model, window, horizon, reference, shift)
+    if csv is not None:
+        from leadscrew.cli.fuzzy_files import suffix_of
+
+        suffix_of(csv, (".csv",), "--csv")
+    y = read_columns(log / SIGNALS if log.is_dir() else log, [column])[column]
+    rows = len(y)
+    final = rows if final is None else final
+    if not 1 <= first < final <= rows:
+        raise ValueRefused(f"--from-row {first} --to-row {final}: expected two rows in order, of 1 to {rows} in {log}")
+    y = y[first - 1 : final]
+    try:
+        scores, made = compare(y, tuple(dict.fromkeys((model, *BESIDE))), window, horizon, **options)
+    except DataError as error:
+        raise DataError(f"{log}, column {column!r}: {error}") from None
+    said = _sentence(scores[0], {s.model: s.rmse for s in scores})
+    if csv is not None:
+        _write(csv, column, first, horizon, window, y, made)
+    if as_json:
+        emit(
+            {
+                "kind": "leadscrew predict", "schema_version": 1, "log": str(log), "column": column, "model": model,
+                "window": window, "horizon": horizon, "first_row": first, "last_row": final, "samples": len(y),
+                "predictions": len(y) - window - horizon + 1, "says": said,
+                "csv": None if csv is None else str(csv),
+                "scores": [
+                    {"model": s.model, "rmse": s.rmse, "worst": s.worst, "bias": s.bias,
+                     "better_share": s.better_share, "against_last": s.against_last, "verdict": s.verdict}
+                    for s in scores
+                ],
+            }
+        )  # fmt: skip
+        return
+    heads = ["predictor", "RMSE", "of last", "worst error", "mean error", "nearer than last", "against last"]
+    base = next(s.rmse for s in scores if s.model == "last")
+    table = [
+        [s.model, f"{s.rmse:.4g}", f"{s.rmse / base:.3f}" if base > 0.0 else "", f"{s.worst:.4g}", f"{s.bias:.2g}",
+         "" if s.model == "last" else f"{100.0 * s.better_share:.0f} %", "" if s.model == "last" else s.verdict]
+        for s in scores
+    ]  # fmt: skip
+    print_table(heads, table, right=heads[1:6])
+    ahead = "one sample" if horizon == 1 else f"{horizon} samples"
+    typer.echo(f"\n{len(y) - window - horizon + 1} predictions {ahead} ahead, windows of {window}.")
+    typer.echo(said)
+    if csv is not None:
+        typer.echo(f"\n{csv}: the predictions")
+
+
+def _options(model: str, window: int, horizon: int, reference: float | None, shift: float | None) -> dict[str, float]:
+    if window < 4:
+        raise ValueRefused(f"--window {window}: expected 4 samples or more")
+    if horizon < 1:
+        raise ValueRefused(f"--horizon {horizon}: expected 1 sample or more")
+    given = {"reference": ("gm11_clamped", reference), "shift": ("gm11_shifted", shift)}
+    options = {}
+    for name, (owner, value) in given.items():
+        if model != owner and value is not None:
+            raise ValueRefused(f"--{name} {value!r}: is read by --model {owner} only, not by {model}")
+        if model == owner:
+            if value is None or not abs(value) < float("inf"):
+                what = "is missing" if value is None else f"{value!r}"
+                raise ValueRefused(f"--{name} {what}: --model {owner} needs it, a finite number")
+            options[name] = value
+    return options
+
+
+def _sentence(score, rmse: dict[str, float]) -> str:
+    """What the comparison says of the model that was asked for."""
+    if score.model in ("last", "line", "two_point"):
+        best = min(rmse, key=lambda name: rmse[name])
+        return f"Smallest RMSE here: {best}."
+    others = {name: rmse[name] for name in ("last", "line", "two_point")}
+    best = min(others, key=lambda name: others[name])
+    beside = f"best of the others: {best}, RMSE {others[best]:.4g}"
+    match score.verdict:
+        case "better":
+            first = f"{score.model} predicts this signal better than its last value does"
+        case "worse":
+            first = f"{score.model} predicts this signal worse than its last value does"
+        case _:
+            share = f"{score.rmse / rmse['last']:.2f} times the RMSE of" if rmse["last"] > 0.0 else "the RMSE of"
+            first = f"{score.model} has {share} the last value, within two standard errors: not decided by these rows"
+    return f"{first} ({beside})."
+
+
+def _write(path: Path, column: str, first: int, horizon: int, window: int, y, made) -> None:
+    """One row a sample: the row it has in the log, its value, and what each predictor had said of it."""
+    from leadscrew.newfile import save
+
+    lines = [",".join(["row", column, *made])]
+    for i in range(window - 1 + horizon, len(y)):
+        cells = [f"{made[name][i - horizon]:.9g}" for name in made]
+        lines.append(",".join([str(first + i), f"{y[i]:.9g}", *cells]))
+    save("\n".join(lines) + "\n", path)
