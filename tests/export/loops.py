@@ -8,6 +8,8 @@ from leadscrew.controllers.biquad import LowPass, Notch, biquad
 from leadscrew.controllers.cascade_ppi import cascade_ppi
 from leadscrew.controllers.dead_zone_inverse import dead_zone_inverse
 from leadscrew.controllers.friction_feed_forward import friction_feed_forward
+from leadscrew.controllers.grey_fuzzy.tunings import TUNINGS as GREY_FUZZY
+from leadscrew.controllers.guard import force_guard
 from leadscrew.controllers.input_dob import input_dob
 from leadscrew.controllers.learned_feed_forward import learned_feed_forward
 from leadscrew.controllers.npid_after import npid_after
@@ -22,11 +24,15 @@ from leadscrew.controllers.sliding.fuzzy import TUNINGS as FSMC
 from leadscrew.controllers.sliding.super_twisting import super_twisting
 from leadscrew.controllers.tracking_differentiator import TUNINGS as FOLLOWED
 from leadscrew.controllers.vud import vud_beta_e, vud_scaled
+from leadscrew.disturbances.hard_spot import hard_spot
 from leadscrew.fuzzy.block import controller
 from leadscrew.kernel.loop import Loop
 from leadscrew.plants.lathe_servo import lathe_servo
+from leadscrew.plants.turning import turning
+from leadscrew.references.cutting_program import cutting_program
 from leadscrew.references.sine import sine
 from leadscrew.references.step import step
+from leadscrew.sensors.faulty_load_cell import faulty_load_cell
 from leadscrew.sensors.grating_count import grating_count
 from tests.controllers.stage_loop import stage_loop
 from tests.controllers.table_axis import table_axis
@@ -169,3 +175,17 @@ def fuzzy_sampled():
 def fuzzy_table():
     """49 rules of Takagi and Sugeno, of which only the active ones are computed: a table."""
     return fuzzy(sugeno())
+
+
+def force_under_guard():
+    """A cut at 150 N under guard, through a hard spot and a load cell that is broken for a while."""
+    return Loop(
+        reference=cutting_program,
+        controller=force_guard(GREY_FUZZY["corrected.gpfc_b_stfc"]),
+        plant=turning,
+        sensor=faulty_load_cell(fault=4, from_s=3.0, until_s=3.1),
+        disturbance=hard_spot,
+        period=0.02,
+        substeps=20,
+        metrics={},
+    )

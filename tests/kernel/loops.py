@@ -11,7 +11,10 @@ from leadscrew.kernel.block import Block, controller
 from leadscrew.kernel.errors import LeadscrewError
 from leadscrew.kernel.loop import Loop
 from leadscrew.plants.ballscrew_stage import ballscrew_stage
+from leadscrew.plants.turning import turning
+from leadscrew.references.cutting_program import cutting_program
 from leadscrew.references.sine import sine, sine_motion
+from leadscrew.sensors.load_cell import lathe_reading
 from tests.kernel import zoo
 
 
@@ -29,9 +32,21 @@ def follows_position(p, command, feedback):
     return p.gain * (command - feedback.position)
 
 
+@controller(GainParams())
+def follows_force(p, command, feedback):
+    return 0.003 * p.gain * (command + 150.0 - feedback.force)
+
+
+@controller(GainParams())
+def follows_cut(p, command, feedback):
+    return 0.003 * p.gain * (command.force - feedback.force)
+
+
 PERIOD = 1e-3
 COMMANDS = (sine(amplitude=3.0, frequency=0.7), sine_motion(amplitude=3.0, frequency=0.7))
-CONTROLLERS = (zoo.pid(kp=0.8), follows_motion, follows_position)
+CONTROLLERS = (zoo.pid(kp=0.8), follows_motion, follows_position, follows_force)
+CUT = {"reference": cutting_program, "controller": follows_cut, "plant": turning, "sensor": lathe_reading}
+"""A lathe in the cut, for blocks on its signals."""
 
 
 def _candidates(block: Block):
@@ -40,6 +55,7 @@ def _candidates(block: Block):
     if block.kind == "reference":
         for c in CONTROLLERS:
             yield {"reference": block, "controller": c, "plant": zoo.mass, **rest}
+        yield {**CUT, "reference": block, **rest}
     elif block.kind == "controller" and block.continuous:
         stage = seen_in_mm(ballscrew_stage)
         parts = {"reference": COMMANDS[1], "controller": block, "plant": stage, "metrics": {}}
@@ -47,6 +63,7 @@ def _candidates(block: Block):
     elif block.kind == "controller":
         for command in COMMANDS:
             yield {"reference": command, "controller": block, "plant": zoo.mass, **rest}
+        yield {**CUT, "controller": block, **rest}
     elif block.kind == "plant":
         for c in CONTROLLERS:
             for method in ("rk4", "sdirk3"):
@@ -65,6 +82,8 @@ def _candidates(block: Block):
         plants = [catalogue.block(n) for n in catalogue.block_names() if catalogue.block(n).kind == "plant"]
         for plant in plants:
             yield {**plain, "plant": plant, block.kind: block}
+        for c in CONTROLLERS:
+            yield {**plain, "plant": turning, "controller": c, block.kind: block}
 
 
 def around(name: str) -> Loop:

@@ -59,9 +59,16 @@ def moves(run) -> bool:
     return any(np.ptp(run[c][np.isfinite(run[c])]) > 0 for c in run.signals if c != "time")
 
 
-@pytest.mark.parametrize("name", catalogue.BLOCKS)
-def test_every_block_of_the_catalogue_on_the_engine_c_is_what_machine_code_computes(name):
-    """At one level and one set of parameters; the next test does the rest."""
+QUICK = (
+    "eased_sine_motion", "quintic", "grating_counter", "lathe_reading", "npid", "pd_dob", "vud_fast", "torque_drive",
+    "ballscrew_stage", "ballscrew_gms", "turning", "xy_table_cutting", "five_sines", "metrics.rise_time",
+)  # fmt: skip
+"""One of each kind, and those that use most of the language: arrays, loops, integers, stiff integrators, `prepare`."""
+
+
+@pytest.mark.parametrize("name", QUICK)
+def test_blocks_of_every_kind_on_the_engine_c_is_what_machine_code_computes(name):
+    """At one level and one set of parameters; the next test does the rest, for every block."""
     loop = around(name)
     expected = recorded(loop, periods=1000)
     assert moves(expected)

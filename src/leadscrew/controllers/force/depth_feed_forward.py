@@ -1,0 +1,108 @@
+"""Depth feed-forward: when the programmed depth of cut changes, the feed changes with it, a little before.
+
+    u(k-1) := u(k-1) (b_old / b_new)^(1 / exponent),      then the inner controller adds its increment to it
+
+With ``F = kf b (v / n)^P`` the force keeps its value if the feed goes with ``b^(-1/P)``. ``b_old`` and ``b_new`` are
+the depth that is believed at ``t + preview_s`` in the last period and in this one: the programme, plus ``depth_error``,
+through the radial servo that is believed in (``radial``, gain 0: the depth changes at once); see
+:mod:`leadscrew.controllers.force.programme`. ``preview_s`` makes up for what delays the feed: lag of its servo,
+``2 zeta / w``, half a revolution of the spindle until the chip has its thickness, half a period of hold, dead time.
+
+The programme is known, so nothing is guessed but the exponent; it is not a reaction to a depth that is wrong. A change
+of depth that comes at once cannot be met: the force follows it at once, the feed within 0.1 s.
+
+Source: the digest of the study ``grey_turning``, section 9.
+
+Bumpless start: as the inner controller's.
+"""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, NamedTuple, cast
+
+from leadscrew.controllers.force.programme import (
+    Depth,
+    DepthError,
+    Follower,
+    LeastDepth,
+    PreviewS,
+    cutting,
+    followed,
+    follower,
+    programmed,
+)
+from leadscrew.controllers.force.wrapped import same_kind, wrapped
+from leadscrew.kernel.block import Block
+from leadscrew.kernel.sheet import Doc, Gt, Le
+from leadscrew.plants.turning.process import RadialServo
+
+Exponent = Annotated[float, Gt(0), Le(1), Doc("P that is believed in: how force grows with chip thickness")]
+
+
+class FeedForwardState(NamedTuple):
+    """The depth ahead, and whether there was a period before."""
+
+    ahead: Depth = Depth()
+    started: Annotated[float, Doc("0 before the first period, then 1")] = 0.0
+
+
+def depth_feed_forward(
+    inner: Block,
+    exponent: float = 0.77,
+    preview_s: float = 0.065,
+    depth_error: float = 0.0,
+    radial: RadialServo | None = None,
+    least_depth: float = 0.05,
+    name: str = "",
+) -> Block:
+    """The controller ``inner`` with depth feed-forward; its parameters are below ``inner.``.
+
+    It is told the programme (:class:`~leadscrew.references.cutting_program.CutCommand`) and reads all sensors
+    (:class:`~leadscrew.sensors.load_cell.CutReading`); ``inner`` gets the forces alone unless it takes these too.
+
+    Raises:
+        BlockError: ``inner`` is not an incremental controller with a state field ``output``.
+    """
+    part = wrapped(inner, "depth_feed_forward")
+    law, its, with_output, before = part.law, part.its, part.with_output, inner.prepare
+    align_law: Any = part.align
+    fields: list[Any] = [("inner", type(inner.params)), ("exponent", Exponent), ("preview_s", PreviewS),
+                         ("depth_error", DepthError), ("radial", RadialServo), ("least_depth", LeastDepth)]  # fmt: skip
+    params_type = cast(Any, NamedTuple("DepthFeedForwardParams", fields))
+    kept: list[Any] = [("inner", type(inner.state)), ("programme", FeedForwardState)]
+    state_type = cast(Any, NamedTuple("DepthFeedForwardState", kept))
+
+    def prepare(params: Any, dt: float) -> Any:
+        ready = params.inner if before is None else before(params.inner, dt)
+        plan: list[Any] = [("inner", type(ready)), ("power", float), ("from_s", float), ("depth_error", float),
+                           ("follower", Follower), ("least_depth", float)]  # fmt: skip
+        return cast(Any, NamedTuple("DepthFeedForwardPlan", plan))(
+            ready, 1.0 / params.exponent, params.preview_s - dt, params.depth_error, follower(params.radial, dt),
+            params.least_depth,
+        )  # fmt: skip
+
+    def align(params, command, feedback, output):
+        """The state from which the next output is ``output``."""
+        state = align_law(params.inner, its(command), its(feedback), output)
+        return state_type(state, FeedForwardState(Depth(command.depth, 0.0), 0.0))
+
+    def fed_forward(p, s, command, feedback, dt):
+        """The inner controller, from an output that goes with the depth ahead."""
+        f = s.programme
+        begun = f.started > 0.5
+        moved = followed(p.follower, f.ahead, programmed(command, p.from_s, dt))
+        ahead = Depth(moved.depth if begun else command.depth, moved.speed if begun else 0.0)
+        old = cutting(f.ahead.depth, p.depth_error, p.least_depth)
+        new = cutting(ahead.depth, p.depth_error, p.least_depth)
+        factor = (old / new) ** p.power if begun else 1.0
+        start = with_output(s.inner, s.inner.output * factor)
+        after, output = law(p.inner, start, its(command), its(feedback), dt)
+        return state_type(after, FeedForwardState(ahead, 1.0)), output
+
+    servo = RadialServo() if radial is None else radial
+    return same_kind(
+        fed_forward, part,
+        params_type(inner.params, exponent, preview_s, depth_error, servo, least_depth),
+        state_type(inner.state, FeedForwardState()), "Its output goes with the programmed depth of cut.", True,
+        prepare=prepare, align=None if align_law is None else align, name=name or f"{inner.name}_depth_ff",
+    )  # fmt: skip

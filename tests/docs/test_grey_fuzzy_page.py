@@ -1,0 +1,18 @@
+"""The page on fuzzy force control: what its Python prints."""
+
+import subprocess
+import sys
+
+import pytest
+
+from tests.docs.snippets import ROOT, assert_printed, shown, with_marks
+
+PAGE = ROOT / "docs" / "grey_fuzzy.md"
+
+
+@pytest.mark.slow
+def test_the_python_of_the_page_prints_what_it_shows(tmp_path):
+    (tmp_path / "page.py").write_text(with_marks(PAGE), encoding="utf-8")
+    done = subprocess.run([sys.executable, "page.py"], cwd=tmp_path, capture_output=True, text=True)
+    assert_printed(PAGE, done.stdout + done.stderr)
+    assert all(shown(PAGE))
