@@ -1,4 +1,4 @@
-"""``leadscrew identify friction``: LuGre friction of an axis from one log of torque and position."""
+"""``leadscrew identify``: LuGre friction of an axis from one log; a cutting force law from a table of cuts."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from typing import Annotated
 
 import typer
 
+from leadscrew.cli.identify_cutting_force import cutting_force
 from leadscrew.cli.output import Json, emit, print_table, progress
 from leadscrew.kernel.errors import ValueRefused
 
@@ -18,6 +19,9 @@ app = typer.Typer(no_args_is_help=True, help="Find a model's parameters in logge
 @app.callback()
 def _identify() -> None:
     """Find a model's parameters in logged data."""
+
+
+app.command("cutting-force")(cutting_force)
 
 
 @app.command("friction")

@@ -1,0 +1,295 @@
+"""Force laws of a table for reading: rows of tables, sentences, JSON, a page."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator, Mapping, Sequence
+from html import escape
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from leadscrew.analysis.cutting_force import ChipAndEdge, Kienzle, kienzle, r_squared, specific_force
+from leadscrew.identify.cutting_force import ForceFit
+from leadscrew.identify.cutting_force_fit import Interval, LawFit
+from leadscrew.newfolder import appearing
+from leadscrew.report.cutting_force_picture import picture
+from leadscrew.report.strict import strict
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+SCHEMA_VERSION = 1
+NOTHING = "–"
+LAW_COLUMNS = ("parameter", "value", "95 % from", "to", "unit", "law")
+FIT_COLUMNS = ("fit", "rms %", "worst %", "left out %", "rms N", "R2 of F", "R2 of ln F", "R2 of ln kc", "condition")
+ROW_COLUMNS = ("row", "feed mm/rev", "depth mm", "force N", "kc N/mm2", "law N", "off %", "left out %")
+AT_COLUMNS = ("feed mm/rev", "depth mm", "force N", "95 % from", "to", "")
+NUMBERS = {*LAW_COLUMNS[1:4], *FIT_COLUMNS[1:], *ROW_COLUMNS, *AT_COLUMNS[:5]}
+"""Columns to be set to the right."""
+
+
+def num(value: float | None, digits: int = 4) -> str:
+    """A number with some significant digits, a dash for none."""
+    return NOTHING if value is None or not np.isfinite(value) else f"{value:.{digits}g}"
+
+
+def law_rows(fit: ForceFit, drawn: Mapping[str, Interval] | None = None) -> list[list[str]]:
+    """Parameters with their intervals: power law, Kienzle's, chip and edge; ``drawn`` are bootstrap intervals."""
+    found, same, law = fit.chosen.parameters, kienzle(fit.law, fit.kappa_deg), "F = Kf a f^P"
+    kf, exponent = found["kf"], found.get("exponent")
+    rows = [_row("Kf", kf, "N/mm^(1+P)", law)]
+    if exponent is None:
+        rows.append(["P", num(fit.law.exponent), NOTHING, NOTHING, "given", law])
+    else:
+        rows.append(_row("P", exponent, "", law))
+    for name, interval in (drawn or {}).items():
+        rows.append(_row({"kf": "Kf", "exponent": "P"}[name], interval, "", "the same, bootstrap"))
+    chip = f"F = kc11 b h^(1-mc), {fit.kappa_deg:g} deg"
+    rows.append(_row("kc11", _kc11(fit), "N/mm2", chip))
+    if exponent is not None:
+        rows.append(_row("mc", Interval(same.mc, 1.0 - exponent.high, 1.0 - exponent.low), "", chip))
+    middle = f"at {num(_middle(fit.table.feed), 3)} mm/rev, {num(_middle(fit.table.depth), 3)} mm"
+    rows.append(_row("kc", fit.chosen.middle, "N/mm2", middle))
+    for name, other in fit.others.items():
+        if isinstance(other.law, ChipAndEdge):
+            rows.append(_row("Ktc", other.parameters["ktc"], "N/mm2", "F = Ktc a f + Kte b"))
+            rows.append(_row("Kte", other.parameters["kte"], "N/mm", "F = Ktc a f + Kte b"))
+        elif "depth_exponent" in other.parameters and name:
+            rows.append(_row("q", other.parameters["depth_exponent"], "", "F = K a^q f^P"))
+    return rows
+
+
+def fit_rows(fit: ForceFit, beside: Kienzle | None = None) -> list[list[str]]:
+    """Errors of every fit on the same rows, and of a law from elsewhere."""
+    rows = [_fit_row(f"power law, {fit.chosen.method}", fit.chosen)]
+    rows += [_fit_row(name, other) for name, other in fit.others.items()]
+    if beside is not None:
+        said = errors(fit, beside)
+        name = f"given: kc11 {beside.kc11:g}, mc {beside.mc:g}"
+        r2 = said["r2"]
+        rows.append([name, num(said["rms_percent"], 3), num(said["worst_percent"], 3), NOTHING, num(said["rms_n"], 3),
+                     *_r2(r2), NOTHING])  # fmt: skip
+    return rows
+
+
+def errors(fit: ForceFit, law: Kienzle) -> dict[str, Any]:
+    """What a law from elsewhere leaves of the cuts of this table: its law is not fitted to it."""
+    t = fit.table
+    modelled = law.force(t.feed, t.depth)
+    off = 100.0 * (t.force / modelled - 1.0)
+    kc = np.log(specific_force(t.force, t.feed, t.depth))
+    return {
+        "kc11": law.kc11, "mc": law.mc,
+        "rms_percent": float(np.sqrt(np.mean(off**2))), "worst_percent": float(np.abs(off).max()),
+        "rms_n": float(np.sqrt(np.mean((t.force - modelled) ** 2))),
+        "r2": {
+            "force": r_squared(t.force, modelled), "log force": r_squared(np.log(t.force), np.log(modelled)),
+            "log specific force": r_squared(kc, np.log(specific_force(modelled, t.feed, t.depth))),
+        },
+    }  # fmt: skip
+
+
+def cut_rows(fit: ForceFit) -> list[list[str]]:
+    """One row for each cut."""
+    t = fit.table
+    kc, modelled = specific_force(t.force, t.feed, t.depth), fit.law.force(t.feed, t.depth)
+    return [
+        [str(t.rows[i]), num(t.feed[i]), num(t.depth[i]), f"{t.force[i]:.1f}", f"{kc[i]:.0f}", f"{modelled[i]:.1f}",
+         f"{fit.chosen.residual_percent[i]:+.1f}",
+         NOTHING if np.isnan(fit.chosen.left_out_percent[i]) else f"{fit.chosen.left_out_percent[i]:+.1f}"]
+        for i in range(len(t.force))
+    ]  # fmt: skip
+
+
+def at_rows(fit: ForceFit, cuts: Sequence[tuple[float, float]]) -> list[list[str]]:
+    """Forces of cuts that were not made."""
+    rows = []
+    for feed, depth in cuts:
+        found, inside = fit.force(feed, depth)
+        rows.append([num(feed), num(depth), *(num(x) for x in found), "" if inside else "outside the table"])
+    return rows
+
+
+def settings(fit: ForceFit) -> list[str]:
+    """The parameters of a turning plant, as ``KEY=VALUE``; none where the exponent is one that no plant takes."""
+    if not 0.0 < fit.law.exponent <= 1.0:
+        return []
+    found = [f"plant.law.kf={fit.law.kf:.6g}", f"plant.law.exponent={fit.law.exponent:.6g}"]
+    ratio = ratios(fit).get("feed_force")
+    return found if ratio is None else [*found, f"plant.feed_force_ratio={ratio[0]:.4g}"]
+
+
+def for_simulation(fit: ForceFit, option: str = "") -> str:
+    """The parameters in one line, each behind an option; or why there are none."""
+    if not settings(fit):
+        return f"not for a simulation: an exponent of {fit.law.exponent:.4g}, where a plant takes one in (0, 1]"
+    return f"for a simulation: {' '.join(f'{option}{pair}' for pair in settings(fit))}"
+
+
+def ratios(fit: ForceFit) -> dict[str, tuple[float, float, float]]:
+    """Median, least and largest ratio of the other components of the force to the main one."""
+    return {
+        name: (float(np.median(x)), float(x.min()), float(x.max()))
+        for name in ("feed_force", "passive_force")
+        if name in fit.table.others
+        for x in [fit.table.others[name] / fit.table.force]
+    }
+
+
+def sentences(fit: ForceFit) -> list[str]:
+    """The result in words, a line each."""
+    t, chosen = fit.table, fit.chosen
+    said = [
+        f"{len(t.force)} cuts, feed {num(t.feed.min())} to {num(t.feed.max())} mm/rev, depth {num(t.depth.min())} to "
+        f"{num(t.depth.max())} mm, main force {num(t.force.min())} to {num(t.force.max())} N",
+        f"a cut that the fit has not seen is off by {num(chosen.left_out_rms_percent, 3)} % (root mean square)",
+    ]
+    if fit.depth is not None and fit.depth.p_value >= 0.05:
+        q = fit.depth.exponent
+        said.append(
+            f"in proportion to the depth: exponent {q.value:.3f} ({q.low:.3f} to {q.high:.3f}), p = "
+            f"{fit.depth.p_value:.2g} for 1"
+        )
+    for name, (middle, low, high) in ratios(fit).items():
+        said.append(f"{name.replace('_', ' ')} over main force: {middle:.3g} (median; {low:.3g} to {high:.3g})")
+    return said
+
+
+def summary(
+    fit: ForceFit, source: str, *, beside: Kienzle | None = None, cuts: Sequence[tuple[float, float]] = (),
+    drawn: Mapping[str, Interval] | None = None,
+) -> dict[str, Any]:  # fmt: skip
+    """The result as the one JSON object that ``leadscrew identify cutting-force --json`` prints."""
+    t, same = fit.table, kienzle(fit.law, fit.kappa_deg)
+    depth = fit.depth
+    return {
+        "schema_version": SCHEMA_VERSION, "kind": "leadscrew identify cutting-force", "file": source,
+        "columns": dict(t.columns), "cuts": len(t.force), "repeated_rows": [list(x) for x in t.repeated],
+        "law": {"kf": fit.law.kf, "exponent": fit.law.exponent, "exponent_given": fit.exponent_given},
+        "kienzle": {**same._asdict(), "kc11_low": _kc11(fit).low, "kc11_high": _kc11(fit).high},
+        "fits": {f"power law, {fit.chosen.method}": _as_dict(fit.chosen), **dict(_others(fit))},
+        "depth_exponent": None if depth is None else {**depth.exponent._asdict(), "p_value": depth.p_value},
+        "bootstrap": None if drawn is None else {name: x._asdict() for name, x in drawn.items()},
+        "given": None if beside is None else errors(fit, beside),
+        "at": [{"feed": f, "depth": a, **x._asdict(), "inside": inside}
+               for f, a in cuts for x, inside in [fit.force(f, a)]],
+        "ratios": {name: {"median": m, "least": lo, "most": hi} for name, (m, lo, hi) in ratios(fit).items()},
+        "rows": [dict(zip(("row", "feed", "depth", "force"), row, strict=True))
+                 for row in zip(t.rows, t.feed.tolist(), t.depth.tolist(), t.force.tolist(), strict=True)],
+        "set": settings(fit), "sentences": sentences(fit), "notes": list(fit.notes),
+    }  # fmt: skip
+
+
+def experiment(fit: ForceFit, source: str) -> str:
+    """An experiment file: the study ``grey_turning`` with this material."""
+    lines = [pair.replace("=", " = ") for pair in settings(fit)]
+    return (
+        f"# Force law fitted to {' '.join(source.split())} by leadscrew identify cutting-force\n"
+        "# 150 N are held at 1 mm and 1200 1/min by a PI controller; names of others: leadscrew list grey_turning\n"
+        'schema_version = 1\nstudy = "grey_turning"\ncontroller = "pi_incremental"\nscenario = "fig6_fixed_depth"\n'
+        "\n[set]\n" + "\n".join(lines) + "\n"
+    )
+
+
+def write(
+    fit: ForceFit, source: str, folder: str | Path, *, beside: Kienzle | None = None,
+    cuts: Sequence[tuple[float, float]] = (), drawn: Mapping[str, Interval] | None = None,
+) -> None:  # fmt: skip
+    """Writes ``report.html``, ``cutting_force.json`` and ``.png``, and ``cut.toml`` where a plant takes the law.
+
+    Complete, or not at all.
+
+    Raises:
+        DataError: the folder exists already and is not empty, or cannot be written.
+    """
+    with appearing(folder) as place:
+        figure = picture(fit, source, beside)
+        figure.savefig(place / "cutting_force.png", dpi=130, metadata={"Software": None})
+        found = strict(summary(fit, source, beside=beside, cuts=cuts, drawn=drawn))
+        (place / "cutting_force.json").write_text(json.dumps(found, indent=1, allow_nan=False) + "\n", encoding="utf-8")
+        if settings(fit):
+            (place / "cut.toml").write_text(experiment(fit, source), encoding="utf-8")
+        (place / "report.html").write_text(_page(fit, source, figure, beside, cuts, drawn), encoding="utf-8")
+
+
+def _page(
+    fit: ForceFit, source: str, figure: Figure, beside: Kienzle | None, cuts: Sequence[tuple[float, float]],
+    drawn: Mapping[str, Interval] | None,
+) -> str:  # fmt: skip
+    from importlib.resources import files
+
+    from leadscrew.report.html import embedded
+
+    style = files("leadscrew.report").joinpath("templates", "style.css.j2").read_text(encoding="utf-8")
+    title = f"Cutting force: {source}"
+    lines = [*sentences(fit), *(f"note: {n}" for n in fit.notes), for_simulation(fit)]
+    parts = [
+        f"<h1>{escape(title)}</h1>",
+        *(f"<p>{escape(s[:1].upper() + s[1:])}.</p>" for s in lines),
+        f'<figure><img alt="force against feed, and residuals" src="{embedded(figure, "cutting_force")}"></figure>',
+        _table("Parameters", LAW_COLUMNS, law_rows(fit, drawn)),
+        _table("Fits", FIT_COLUMNS, fit_rows(fit, beside)),
+        _table("Cuts", ROW_COLUMNS, cut_rows(fit)),
+    ]
+    if cuts:
+        parts.append(_table("Forces asked for", AT_COLUMNS, at_rows(fit, cuts)))
+    return (
+        f'<!doctype html>\n<html lang="en"><head><meta charset="utf-8"><title>{escape(title)}</title>'
+        f"<style>{style}</style></head>\n<body>\n{chr(10).join(parts)}\n</body></html>\n"
+    )
+
+
+def _table(title: str, columns: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
+    def cell(column: str, text: str) -> str:
+        return f'<td class="n">{escape(text)}</td>' if column in NUMBERS else f"<td>{escape(text)}</td>"
+
+    head = "".join(f"<th>{escape(c)}</th>" for c in columns)
+    body = "".join(
+        "<tr>" + "".join(cell(c, text) for c, text in zip(columns, row, strict=True)) + "</tr>" for row in rows
+    )
+    return f'<h2>{escape(title)}</h2><div class="wide"><table><tr>{head}</tr>{body}</table></div>'
+
+
+def _kc11(fit: ForceFit) -> Interval:
+    """``ln kc11 = ln Kf + (1 - P) ln sin(kappa)``, with its interval."""
+    value, sine = kienzle(fit.law, fit.kappa_deg).kc11, np.log(np.sin(np.radians(fit.kappa_deg)))
+    row = np.array([1.0, -sine][: len(fit.chosen.covariance)])
+    kf = fit.chosen.parameters["kf"]
+    quantile = np.log(kf.high / kf.value) / max(float(np.sqrt(fit.chosen.covariance[0, 0])), 1e-300)
+    reach = float(np.exp(quantile * np.sqrt(row @ fit.chosen.covariance @ row)))
+    return Interval(value, value / reach, value * reach)
+
+
+def _row(name: str, found: Interval, unit: str, law: str) -> list[str]:
+    return [name, *(num(x) for x in found), unit, law]
+
+
+def _fit_row(name: str, fit: LawFit) -> list[str]:
+    return [name, num(fit.rms_percent, 3), num(fit.worst_percent, 3), num(fit.left_out_rms_percent, 3),
+            num(fit.rms_n, 3), *_r2(fit.r2),
+            num(fit.condition, 2)]  # fmt: skip
+
+
+def _r2(found: Mapping[str, float]) -> list[str]:
+    values = [found[name] for name in ("force", "log force", "log specific force")]
+    return [NOTHING if np.isnan(x) else f"{x:.3f}" for x in values]
+
+
+def _others(fit: ForceFit) -> Iterator[tuple[str, dict[str, Any]]]:
+    return ((name, _as_dict(other)) for name, other in fit.others.items())
+
+
+def _as_dict(fit: LawFit) -> dict[str, Any]:
+    return {
+        "parameters": {name: x._asdict() for name, x in fit.parameters.items()},
+        "specific_force_in_the_middle": fit.middle._asdict(), "rms_percent": fit.rms_percent,
+        "worst_percent": fit.worst_percent, "left_out_rms_percent": fit.left_out_rms_percent, "rms_n": fit.rms_n,
+        "r2": dict(fit.r2), "condition": fit.condition, "freedom": fit.freedom,
+        "residual_percent": fit.residual_percent, "left_out_percent": fit.left_out_percent,
+    }  # fmt: skip
+
+
+def _middle(values: np.ndarray) -> float:
+    return float(np.exp(np.log(values).mean()))
