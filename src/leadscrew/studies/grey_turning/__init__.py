@@ -1,0 +1,1 @@
+"""Constant cutting force in turning with a grey-prediction fuzzy controller."""

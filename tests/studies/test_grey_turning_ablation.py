@@ -1,0 +1,129 @@
+"""The ablation: its cost, its noise, the factors that are kept, and the intervals of what it finds."""
+
+import math
+
+import numpy as np
+import pytest
+
+from leadscrew.controllers.grey_fuzzy import tfc
+from leadscrew.studies.grey_turning import ablation
+from leadscrew.studies.grey_turning.ablation import FACTORS, HELD_OUT, HORIZON_S, NAMES, PLANTS, SCENARIO, TUNED_ON
+from leadscrew.studies.grey_turning.runs import Loops
+
+
+@pytest.fixture(scope="module")
+def loops():
+    return Loops()
+
+
+def scaled(row):
+    return {f"controller.{k}": v for k, v in zip(FACTORS, row.factors, strict=True)}
+
+
+def cost_by_hand(run):
+    """J of one run, sample by sample."""
+    total, most = 0.0, 0.0
+    for t, force, y in zip(run.time, run["actual.force"], run["feedback"], strict=True):
+        total += 0.5 * t * (abs(force - 150.0) + abs(y - 150.0)) * 0.02
+        most = max(most, y)
+    return total + 0.5 * max(0.0, 100.0 * (most / 150.0 - 1.0) - 1.0)
+
+
+def test_the_cost_weighs_errors_by_time_and_overshoot_above_one_percent():
+    t = 0.02 * np.arange(100)
+    off = np.full((2, 100), 160.0)  # 10 N off: an overshoot of 6.667 %
+    force = np.full((2, 100), 150.0)
+    found = ablation.costs(t, force, np.array([force[0], off[0]]))
+    assert found[0] == 0.0
+    assert found[1] == pytest.approx(0.5 * 10.0 * 0.02 * 0.02 * 99 * 100 / 2 + 0.5 * (100.0 / 15.0 - 1.0))
+
+
+def test_judged_noise_is_not_the_noise_that_was_tuned_on():
+    assert not set(HELD_OUT) & set(TUNED_ON) and len(set(HELD_OUT)) == 40 and len(TUNED_ON) == 2
+
+
+def test_every_variant_has_three_searches_a_plant_inside_the_box():
+    rows = ablation.tuned()
+    assert {(r.plant, r.name, r.search) for r in rows} == {(p, n, s) for p in PLANTS for n in NAMES for s in (1, 2, 3)}
+    assert len(rows) == 6 * len(NAMES)
+    for row in rows:
+        for value, low, high in zip(row.factors, ablation.LOW, ablation.HIGH, strict=True):
+            assert 1.02 * low < value < 0.98 * high
+
+
+@pytest.mark.slow
+def test_candidates_beside_each_other_have_the_noise_of_the_run_that_is_told(loops):
+    row = ablation.tuned()[0]
+    block = ablation.variant(row.name, row.plant)
+    told = loops.get(block, SCENARIO, machine=row.plant, sensor=ablation.repeated_cell)
+    done = told.batch(0.5, {"sensor.which": np.array([3, 5, 3])}, record=("feedback",))["feedback"]
+    plain = loops.get(block, SCENARIO, machine=row.plant)
+    for k, which in enumerate((3, 5, 3)):
+        assert np.array_equal(done[k], plain.run(0.5, record=("feedback",), run=which)["feedback"])
+    assert not np.array_equal(done[0], done[1])
+
+
+@pytest.mark.parametrize("name", ["tfc", "gpfc_b", "smith"])
+def test_the_kept_factors_cost_what_the_search_said(loops, name):
+    for row in ablation.tuned():
+        if row.name == name and row.search == 1:
+            loop = loops.get(ablation.variant(name, row.plant), SCENARIO, machine=row.plant).using(scaled(row))
+            runs = (loop.run(HORIZON_S, record=("feedback", "actual.force"), run=k) for k in TUNED_ON)
+            assert np.mean([cost_by_hand(run) for run in runs]) == pytest.approx(row.cost, rel=1e-4)
+
+
+def test_without_prediction_the_variant_is_the_fuzzy_controller_of_the_paper(loops):
+    row = ablation.tuned()[0]
+    assert row.name == "tfc"
+    one = ablation.judgement(loops, (row,))[row.plant, "tfc"]
+    loop = loops.get(tfc(**dict(zip(FACTORS, row.factors, strict=True))), SCENARIO, machine=row.plant)
+    done = loop.batch(HORIZON_S, runs=40, first=HELD_OUT[0], record=("feedback", "actual.force"))
+    assert np.array_equal(one.held_out[0], ablation.costs_of(done))
+
+
+def test_a_paired_change_has_students_interval():
+    other = ablation.Judgement(np.array([[4.0, 5.0, 6.0, 5.0]]), 5.0)
+    one = ablation.Judgement(np.array([[3.0, 4.5, 5.0, 4.5], [4.0, 4.5, 5.0, 4.5]]), 4.5)
+    found = ablation.difference(one, other)
+    changes = np.array([-0.5, -0.5, -1.0, -0.5]) / 5.0 * 100.0
+    half = 3.182446305284263 * changes.std(ddof=1) / math.sqrt(4)  # t of 97.5 %, 3 degrees of freedom
+    assert found == pytest.approx((changes.mean(), changes.mean() - half, changes.mean() + half))
+    assert found.shown == (found.high < 0.0)
+    assert one.repeatability == (4.25, 4.5) and one.mean == 4.375
+
+
+@pytest.mark.slow
+def test_all_kept_factors_cost_what_their_searches_said(loops):
+    for row in ablation.tuned():
+        loop = loops.get(ablation.variant(row.name, row.plant), SCENARIO, machine=row.plant).using(scaled(row))
+        done = loop.batch(HORIZON_S, runs=len(TUNED_ON), first=TUNED_ON[0], record=("feedback", "actual.force"))
+        assert ablation.costs_of(done).mean() == pytest.approx(row.cost, rel=1e-3), row
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("plant", PLANTS)
+def test_the_search_can_be_done_again_and_ends_where_the_kept_one_did(loops, plant):
+    start = ablation.found_anew(loops, plant, "gpfc_b", 1, budget=8)
+    once, again = (ablation.found_anew(loops, plant, "gpfc_b", 1, budget=60) for _ in range(2))
+    assert once == again and once.cost < start.cost
+    kept = next(r for r in ablation.tuned() if (r.plant, r.name, r.search) == (plant, "gpfc_b", 1))
+    assert ablation.found_anew(loops, plant, "gpfc_b", 1).cost == pytest.approx(kept.cost, rel=0.01)
+
+
+@pytest.mark.slow
+def test_every_required_claim_of_the_ablation_holds(loops):
+    from leadscrew.studies.grey_turning.claims_ablation import ablation_claims
+
+    claims = ablation_claims(loops)
+    assert len({c.id for c in claims}) == len(claims) > 20
+    assert not [c.id for c in claims if c.passed is False]
+
+
+@pytest.mark.slow
+def test_the_pictures_of_both_studies_can_be_drawn(loops):
+    from leadscrew.studies.grey_turning.figures_ablation import ablation_pictures
+    from leadscrew.studies.grey_turning.figures_montecarlo import montecarlo_pictures
+
+    for picture in (*ablation_pictures(loops), *montecarlo_pictures(loops)):
+        axes = picture.draw().axes
+        assert axes and all(a.get_legend() or a.lines for a in axes)

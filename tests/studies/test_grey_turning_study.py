@@ -1,0 +1,102 @@
+"""The study as a whole: its loops, its claims, its items and its pictures."""
+
+import csv
+import re
+
+import pytest
+
+from leadscrew.catalogue import study
+from leadscrew.studies.grey_turning.runs import Loops
+from tests.studies.contract import (
+    assert_items_exist,
+    assert_no_verdict_without_a_paper,
+    assert_required_met_and_explained,
+    plain,
+)
+
+TABLE = study("grey_turning")
+SAID = []
+
+
+def test_some_controllers_run_at_a_fixed_depth_and_every_scenario_runs():
+    kinds = ("paper.gpfc_printed_s9", "corrected.tfc_s6", "ours.smith_f", "ours.tfc_ff", "ours.constant_force")
+    pairs = [(name, "fig6_fixed_depth") for name in kinds] + [("corrected.tfc_s6", s) for s in TABLE.scenarios]
+    for name, scenario in pairs:
+        assert TABLE.loop(name, scenario).signals["output"] is not None, (name, scenario)
+
+
+@pytest.mark.slow
+def test_every_controller_fits_into_every_scenario():
+    for name in TABLE.controllers:
+        for scenario in TABLE.scenarios:
+            assert TABLE.loop(name, scenario).signals["output"] is not None, (name, scenario)
+
+
+def test_loops_that_differ_in_values_share_a_program():
+    loops = Loops()
+    first = loops.get("corrected.tfc_s6", "fig6_fixed_depth")
+    second = loops.get("corrected.tfc_s9", "fig9_falling_depth", machine="plant_n")
+    assert second.program is first.program and second.sheet["plant.depth.steps"].default == 3
+
+
+def test_every_item_of_the_paper_has_a_row_that_says_where_it_is_or_why_not():
+    with (TABLE.folder / "paper_items.csv").open(newline="", encoding="utf-8") as file:
+        rows = list(csv.DictReader(file))
+    names = " ".join(row["item"] for row in rows)
+    assert len(rows) == len({row["item"] for row in rows})
+    wanted = ["equation 1", "equations 2 to 8", *(f"equation {n}" for n in (9, 10, 11, 12, 15, 16, 17, 18)), "13, 14"]
+    wanted += ["table 1", *(f"figure {n}" for n in (1, 2, 3, 4, 5, 6, 7, 8, 9, 11)), "figure 10a", "figures 10b, 10c"]
+    assert [w for w in wanted if w not in names] == []
+    assert all(row["where"] or row["status"].startswith("not done: ") for row in rows)
+
+
+@pytest.fixture(scope="module")
+def result():
+    return TABLE.evaluate(lambda what, done: SAID.append(done))
+
+
+@pytest.mark.slow
+def test_every_required_claim_is_met_and_says_why(result):
+    assert_required_met_and_explained(result)
+    assert sorted(SAID) == SAID and SAID[-1] == 1.0
+
+
+@pytest.mark.slow
+def test_a_claim_without_a_number_in_the_paper_gives_no_verdict_on_it(result):
+    assert_no_verdict_without_a_paper(result)
+
+
+@pytest.mark.slow
+def test_items_point_at_claims_and_pictures_that_exist(result):
+    assert_items_exist(TABLE, result)
+
+
+@pytest.mark.slow
+def test_every_moonshot_is_reached(result):
+    missed = {name for name, c in plain(TABLE, result.claims).items() if c.kind == "moonshot" and not c.passed}
+    assert missed == set()
+
+
+@pytest.mark.slow
+def test_fitted_numbers_say_so_and_the_paper_s_rows_have_verdicts(result):
+    claims = plain(TABLE, result.claims)
+    for name in ("falling_overshoot_tfc", "falling_overshoot_b", "fixed_overshoot_tfc", "fixed_overshoot_b"):
+        assert claims[name].basis == "fitted to this number" and claims[name].verdict == "reproduced with change"
+    for name in ("fixed_rise_b", "fixed_rise_gain", "fixed_steady_b", "literal_11_breaks", "same_first_2_s"):
+        assert claims[name].verdict == "not reproduced", name
+
+
+@pytest.mark.slow
+def test_every_picture_is_drawn_and_every_finding_is_said(result):
+    import matplotlib
+
+    matplotlib.use("Agg")
+    from matplotlib import pyplot
+
+    names = [p.name for p in result.pictures]
+    assert len(names) == len(set(names))
+    for picture in result.pictures:
+        figure = picture.draw()
+        assert figure.axes and picture.caption
+        pyplot.close(figure)
+    assert len(result.notes) >= 10 and not any(re.search(r"\bnan\b", note) for note in result.notes)
