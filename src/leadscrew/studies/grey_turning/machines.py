@@ -11,6 +11,7 @@ from typing import NamedTuple
 from leadscrew.kernel.block import Block
 from leadscrew.plants.turning import turning
 from leadscrew.plants.turning.chip import IRON
+from leadscrew.studies.study import Scenario
 
 PERIOD_S = 0.02
 """Sampling period: 20 ms keep the runout of 20 Hz below half the sampling frequency."""
@@ -38,4 +39,13 @@ MACHINES: dict[str, Machine] = {
     "plant_f_radial": Machine("plant F; the depth follows its programme in 0.25 s", turning(**FOLLOWING)),
     "plant_n_radial": Machine("plant N; the depth follows its programme in 0.25 s", turning(**SLOW, **FOLLOWING)),
 }
-"""By name."""
+"""By name; see :func:`machine_of`."""
+
+
+def machine_of(scenario: Scenario) -> str:
+    """The machine that a scenario runs on.
+
+    The one it ends in, ``..._on_NAME``; where the depth changes, plant F whose radial axis moves it; else plant F.
+    """
+    named = next((name for name in MACHINES if scenario.name.endswith(f"_on_{name}")), None)
+    return named or ("plant_f_radial" if scenario.params.depth.steps else "plant_f")

@@ -11,7 +11,7 @@ from leadscrew.kernel.metrics import chatter, iae, max_error, overshoot, rise_ti
 from leadscrew.references.cutting_program import cutting_force, cutting_program
 from leadscrew.sensors.load_cell import lathe_reading, load_cell
 from leadscrew.studies.grey_turning.controllers import CONTROLLERS
-from leadscrew.studies.grey_turning.machines import MACHINES, PERIOD_S, SUBSTEPS
+from leadscrew.studies.grey_turning.machines import FOLLOWING, MACHINES, PERIOD_S, SUBSTEPS, machine_of
 from leadscrew.studies.grey_turning.scenarios import SCENARIOS, Turn
 from leadscrew.studies.loops import StudyLoops
 from leadscrew.studies.study import Scenario
@@ -42,20 +42,23 @@ def metrics_of(scenario: Scenario) -> dict[str, Block]:
 def build(
     controller: Block,
     scenario: Scenario,
-    machine: str = "plant_f",
+    machine: str | None = None,
     changes: Mapping[str, Any] | None = None,
     **options: Any,
 ) -> Loop:
-    """The loop of a controller in a scenario on a machine.
+    """The loop of a controller in a scenario, on the scenario's machine unless another is named.
 
-    ``changes``: parameters by dotted key; ``options``: of the loop (``substeps``, ``metrics``, ``seed``, ``period``).
+    A controller that takes the depth ahead is told how the machine's radial axis moves. ``changes``: parameters by
+    dotted key; ``options``: of the loop (``substeps``, ``metrics``, ``seed``, ``period``).
     """
     from leadscrew.kernel.loop import Loop
 
     asked: Turn = scenario.params
     whole = takes_cut(controller)
     depth = {f"depth.{key}": value for key, value in asked.depth._asdict().items()}
-    plant = MACHINES[machine].plant(**depth, spindle_rpm=asked.spindle_rpm, runout=asked.runout)
+    plant = MACHINES[machine or machine_of(scenario)].plant(**depth, spindle_rpm=asked.spindle_rpm, runout=asked.runout)
+    if plant.params.radial.gain > 0.0 and hasattr(controller.params, "radial"):
+        controller = controller(**FOLLOWING)
     sensor = lathe_reading if whole else load_cell
     given: dict[str, Any] = {
         "reference": cutting_program(force=asked.force, **depth) if whole else cutting_force(force=asked.force),

@@ -10,7 +10,6 @@ from leadscrew.studies.study import Scenario
 
 Noise = Annotated[float, Unit("N"), Ge(0), Le(1000), Doc("standard deviation of one reading of the load cell")]
 Filter = Annotated[float, Ge(0), Lt(1), Doc("coefficient of the digital filter, alpha; 0: the raw force is fed back")]
-Material = Annotated[str, Doc("machine and material it is cut on; see MACHINES")]
 
 
 class Turn(NamedTuple):
@@ -38,6 +37,8 @@ SCENARIOS: dict[str, Scenario] = {
         Scenario("fig6_fixed_depth", Turn(), "150 N at 1 mm and 1,200 1/min, tool in the cut, feed from rest", 3.0),
         Scenario("fig9_falling_depth", Turn(depth=FALLING), "the same; the depth falls by 0.2 mm every 2 s", 8.0),
         Scenario("rising_depth", Turn(depth=RISING), "the depth rises from 0.4 mm by 0.2 mm every 2 s", 8.0),
+        Scenario("fixed_depth_on_plant_n", Turn(), "fixed depth with a slower servo that has dead time", 3.0),
+        Scenario("fixed_depth_on_plant_f_iron", Turn(), "fixed depth in iron", 3.0),
         Scenario("noise_free", Turn(runout=0.0, noise_n=0.0), "fixed depth without noise and runout", 3.0),
         Scenario("noise_free_falling", Turn(depth=FALLING, runout=0.0, noise_n=0.0), "falling depth without them", 8.0),
         Scenario("raw_force", Turn(keep=0.0), "fixed depth, the force fed back without the digital filter", 3.0),
