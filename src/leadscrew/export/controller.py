@@ -17,8 +17,8 @@ from leadscrew.kernel.c99.comments import clean
 from leadscrew.kernel.c99.names import is_identifier
 from leadscrew.kernel.errors import BlockError, ValueRefused
 from leadscrew.kernel.frame import pairs
-from leadscrew.kernel.layout import numbers_of
-from leadscrew.kernel.sheet import entries
+from leadscrew.kernel.layout import is_branch, numbers_of
+from leadscrew.kernel.sheet import Entry, entries
 
 if TYPE_CHECKING:
     from leadscrew.kernel.loop import Loop
@@ -91,6 +91,11 @@ DOCS = {
 }  # fmt: skip
 
 
+def _annotated(signal: str, example: Any) -> list[Entry]:
+    """What the annotations of a signal's NamedTuple say of its numbers."""
+    return list(entries(example, f"{signal}.")) if is_branch(example) else []
+
+
 def ports(loop: Loop, block: Block, source: Source) -> tuple[tuple[Port, ...], tuple[Port, ...]]:
     """Inputs and outputs of a controller in a loop."""
     pair = pairs(source.tree("command"), source.tree("feedback"))[0]
@@ -99,9 +104,13 @@ def ports(loop: Loop, block: Block, source: Source) -> tuple[tuple[Port, ...], t
         f"feedback.{pair.other}".rstrip("."): "feedback",
     }
 
+    said = {e.key: e for s in ("command", "feedback", "output") for e in _annotated(s, loop.signals[s])}
+
     def port(argument: Any, role: str) -> Port:
-        unit = clean(_unit(loop, block, role))
-        return Port(argument.key, argument.name, role, unit, DOCS.get(role, argument.key))
+        told = said.get(argument.key)
+        unit = told.unit if told and told.unit else _unit(loop, block, role)
+        doc = DOCS.get(role, told.doc if told and told.doc else argument.key)
+        return Port(argument.key, argument.name, role, clean(unit), doc)
 
     inputs = tuple(port(a, _role(a.key, first)) for a in source.inputs)
     return inputs, tuple(port(o, "output") for o in source.outputs)

@@ -38,14 +38,10 @@ class DepthProgram(NamedTuple):
 class CutCommand(NamedTuple):
     """The force to hold, and what the programme says of the depth."""
 
-    force: float = 0.0
-    """N."""
-    depth: float = 0.0
-    """Depth of cut commanded now, mm."""
-    next_depth: float = 0.0
-    """Depth after the next programmed change, mm."""
-    change_in_s: float = NEVER_S
-    """Seconds until that change."""
+    force: Annotated[float, Unit("N"), Doc("main cutting force to hold")] = 0.0
+    depth: Annotated[float, Unit("mm"), Doc("depth of cut commanded now")] = 0.0
+    next_depth: Annotated[float, Unit("mm"), Doc("depth after the next programmed change")] = 0.0
+    change_in_s: Annotated[float, Unit("s"), Doc("time until that change")] = NEVER_S
 
 
 def stair(program, t):

@@ -22,27 +22,19 @@ from leadscrew.references.cutting_program import NEVER_S, DepthProgram, cut_comm
 class LatheCommand(NamedTuple):
     """What the three loops are to hold, and what the programme says of the depth."""
 
-    rpm: float = 0.0
-    """Spindle speed, 1/min."""
-    force: float = 0.0
-    """Main cutting force, N."""
-    depth: float = 0.0
-    """Depth of cut, mm."""
-    next_depth: float = 0.0
-    """Depth after the next programmed change, mm."""
-    change_in_s: float = NEVER_S
-    """Seconds until that change."""
+    rpm: Annotated[float, Unit("1/min"), Doc("spindle speed")] = 0.0
+    force: Annotated[float, Unit("N"), Doc("main cutting force")] = 0.0
+    depth: Annotated[float, Unit("mm"), Doc("depth of cut")] = 0.0
+    next_depth: Annotated[float, Unit("mm"), Doc("depth after the next programmed change")] = 0.0
+    change_in_s: Annotated[float, Unit("s"), Doc("time until that change")] = NEVER_S
 
 
 class LatheDrive(NamedTuple):
     """Three analogue outputs of the control."""
 
-    spindle_v: float = 0.0
-    """To the inverter of the spindle, V."""
-    feed_v: float = 0.0
-    """To the servo of the carriage, V."""
-    radial_v: float = 0.0
-    """To the servo of the cross slide, V; positive: deeper."""
+    spindle_v: Annotated[float, Unit("V"), Doc("to the inverter of the spindle")] = 0.0
+    feed_v: Annotated[float, Unit("V"), Doc("to the servo of the carriage")] = 0.0
+    radial_v: Annotated[float, Unit("V"), Doc("to the servo of the cross slide; positive is deeper")] = 0.0
 
 
 class LatheProgramParams(NamedTuple):

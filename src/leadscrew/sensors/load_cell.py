@@ -73,14 +73,10 @@ class LatheReadingParams(NamedTuple):
 class CutReading(NamedTuple):
     """What the control sees of the cut."""
 
-    force: float = 0.0
-    """Main cutting force after the filter, N."""
-    raw: float = 0.0
-    """The same before it."""
-    travel: float = 0.0
-    """Way of the carriage, mm."""
-    turns: float = 0.0
-    """Revolutions of the spindle."""
+    force: Annotated[float, Unit("N"), Doc("main cutting force after the filter")] = 0.0
+    raw: Annotated[float, Unit("N"), Doc("the same before the filter")] = 0.0
+    travel: Annotated[float, Unit("mm"), Doc("way of the carriage")] = 0.0
+    turns: Annotated[float, Doc("revolutions of the spindle")] = 0.0
 
 
 @sensor(LatheReadingParams(), LoadCellState())

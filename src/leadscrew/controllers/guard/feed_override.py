@@ -40,18 +40,14 @@ FeedPerUnit = Annotated[float, Unit("mm/min"), Gt(0), Doc("feed at which the inn
 class FeedCommand(NamedTuple):
     """A :class:`~leadscrew.references.cutting_program.CutCommand` with what the machine is at."""
 
-    force: float = 0.0
-    """Main cutting force to hold, N."""
-    depth: float = 0.0
-    """Depth of cut commanded now, mm."""
-    next_depth: float = 0.0
-    """Depth after the next programmed change, mm."""
-    change_in_s: float = NEVER_S
-    """Seconds until that change."""
-    feed: float = 0.0
-    """Programmed feed, mm/min; where it is 0 the parameter ``programmed_feed`` counts."""
-    rapid: float = 0.0
-    """1 on a rapid move, else 0."""
+    force: Annotated[float, Unit("N"), Doc("main cutting force to hold")] = 0.0
+    depth: Annotated[float, Unit("mm"), Doc("depth of cut commanded now")] = 0.0
+    next_depth: Annotated[float, Unit("mm"), Doc("depth after the next programmed change")] = 0.0
+    change_in_s: Annotated[float, Unit("s"), Doc("time until that change")] = NEVER_S
+    feed: Annotated[
+        float, Unit("mm/min"), Doc("programmed feed; where it is 0 the parameter ``programmed_feed`` counts")
+    ] = 0.0
+    rapid: Annotated[float, Doc("1 on a rapid move, else 0")] = 0.0
 
 
 def feed_of(command):

@@ -89,18 +89,12 @@ class TurningState(NamedTuple):
 class Turned(NamedTuple):
     """What happens at the edge."""
 
-    force: float = 0.0
-    """Main cutting force, N."""
-    feed: float = 0.0
-    """Speed of the carriage, mm/min."""
-    chip: float = 0.0
-    """Chip thickness, mm."""
-    depth: float = 0.0
-    """Depth of cut without runout, mm."""
-    travel: float = 0.0
-    """Way of the carriage, mm."""
-    turns: float = 0.0
-    """Revolutions of the spindle."""
+    force: Annotated[float, Unit("N"), Doc("main cutting force")] = 0.0
+    feed: Annotated[float, Unit("mm/min"), Doc("speed of the carriage")] = 0.0
+    chip: Annotated[float, Unit("mm"), Doc("chip thickness")] = 0.0
+    depth: Annotated[float, Unit("mm"), Doc("depth of cut without runout")] = 0.0
+    travel: Annotated[float, Unit("mm"), Doc("way of the carriage")] = 0.0
+    turns: Annotated[float, Doc("revolutions of the spindle")] = 0.0
 
 
 class TurningPlan(NamedTuple):
