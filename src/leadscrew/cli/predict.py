@@ -15,7 +15,9 @@ Log = Annotated[Path, typer.Argument(metavar="LOG", help="CSV, Parquet, or a fol
 
 def predict(
     log: Log,
-    column: Annotated[str, typer.Option(metavar="COLUMN", help="The signal.")] = "force",
+    column: Annotated[
+        str | None, typer.Option(metavar="COLUMN", help="The signal; force, of a folder of simulate feedback.")
+    ] = None,
     model: Annotated[str, typer.Option(metavar="NAME", help="gm11, dgm11, verhulst, gm11_shifted, ...")] = "gm11",
     window: Annotated[int, typer.Option(metavar="N", help="Samples of a window, from 4.")] = 5,
     horizon: Annotated[int, typer.Option(metavar="N", help="Samples ahead, from 1.")] = 1,
@@ -46,6 +48,7 @@ def predict(
         from leadscrew.cli.fuzzy_files import suffix_of
 
         suffix_of(csv, (".csv",), "--csv")
+    column = column or ("feedback" if log.is_dir() else "force")
     y = read_columns(log / SIGNALS if log.is_dir() else log, [column])[column]
     rows = len(y)
     final = rows if final is None else final

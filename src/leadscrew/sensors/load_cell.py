@@ -76,7 +76,7 @@ class CutReading(NamedTuple):
     force: Annotated[float, Unit("N"), Doc("main cutting force after the filter")] = 0.0
     raw: Annotated[float, Unit("N"), Doc("the same before the filter")] = 0.0
     travel: Annotated[float, Unit("mm"), Doc("way of the carriage")] = 0.0
-    turns: Annotated[float, Doc("revolutions of the spindle")] = 0.0
+    turns: Annotated[float, Unit("rev"), Doc("angle of the spindle")] = 0.0
 
 
 @sensor(LatheReadingParams(), LoadCellState())

@@ -16,7 +16,6 @@ from leadscrew.kernel.block import Block
 OTHERS = (
     *("ours.pi_s9", "ours.pi_stfc", "ours.fir_s9", "ours.line_stfc", "ours.smith_f", "ours.smith_n"),
     *(f"ours.two_point_{factors}" for factors in ("s6", "s9", "s9_half", "stfc")),
-    *(f"ours.{axis}_{law}" for axis in ("spindle", "depth") for law in ("tfc", "gpfc")),
 )
 """Of the comparison controllers those that the study uses."""
 

@@ -11,6 +11,7 @@ from leadscrew.kernel.metrics import chatter, iae, max_error, overshoot, rise_ti
 from leadscrew.references.cutting_program import cutting_force, cutting_program
 from leadscrew.sensors.load_cell import lathe_reading, load_cell
 from leadscrew.studies.grey_turning.controllers import CONTROLLERS
+from leadscrew.studies.grey_turning.judged import filtered_overshoot, filtered_rise, filtered_steady
 from leadscrew.studies.grey_turning.machines import FOLLOWING, MACHINES, PERIOD_S, SUBSTEPS, machine_of
 from leadscrew.studies.grey_turning.scenarios import SCENARIOS, Turn
 from leadscrew.studies.loops import StudyLoops
@@ -28,11 +29,15 @@ def takes_cut(controller: Block) -> bool:
 
 
 def metrics_of(scenario: Scenario) -> dict[str, Block]:
-    """What a run is judged by: the true force, in N; its last second for the steady error."""
+    """What a run is judged by: the filtered force as in the paper, the true one in N; steady: the last second."""
+    late = scenario.duration_s - 1.0
     return {
+        "filtered_overshoot": filtered_overshoot,
+        "filtered_rise": filtered_rise,
+        "filtered_steady": filtered_steady(from_time=late),
         "overshoot": overshoot,
         "rise_time": rise_time,
-        "steady_state_error": steady_state_error(from_time=scenario.duration_s - 1.0),
+        "steady_state_error": steady_state_error(from_time=late),
         "max_error": max_error(from_time=1.0),
         "iae": iae,
         "chatter": chatter,
