@@ -1,9 +1,12 @@
 """The converter against NumPy's rounding, and its effect on the lathe."""
 
+import math
+
+import numba
 import numpy as np
 import pytest
 
-from leadscrew.actuators.dac import DacParams, dac, lathe_dac, plan_dac, plan_lathe_dac
+from leadscrew.actuators.dac import DacParams, converted, dac, lathe_dac, plan_dac, plan_lathe_dac
 from leadscrew.kernel.errors import ValueRefused
 from leadscrew.references.lathe_program import LatheDrive
 
@@ -19,6 +22,19 @@ def test_twelve_bits_give_the_nearest_of_4096_values():
 def test_without_bits_only_the_range_holds():
     plan = plan_dac(DacParams(bits=0, lower=0.0, upper=1.0), 0.02)
     assert [dac.step(plan, x) for x in (-0.3, 0.123456789, 7.0)] == [0.0, 0.123456789, 1.0]
+
+
+@pytest.mark.parametrize("bits", [0, 12])
+@pytest.mark.parametrize("asked", [math.nan, math.inf, -math.inf])
+def test_what_is_not_finite_is_taken_as_zero_within_the_range(bits, asked):
+    assert dac.step(plan_dac(DacParams(bits=bits), 0.02), asked) == 0.0
+    assert dac.step(plan_dac(DacParams(bits=bits, lower=1.0, upper=5.0), 0.02), asked) == 1.0
+    compiled = numba.njit(converted)
+    assert compiled(plan_dac(DacParams(bits=bits), 0.02), asked) == 0.0
+
+
+def test_the_largest_numbers_end_at_the_range():
+    assert [dac.step(plan_dac(DacParams(), 0.02), x) for x in (1e308, -1e308)] == [10.0 - 20.0 / 4096.0, -10.0]
 
 
 def test_the_top_of_the_range_is_a_step_short():

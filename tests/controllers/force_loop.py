@@ -12,14 +12,14 @@ RADIAL = 8.57
 STAIRS = {"depth.step": -0.2, "depth.every_s": 1.5, "depth.steps": 2}
 
 
-def cut(controller, radial=RADIAL, noise_n=2.0, **plant):
+def cut(controller, radial=RADIAL, noise_n=2.0, stairs=STAIRS, **plant):
     """Falling depth at 150 N; a controller that takes numbers gets the force alone."""
     whole = getattr(controller.step, "takes_cut", False)
     sensor = lathe_reading if whole else load_cell
     return Loop(
-        reference=cutting_program(**STAIRS) if whole else cutting_force,
+        reference=cutting_program(**stairs) if whole else cutting_force,
         controller=controller,
-        plant=turning(**({"radial.gain": radial} | STAIRS | plant)),
+        plant=turning(**({"radial.gain": radial} | stairs | plant)),
         sensor=sensor(noise_n=noise_n),
         period=0.02,
         substeps=20,

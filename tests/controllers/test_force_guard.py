@@ -17,7 +17,15 @@ from leadscrew.controllers.guard import (
     Recovery,
     force_guard,
 )
-from leadscrew.controllers.guard.watching import JUMP, NOT_FINITE, OUT_OF_RANGE, STUCK, TOO_LARGE
+from leadscrew.controllers.guard.watching import (
+    BELOW_ZERO,
+    JUMP,
+    NOT_FINITE,
+    OUT_OF_RANGE,
+    STUCK,
+    TOO_LARGE,
+    UNANSWERED,
+)
 from leadscrew.kernel.block import controller
 from leadscrew.kernel.errors import BlockError, ValueRefused
 from tests.controllers.guarded import COMMAND, NO_STILL, ClimbParams, ClimbState, Stepped, climb, climbing, reading
@@ -26,7 +34,8 @@ BAD = (math.nan, math.inf, -math.inf)
 
 
 def test_below_its_levels_the_guard_changes_nothing():
-    bare, guarded = Stepped(TUNINGS["corrected.tfc_s6"], 150.0), Stepped(force_guard(TUNINGS["corrected.tfc_s6"]))
+    guarded = Stepped(force_guard(TUNINGS["corrected.tfc_s6"], cell=CellChecks(rise=0.0)))
+    bare = Stepped(TUNINGS["corrected.tfc_s6"], 150.0)
     for k in range(200):
         raw = 150.0 - 100.0 * math.exp(-0.05 * k) + 9.0 * math.sin(1.3 * k)
         assert guarded(raw, 0.9 * raw) == bare.take(0.9 * raw)
@@ -67,6 +76,65 @@ def test_a_number_that_is_not_finite_holds_the_feed_and_gets_nowhere(field, bad)
     assert [found.take(reading(20.0)._replace(**{field: bad})) for _ in range(50)] == [0.0] * 50 and found.sound()
     assert [found(20.0) for _ in range(4)] == [0.0] * 4
     assert found(20.0) > 0.0 and found.sound()
+
+
+@pytest.mark.parametrize("bad", BAD)
+@pytest.mark.parametrize("field", COMMAND._fields)
+@pytest.mark.parametrize("clock", [None, Clock(every=1)])
+def test_a_command_that_is_not_finite_holds_the_feed_and_gets_nowhere(field, bad, clock):
+    found = Stepped(force_guard(TUNINGS["corrected.gpfc_b_s6"], cell=NO_STILL, clock=clock), output=0.24)
+    assert found(150.0) > 0.2
+    wrong = COMMAND._replace(**{field: bad})
+    assert found.take(reading(150.0), wrong) == 0.0 and found.sound() and found.guard.cause == NOT_FINITE
+    assert [found.take(reading(20.0), wrong) for _ in range(50)] == [0.0] * 50 and found.sound()
+    assert [found(20.0) for _ in range(12)][-1] > 0.0 and found.sound(), "goes on with the next sound command"
+
+
+@pytest.mark.parametrize("clock", [None, Clock(every=20)])
+def test_a_quiet_cell_of_coarse_counts_in_air_is_not_held(clock):
+    """Counts of 2 N in air: 0, now and then 2 or -2 N; or nothing but 0."""
+    for raw in (0.0, 2.0, -2.0):
+        found = Stepped(force_guard(climb, clock=clock), period=0.001 if clock else 0.02)
+        assert [found(raw) for _ in range(800)][-1] > 0.25 and found.guard.mode == RUNNING
+
+
+def frozen(found, level, calls=600):
+    """Outputs while the cell shows a level with 0.2 N of noise."""
+    return [found(level + 0.2 * math.sin(7.0 * k)) for k in range(calls)]
+
+
+def test_a_cell_that_freezes_under_noise_is_held_for_good_and_a_reset_does_not_free_it():
+    """The output climbs by 0.01 a period from 0.5; 0.3 above it the cell must have answered within 0.4 s."""
+    block = force_guard(climb(by=0.01))
+    found = Stepped(block, output=0.5)
+    outputs = frozen(found, 140.0)
+    assert max(outputs) < 0.75 and set(outputs[100:]) == {0.0} and found.guard.cause == UNANSWERED
+    found.p = block.prepare(block(**{"recover.reset": 1}).params, 0.02)
+    assert set(frozen(found, 100.0)) == {0.0}
+
+
+def test_a_sound_cell_that_was_doubted_restarts_because_it_falls_while_the_feed_is_held():
+    found = Stepped(force_guard(climb(by=0.01)), output=0.5)
+    frozen(found, 140.0, 100)
+    assert found.guard.mode == HOLDING
+    for k in range(30):
+        last = found(1.0 + 0.2 * math.sin(7.0 * k))
+    assert last > 0.0 and found.guard.mode == RUNNING
+
+
+def test_a_force_that_answers_the_feed_is_not_doubted():
+    """The force follows the output with its power of 0.8, a period late, while the output triples."""
+    found = Stepped(force_guard(climb(by=0.01)), output=0.25)
+    found.s, last = found.block.align(found.p, COMMAND, reading(50.0), 0.25), 0.25
+    for k in range(50):
+        last = found(50.0 * (last / 0.25) ** 0.8 + 0.2 * math.sin(7.0 * k))
+    assert last == pytest.approx(0.74) and found.guard.mode == RUNNING
+
+
+def test_a_mean_force_below_zero_holds_the_feed():
+    found = climbing()
+    outputs = [found(-100.0) for _ in range(20)]
+    assert outputs[-1] == 0.0 and found.guard.cause == BELOW_ZERO
 
 
 def test_a_first_reading_that_is_not_finite_holds_the_feed():
@@ -178,8 +246,9 @@ def test_a_quiet_load_cell_without_cut_never_gives_full_feed():
 
 
 def test_the_fast_guard_runs_its_controller_at_its_own_period_on_the_force_that_it_filters():
-    slow = Stepped(force_guard(TUNINGS["corrected.tfc_s6"]))
-    fast = Stepped(force_guard(TUNINGS["corrected.tfc_s6"], clock=Clock(every=20, keep=0.8)), period=0.001)
+    cell, clock = CellChecks(rise=0.0), Clock(every=20, keep=0.8)
+    slow = Stepped(force_guard(TUNINGS["corrected.tfc_s6"], cell=cell))
+    fast = Stepped(force_guard(TUNINGS["corrected.tfc_s6"], cell=cell, clock=clock), period=0.001)
     filtered = 0.0
     for k in range(2000):
         raw = 150.0 * (1.0 - math.exp(-0.004 * k)) + 8.0 * math.sin(1.3 * k)

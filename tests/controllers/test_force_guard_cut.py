@@ -136,7 +136,8 @@ def poisoned(p, s, command, feedback, t, dt):
     nan = nothing / nothing
     big = 1.0 / nothing
     raw = feedback.raw if t < 0.2 else nan if t < 0.4 else big
-    seen = looked(p.levels, p.cell, s.seen, CutReading(feedback.force, raw, feedback.travel, feedback.turns), dt)
+    shown = CutReading(feedback.force, raw, feedback.travel, feedback.turns)
+    seen = looked(p.levels, p.cell, 10.0, s.seen, shown, command.force, True, 0.2, True, dt)
     return ProbeState(seen), 0.2
 
 

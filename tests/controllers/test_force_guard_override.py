@@ -46,10 +46,36 @@ def test_a_fuzzy_controller_comes_down_from_the_ceiling_at_once():
     assert last == 1.0 and found(200.0) < 1.0
 
 
-def test_the_feed_of_the_parameter_counts_where_the_machine_tells_none():
-    from_command = overridden(under_guard(), CUT._replace(feed=0.0), programmed_feed=300.0)
+@pytest.mark.parametrize("inner", [climb(by=0.05), under_guard()])
+@pytest.mark.parametrize("feed", [0.0, -75.0, math.nan, math.inf, -math.inf])
+def test_without_a_sound_programmed_feed_the_feed_is_held(inner, feed):
+    found = overridden(inner)
+    assert found(100.0) > 0.0
+    wrong = CUT._replace(feed=feed)
+    assert [found.take(reading(100.0), wrong) for _ in range(20)] == [0.0] * 20 and found.sound()
+    assert found(100.0) == pytest.approx(0.1), "from 0"
+    assert found.take(reading(0.0), wrong._replace(rapid=1.0)) == (1.0 if feed == 0.0 else 0.0) and found.sound()
+
+
+@pytest.mark.parametrize("inner", [climb(by=0.05), under_guard()])
+def test_a_flag_for_rapids_that_is_no_number_holds_the_feed(inner):
+    found = overridden(inner)
+    assert found.take(reading(100.0), CUT._replace(rapid=math.nan)) == 0.0 and found.sound()
+    assert [found(100.0) for _ in range(3)][-1] > 0.0
+
+
+def test_the_feed_of_the_parameter_counts_where_the_machine_is_not_asked():
     fixed = Stepped(feed_override(under_guard(), programmed_feed=300.0))
-    assert from_command(100.0) == fixed(100.0) == pytest.approx(0.025)
+    assert fixed(100.0) == pytest.approx(0.025)
+
+
+@pytest.mark.parametrize("bad", [math.nan, math.inf, -math.inf])
+def test_without_guard_a_number_that_is_not_finite_holds_one_period_and_stays_nowhere(bad):
+    found = overridden(TUNINGS["corrected.gpfc_b_s6"])
+    for _ in range(10):
+        before = found(100.0)
+    wrong = [found(bad), found.take(reading(100.0), CUT._replace(force=bad))]
+    assert before > 0.0 and wrong == [0.0, 0.0] and found.sound() and found(100.0) > 0.5 * before
 
 
 @pytest.mark.parametrize("inner", [climb(by=0.05), under_guard()])

@@ -88,7 +88,7 @@ def test_one_reading_moves_the_law_as_a_kalman_filter_does():
     h = np.array([1.0, x])
     scatter = (b.noise_n / expected) ** 2 + b.floor**2
     gain = covariance @ h / (h @ covariance @ h + scatter)
-    wanted = np.array([math.log(150.0), 0.8]) + gain * (100.0 / expected - 1.0)
+    wanted = np.array([math.log(150.0), 0.8]) + gain * math.log(100.0 / expected)
     left = covariance - np.outer(gain, h @ covariance)
     found = learned(b, prior(b), 0.8, 0.02, 100.0, 100.0, 90.0)
     assert np.allclose(found[:2], wanted, rtol=1e-12)
@@ -124,6 +124,18 @@ def test_the_feed_wanted_gives_the_force_and_is_held_back_while_little_is_known(
     assert feed_for(doubtful, prior(doubtful), 150.0, 1.0, 0.5, 0.1) == pytest.approx(b.chip_mm * math.exp(-0.15 / 0.8))
 
 
+def test_a_chip_thicker_than_any_that_was_cut_is_approached_by_a_part_of_the_way():
+    b = Belief(spread=0.0, exponent_spread=0.1)
+    right = b.chip_mm * 2.0 ** (1.0 / 0.8)  # half the force per depth of the belief, known to 1 in 10 of P
+    soft = prior(b)._replace(level=math.log(75.0))
+    assert feed_for(b, soft, 150.0, 1.0, 0.0, 0.1, b.chip_mm, 0.0) == pytest.approx(right)
+    half_way = feed_for(b, soft, 150.0, 1.0, 0.0, 0.1, b.chip_mm, 8.0)  # 1 / (1 + 8 0.1 / 0.8) of it in logarithms
+    assert half_way == pytest.approx(math.sqrt(b.chip_mm * right))
+    assert feed_for(b, soft, 150.0, 1.0, 0.0, 0.1, 1.1 * right, 8.0) == pytest.approx(right)
+    hard = prior(b)._replace(level=math.log(300.0))
+    assert feed_for(b, hard, 150.0, 1.0, 0.0, 0.1, b.chip_mm, 8.0) == pytest.approx(b.chip_mm**2 / right)
+
+
 @pytest.mark.parametrize("block", [power_law_inversion, constant_force])
 def test_limits_the_wrong_way_round_are_refused(block):
     with pytest.raises(ValueRefused, match="must be below"):
@@ -151,6 +163,14 @@ def test_any_material_is_cut_at_the_force_without_overshoot(hardness):
     force = entry(TUNINGS["ours.constant_force"], **{"plant.law.kf": hardness * 2256.3})
     assert abs(force[-1] - 1.0) < 1e-3
     assert force.max() < (1.04 if hardness <= 1.0 else 1.15)
+
+
+def test_iron_is_entered_without_a_peak_and_in_a_quarter_of_a_second():
+    """Iron needs three times the feed of the belief, and its exponent is 0.96; without the care it peaks at 14 %."""
+    iron = {"plant.law.kf": 1450.0, "plant.law.exponent": 0.96}
+    careful = entry(TUNINGS["ours.constant_force"], **iron)
+    assert careful.max() < 1.06 and careful[13] > 0.9
+    assert entry(TUNINGS["ours.constant_force"](exponent_caution=0.0), **iron).max() > 1.10
 
 
 def test_without_compliance_the_inversion_overshoots():

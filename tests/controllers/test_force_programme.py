@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from leadscrew.controllers.force import TUNINGS, depth_feed_forward, gain_normalised
-from leadscrew.controllers.force.programme import Depth, cutting, followed, follower, programmed
+from leadscrew.controllers.force.programme import Depth, aimed, cutting, followed, follower, programmed
 from leadscrew.controllers.grey_fuzzy.pi_incremental import PiIncrementalState, pi_incremental
 from leadscrew.controllers.grey_fuzzy.tunings import TUNINGS as GREY_FUZZY
 from leadscrew.controllers.pid import pid
@@ -28,6 +28,63 @@ def test_a_change_within_a_period_counts_by_its_share():
     assert programmed(command, 0.06, DT) == pytest.approx(1.0 - 0.25 * 0.4)  # 5 of the 20 ms come after it
     assert programmed(command, 0.08, DT) == pytest.approx(0.6)
     assert programmed(told(0.8, 0.8, NEVER_S), 0.06, DT) == 0.8
+
+
+def test_the_feed_is_set_for_the_cut_ahead_and_in_the_air_for_the_next_one_or_the_last():
+    def aim(depth, next_depth, change_in_s, last=0.0, error=0.0):
+        return aimed(told(depth, next_depth, change_in_s), 0.04, DT, error, 0.2, 0.02, last)
+
+    assert aim(1.0, 0.6, 0.04) == pytest.approx(0.6)
+    assert aim(1.0, 0.6, 0.2) == 1.0
+    assert aim(1.0, 0.0, 0.04) == 1.0  # the tool is about to leave: still the depth that is cut
+    assert aim(1.0, 0.1, 0.04) == 1.0  # shallower than least_depth: not ahead of time
+    assert aim(0.0, 0.6, 5.0, last=1.0) == 0.6  # in the air: the cut that comes
+    assert aim(0.0, 0.0, NEVER_S, last=0.8) == 0.8  # none comes: the last one
+    assert aim(0.0, 0.0, NEVER_S) == 0.0  # never cut
+    assert aim(0.0, 0.0, NEVER_S, last=0.8, error=0.05) == 0.0  # believed to be 0.05 mm in the cut
+
+
+AIR = {"depth.start": 0.0, "depth.step": 1.0, "depth.every_s": 1.0, "depth.steps": 1}
+LEAVES = {"depth.start": 1.0, "depth.step": -1.0, "depth.every_s": 1.0, "depth.steps": 1}
+KNOWING = ("ours.tfc_ff", "ours.constant_force")
+
+
+def outing(name, stairs, radial, seconds=2.2):
+    """Feed voltage and largest true force; the controller knows the radial servo."""
+    block = TUNINGS[name](**{"radial.gain": radial})
+    run = cut(block, radial=radial, noise_n=0.0, stairs=stairs, runout=0.0).run(
+        seconds, record=["output", "plant.peak"]
+    )
+    return run["output"], run["plant.peak"][-1]
+
+
+@pytest.mark.parametrize("name", KNOWING)
+def test_told_air_the_feed_stays_an_air_feed(name):
+    output, _ = outing(name, {"depth.start": 0.0, "depth.step": 0.0, "depth.every_s": 1.0, "depth.steps": 0}, 0.0, 1.0)
+    assert output.max() == pytest.approx(0.1)
+
+
+@pytest.mark.parametrize("radial", [0.0, RADIAL])
+@pytest.mark.parametrize("name", KNOWING)
+def test_a_cut_after_air_is_entered_at_the_force(name, radial):
+    output, peak = outing(name, AIR, radial)
+    assert output[:50].max() < 0.25 and peak < 153.0  # the TFC alone: full feed and more than 300 N
+    assert output[-1] == pytest.approx(0.237, rel=0.03)
+
+
+@pytest.mark.parametrize("radial", [0.0, RADIAL])
+@pytest.mark.parametrize("name", KNOWING)
+def test_the_feed_does_not_open_before_the_tool_has_left(name, radial):
+    output, peak = outing(name, LEAVES, radial)
+    assert peak < 156.0  # what the entry makes
+    assert output[45:].max() < 0.245  # the last feed, also in the air behind
+
+
+@pytest.mark.parametrize("name", KNOWING)
+def test_a_tool_that_enters_slowly_does_not_meet_a_feed_that_has_run_up(name):
+    ramp = {"depth.start": 1.0, "depth.entry_s": 0.4, "depth.step": 0.0, "depth.every_s": 1.0, "depth.steps": 0}
+    _, peak = outing(name, ramp, 0.0)
+    assert peak < 156.0  # the TFC alone: 210 N
 
 
 def test_the_believed_depth_follows_its_programme_as_the_servo_does():

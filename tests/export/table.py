@@ -20,6 +20,8 @@ class Row(NamedTuple):
     seconds: float
     quick: tuple[str, ...] = ("c99",)
     real: str = "double"
+    backwards: bool = True
+    """Whether a negative command moves it backwards; a feed that holds a force never goes back."""
 
 
 ROWS = {
@@ -60,21 +62,21 @@ ROWS = {
     "pd_dob, feed_forward_table": Row("tests/controllers/table_loop.py:taught", None, 0.3),
     "super_twisting": Row(f"{LOOPS}super_twisted", None, 0.3),
     "torque_pid": Row("tests/controllers/drive_loop.py:pid", None, 0.3),
-    "tfc, force_guard": Row(f"{LOOPS}force_under_guard", None, 6.0, ()),
-    "tfc, feed_override, under guard": Row(f"{EXAMPLES}turning_guard.py:loop", None, 6.0, ()),
-    "tfc, feed_override, under guard at 1 ms": Row(f"{EXAMPLES}turning_guard.py:fast", None, 4.0, ()),
-    "tfc": Row("tests/controllers/grey_fuzzy_loop.py:traditional", None, 6.0),
-    "gpfc": Row("tests/controllers/grey_fuzzy_loop.py:grey", None, 6.0, ("c99", "hal")),
-    "gpfc, reading A": Row("tests/controllers/grey_fuzzy_loop.py:grey_smallest", None, 6.0, ()),
-    "smith": Row("tests/controllers/grey_fuzzy_loop.py:with_a_model", None, 6.0),
-    "tfc, depth_feed_forward": Row("tests/controllers/force_loop.py:fed_forward", None, 6.0),
+    "tfc, force_guard": Row(f"{LOOPS}force_under_guard", None, 6.0, (), backwards=False),
+    "tfc, feed_override, under guard": Row(f"{EXAMPLES}turning_guard.py:loop", None, 6.0, (), backwards=False),
+    "tfc, feed_override, under guard at 1 ms": Row(f"{EXAMPLES}turning_guard.py:fast", None, 4.0, (), backwards=False),
+    "tfc": Row("tests/controllers/grey_fuzzy_loop.py:traditional", None, 6.0, backwards=False),
+    "gpfc": Row("tests/controllers/grey_fuzzy_loop.py:grey", None, 6.0, ("c99", "hal"), backwards=False),
+    "gpfc, reading A": Row("tests/controllers/grey_fuzzy_loop.py:grey_smallest", None, 6.0, (), backwards=False),
+    "smith": Row("tests/controllers/grey_fuzzy_loop.py:with_a_model", None, 6.0, backwards=False),
+    "tfc, depth_feed_forward": Row("tests/controllers/force_loop.py:fed_forward", None, 6.0, backwards=False),
     "gpfc, gain_normalised, depth_feed_forward": Row(
-        "tests/controllers/force_loop.py:grey_normalised_fed_forward", None, 6.0, ()
+        "tests/controllers/force_loop.py:grey_normalised_fed_forward", None, 6.0, (), backwards=False
     ),
-    "tfc, gain_normalised": Row("tests/controllers/force_loop.py:normalised", None, 6.0, ()),
-    "power_law_inversion": Row("tests/controllers/force_loop.py:inverted", None, 6.0, ()),
-    "constant_force": Row("tests/controllers/force_loop.py:all_in_one", None, 6.0, ("c99", "hal")),
-    "pi_incremental": Row("tests/controllers/grey_fuzzy_loop.py:proportional", None, 6.0, ()),
+    "tfc, gain_normalised": Row("tests/controllers/force_loop.py:normalised", None, 6.0, (), backwards=False),
+    "power_law_inversion": Row("tests/controllers/force_loop.py:inverted", None, 6.0, (), backwards=False),
+    "constant_force": Row("tests/controllers/force_loop.py:all_in_one", None, 6.0, ("c99", "hal"), backwards=False),
+    "pi_incremental": Row("tests/controllers/grey_fuzzy_loop.py:proportional", None, 6.0, (), backwards=False),
     "fuzzy, exact": Row(f"{LOOPS}fuzzy_exact", None, 0.4),
     "fuzzy, sampled": Row(f"{LOOPS}fuzzy_sampled", None, 0.4, ()),
     "fuzzy, table": Row(f"{LOOPS}fuzzy_table", None, 0.4),

@@ -85,7 +85,7 @@ def rows_of(raw, rapid=0.0, feed=120.0, seed=1):
     return np.column_stack(columns)
 
 
-def step_at(call, before=140.0, after=260.0, calls=CALLS):
+def step_at(call, before=150.0, after=260.0, calls=CALLS):
     return np.where(np.arange(calls) < call, before, after)
 
 

@@ -123,6 +123,43 @@ def test_the_voltage_acts_after_the_dead_time():
         loop({"plant.servo.dead_time_s": 0.08}).run(0.1)
 
 
+def free_swing(rate, damping, dt, radial=False, steps=4000):
+    """Largest distance from rest of the last hundred steps after a push, by the recursion of the data sheet."""
+    v, a, seen = 1.0, 0.0, []
+    for _ in range(steps):
+        a = a + dt * (-rate * v - a) / damping if radial else a + dt * (-rate * rate * v - 2.0 * damping * rate * a)
+        v += dt * a
+        seen.append(abs(v))
+    return max(seen[-100:])
+
+
+@pytest.mark.parametrize("damping", [0.05, 0.7, 3.0])
+def test_a_servo_that_the_step_makes_unstable_is_refused_at_the_border_and_not_before(damping):
+    limit = 2.0 * (math.sqrt(1.0 + damping**2) - damping) / 1e-3
+    assert free_swing(0.995 * limit, damping, 1e-3) < 0.1 < 10.0 < free_swing(1.005 * limit, damping, 1e-3)
+    at = {"plant.servo.damping": damping}
+    assert np.isfinite(loop(at | {"plant.servo.rate": 0.995 * limit}).run(0.1)["actual.force"]).all()
+    with pytest.raises(ValueRefused, match=r"servo.rate = .* rad/s \(turning\): less than .* rad/s at a damping of"):
+        loop(at | {"plant.servo.rate": 1.005 * limit}).run(0.1)
+
+
+def test_a_radial_axis_that_the_step_makes_unstable_is_refused_at_the_border():
+    gain, dt = 300.0, 1e-3
+    least = 0.25 * dt * (2.0 + gain * dt)
+    assert free_swing(gain, 1.01 * least, dt, radial=True) < 0.1 < 10.0 < free_swing(gain, 0.99 * least, dt, True)
+    loop({"plant.radial.gain": gain, "plant.radial.lag_s": 1.01 * least}).run(0.1)
+    with pytest.raises(ValueRefused, match=r"radial.lag_s = .* s \(turning\): more than 0.000575 s"):
+        loop({"plant.radial.gain": gain, "plant.radial.lag_s": 0.99 * least}).run(0.1)
+
+
+def test_a_step_of_nearly_a_revolution_still_cuts_what_was_left_and_a_larger_one_is_refused():
+    fastest = 60.0 * (CELLS - 1) / CELLS / 1e-3
+    force = loop({"plant.spindle_rpm": fastest}).run(0.6)["actual.force"]
+    assert force[-1] == pytest.approx(2256.3 * (35.5 / fastest) ** 0.77, rel=1e-6)
+    with pytest.raises(ValueRefused, match=r"spindle_rpm = 6\d+.* 1/min \(turning\): at most 59765.6 1/min with steps"):
+        loop({"plant.spindle_rpm": 60.0 / 1e-3}).run(0.1)
+
+
 def test_all_engines_give_the_same_bits():
     made = loop({"plant.runout": 0.01, "plant.radial.gain": 8.57, "plant.depth.step": -0.1, "plant.depth.steps": 1})
     fast, plain = made.run(0.2), made.run(0.2, engine="python")

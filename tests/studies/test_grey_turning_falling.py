@@ -49,9 +49,16 @@ def test_at_the_last_depth_the_feed_cannot_give_the_force(claims):
 
 
 def test_what_the_paper_says_of_the_falling_depth_is_judged_from_the_numbers(claims):
-    assert claims["falling_no_overshoot"].verdict == "not reproduced"
+    beyond = claims["falling_no_overshoot"]
+    assert beyond.verdict == "not reproduced" and beyond.kind == "report"
+    assert beyond.measured > 2.2 and beyond.reason.startswith("above the digest's 2.2 %")
     assert claims["falling_steady_late"].verdict == "not reproduced"
     assert claims["falling_overshoot_tfc"].basis == "fitted to this number"
+
+
+def test_a_depth_that_falls_at_once_takes_nearly_its_share_of_the_force(claims):
+    for depth, share in ((8, -20.0), (6, -25.0), (4, -100.0 / 3.0)):
+        assert claims[f"falling_ideal_dip_{depth}"].measured == pytest.approx(share, abs=2.0)
 
 
 def test_the_error_by_window_shows_where_the_papers_ratio_holds(found):

@@ -53,9 +53,29 @@ def test_the_steady_error_is_the_noise_floor_until_the_loop_nearly_cycles(claims
     assert claims["edge_steady_tfc"].measured > 2.5 * claims["fixed_steady_tfc"].measured
 
 
+def test_the_gain_margin_at_the_edge_is_that_of_the_plant_that_is_simulated(claims):
+    from leadscrew.studies.grey_turning.linear_force_loop import force_loop
+
+    kp, ki = 0.0029 / 0.96, 0.0029 / 6.2
+    least, most = (max(abs(np.linalg.eigvals(closed(force_loop("plant_n", "tfc", g * kp, g * ki)))))
+                   for g in (1.033, 1.035))  # fmt: skip
+    assert least < 1.0 < most
+    assert "1.034" in claims["edge_steady_tfc"].reason and "1.06" not in claims["edge_steady_tfc"].reason
+
+
+def closed(loop):
+    """State matrix of a loop that is closed by minus its output."""
+    return loop.a - loop.b @ loop.c
+
+
 def test_the_printed_sign_runs_the_feed_to_its_limit(claims):
     limit = 2256.3 * (150.0 / 1200.0) ** 0.77
     assert claims["literal_11_force"].measured == pytest.approx(limit, rel=2e-3)
+
+
+def test_a_falling_depth_adds_next_to_nothing_to_the_overshoot(claims):
+    same = claims["same_first_2_s"]
+    assert -1e-9 <= same.measured < 0.5 and same.paper == pytest.approx(45.9) and same.verdict == "not reproduced"
 
 
 def test_cases_of_a_batch_are_the_runs_of_loops_of_their_own():

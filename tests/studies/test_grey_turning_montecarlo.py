@@ -155,6 +155,32 @@ def test_every_required_claim_of_the_monte_carlo_holds(loops):
 
 
 @pytest.mark.slow
+def test_other_draws_lie_below_the_digest_too(loops):
+    from leadscrew.studies.grey_turning.claims_montecarlo import SAME_FACTORS
+    from leadscrew.studies.grey_turning.montecarlo_runs import ran
+
+    loop = loops.get(loops.controllers["corrected.tfc_s6"], SCENARIO)
+    seen = share(ran(loop, draws("plant_f", 1200, seed=77)).bad)
+    assert seen.low > 0.10 and 100.0 * seen.high < SAME_FACTORS["s6"].bad_tfc
+
+
+@pytest.mark.slow
+def test_the_claim_counts_the_bad_shares_below_the_digest(loops, monkeypatch):
+    from leadscrew.studies.grey_turning import claims_montecarlo as claims
+
+    def made(bad):
+        three = [np.array([1.0, 2.0, 3.0])] * 5
+        each = Judged(*three, np.array(bad))
+        kept = MonteCarlo(loops)
+        monkeypatch.setattr(kept, "of", lambda *_: each)
+        return claims._below_digest(kept)
+
+    none, every = made([False] * 3), made([True] * 3)
+    assert (none.measured, none.unit) == (11.0, "of 12")  # one of the digest's is 0 %
+    assert every.measured == 0.0 and "above it 12" in every.reason and "above it 0" in none.reason
+
+
+@pytest.mark.slow
 def test_reading_a_is_inside_the_ranges_of_the_digest_under_all_six_sets(loops):
     from leadscrew.studies.grey_turning.claims_montecarlo import SAME_FACTORS
 
@@ -170,4 +196,4 @@ def test_the_bench_times_the_monte_carlo_in_a_process_of_its_own():
 
     fresh, again = turning.rows(quick=True)
     assert fresh["value"] >= again["value"] > 0.0 and "2 controllers, 300 draws" in fresh["what"]
-    assert fresh["passed"] is None and "load" in fresh["remark"]
+    assert fresh["passed"] is None and "load" in fresh["remark"] and "s of processor time" in again["remark"]

@@ -50,6 +50,8 @@ def test_all_that_is_required_is_met(claims):
 
 
 def test_what_was_picked_for_its_contrast_is_said_to_be(claims):
+    for name in ("rough_rules", "rough_weak_overshoot_tfc", "rough_weak_steady_b"):
+        assert claims[name].basis == "fitted to this number", name
     assert "picked" in claims["rough_rules"].reason and claims["rough_rules"].verdict == "reproduced with change"
 
 

@@ -2,8 +2,9 @@
 
     q = (upper - lower) / 2^bits,      u = clip(q floor(output / q + 1/2), lower, upper - q)
 
-``bits = 0`` is an ideal converter: the range only. A converter of 12 bits and -10 to 10 V has steps of 4.88 mV; at
-150 mm/min per volt that is 0.73 mm/min of feed, at 1 mm depth of cut in S45C 2.4 N.
+``bits = 0`` is an ideal converter: the range only. What is not finite is taken as 0 V, within the range. A converter
+of 12 bits and -10 to 10 V has steps of 4.88 mV; at 150 mm/min per volt that is 0.73 mm/min of feed, at 1 mm depth of
+cut in S45C 2.4 N.
 
 :data:`lathe_dac` is three of them, for the voltages of spindle, feed and cross slide.
 
@@ -55,9 +56,10 @@ def plan_dac(params: DacParams, dt: float) -> DacPlan:
 
 
 def converted(p, output):
-    """One voltage as the converter gives it."""
-    step = p.quantum * math.floor(output * p.per_volt + 0.5)
-    return min(max(step if p.per_volt > 0.0 else output, p.lower), p.upper)
+    """One voltage as the converter gives it; 0 V for what is not finite."""
+    asked = min(max(output, p.lower), p.upper + p.quantum) if math.isfinite(output) else 0.0
+    step = p.quantum * math.floor(asked * p.per_volt + 0.5)
+    return min(max(step if p.per_volt > 0.0 else asked, p.lower), p.upper)
 
 
 @actuator(DacParams(), prepare=plan_dac, unit="V")

@@ -28,10 +28,9 @@ from typing import Annotated, NamedTuple
 import numpy as np
 
 from leadscrew.kernel.block import plant
-from leadscrew.kernel.errors import ValueRefused
 from leadscrew.kernel.sheet import Doc, Ge, Gt, Unit
 from leadscrew.plants.turning.chip import CuttingLaw, blank, cut, leave_surface, surface_before
-from leadscrew.plants.turning.process import SENT, FeedServo, servo_step
+from leadscrew.plants.turning.process import SENT, FeedServo, checked_step, servo_step
 from leadscrew.plants.turning.radial import Cross, CrossHold, CrossServo, cross_hold, moved_across
 from leadscrew.plants.turning.spindle import (
     Spindle,
@@ -131,14 +130,12 @@ def planned(params: TurningLatheParams, dt: float) -> TurningLathePlan:
     """The drives' steps of ``dt``, the bar, and the dead time of the feed in steps.
 
     Raises:
-        ValueRefused: a dead time of 64 steps or more, or a workpiece that is none.
+        ValueRefused: a dead time of 64 steps or more, a step that feed servo or spindle do not bear (see
+            :func:`leadscrew.plants.turning.process.checked_step`), or a workpiece that is none.
     """
-    late = round(params.servo.dead_time_s / dt)
-    if late >= SENT:
-        raise ValueRefused(
-            f"servo.dead_time_s = {params.servo.dead_time_s!r} (turning_lathe): less than {SENT} steps, "
-            f"here {SENT * dt:g} s"
-        )
+    fast, started = params.spindle.most, params.start.rpm
+    fastest, name = (fast, "spindle.most") if fast >= started else (started, "start.rpm")
+    late = checked_step(params.servo, fastest, name, dt, "turning_lathe")
     return TurningLathePlan(
         params.law, checked(params.work), spindle_hold(params.spindle, dt), params.servo, cross_hold(params.cross, dt),
         params.feed_force_ratio / params.stiffness, params.runout, params.limit, late,

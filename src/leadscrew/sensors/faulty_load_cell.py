@@ -10,6 +10,7 @@ From ``from_s`` until ``until_s`` the raw force is, by ``fault``::
     5  jump           F + noise + size_n: a slipped mount, a wrong tare
     6  drift          F + noise + size_n (t - from_s): warming up
     7  scale          size_n (F + noise), size_n without unit here: a wrong amplification
+    8  frozen         size_n + noise: a strain gauge that has come off, its amplifier sound
 
 3 and 4 differ in the number alone. NaN is not among them: a loop stops where a signal is not finite. The filter goes on
 from the wrong number, ``y = keep y + (1 - keep) raw``. Encoders are not touched. Source: ours.
@@ -24,12 +25,12 @@ from leadscrew.kernel.sheet import Doc, Ge, Le, Unit
 from leadscrew.references.cutting_program import NEVER_S
 from leadscrew.sensors.load_cell import TINY, CutReading, LatheReadingParams, LoadCellState, lathe_reading
 
-TRUE, CONSTANT, DEAD, SATURATED, CODE, SHIFTED, DRIFT, SCALE = range(8)
+TRUE, CONSTANT, DEAD, SATURATED, CODE, SHIFTED, DRIFT, SCALE, FROZEN = range(9)
 """Faults."""
 
 KINDS = {
     "none": TRUE, "constant": CONSTANT, "dead": DEAD, "saturated": SATURATED, "error code": CODE, "jump": SHIFTED,
-    "drift": DRIFT, "wrong scale": SCALE,
+    "drift": DRIFT, "wrong scale": SCALE, "frozen": FROZEN,
 }  # fmt: skip
 """In words."""
 
@@ -38,7 +39,7 @@ class FaultyLoadCellParams(NamedTuple):
     """The sound cell, and its fault."""
 
     lathe: LatheReadingParams = LatheReadingParams()
-    fault: Annotated[int, Ge(0), Le(7), Doc("what breaks, see the table")] = 0
+    fault: Annotated[int, Ge(0), Le(8), Doc("what breaks, see the table")] = 0
     from_s: Annotated[float, Unit("s"), Ge(0), Doc("when it breaks")] = 1.5
     until_s: Annotated[float, Unit("s"), Ge(0), Doc("when it is sound again")] = NEVER_S
     size_n: Annotated[float, Unit("N"), Doc("what the table says")] = 1000.0
@@ -72,6 +73,8 @@ def faulty_load_cell(p, s, actual, t, dt, noise):
         if kind == DRIFT
         else true * p.size_n
         if kind == SCALE
+        else p.size_n + true - actual.force
+        if kind == FROZEN
         else true
     )
     broken = t > p.from_s - 0.5 * dt and t <= p.until_s - 0.5 * dt

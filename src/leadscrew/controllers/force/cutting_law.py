@@ -1,14 +1,14 @@
 """What is believed of a cut: a power law in logarithms, two numbers with their covariance, corrected by each reading.
 
     ln F = ln b + L + P ln(h / h0)                          L: ln of N per mm of depth at the chip h0;  P: exponent
-    nu = F / F_hat - 1,      R = (noise_n / F_hat)^2 + floor^2 + (P slack (F - F(theta - 1)) / (stiffness h))^2
+    nu = ln(F / F_hat),      R = (noise_n / F_hat)^2 + floor^2 + (P slack (F - F(theta - 1)) / (stiffness h))^2
     (L, P) += C H nu / (H' C H + R),      C -= C H H' C / (H' C H + R),      H = (1, ln(h / h0))
 
-an extended Kalman filter with the relative error of the force as innovation. ``R`` holds the load cell's noise, what
-repeats itself each revolution (runout), and what is not known of the compliance, which opens the chip only while the
-force changes. In every period ``C[L, L]`` gains ``drift``; where ``nu^2 > 9 (H' C H + R)`` it gains ``jump``: a hard
-spot, or a depth that is not the programmed one. ``L`` stays within :data:`MOST` of its prior and ``P`` within
-:data:`LEAST_P` to 1, so that a broken load cell cannot ask for any feed.
+a Kalman filter: in logarithms the law is a straight line, so a material far from the belief is found in one step. ``R``
+holds the load cell's noise, what repeats itself each revolution (runout), and what is not known of the compliance,
+which opens the chip only while the force changes. In every period ``C[L, L]`` gains ``drift``; where
+``nu^2 > 9 (H' C H + R)`` it gains ``jump``: a hard spot, or a depth that is not the programmed one. ``L`` stays within
+:data:`MOST` of its prior and ``P`` within :data:`LEAST_P` to 1, so that a broken load cell cannot ask for any feed.
 
 Source: ours; the Kalman filter of one state in the digest of the study ``grey_turning``, section 9, is
 :mod:`leadscrew.controllers.force.power_law_inversion`.
@@ -26,7 +26,7 @@ MOST = 1.4
 LEAST_P = 0.5
 OPENS = 9.0
 """Square of the innovation over its variance from which the estimate is opened: three standard deviations."""
-LOWEST, HIGHEST = -0.8, 2.0
+LOWEST, HIGHEST = -1.8, 2.0
 """Ends of the innovation that counts."""
 
 
@@ -70,7 +70,7 @@ def learned(b, s, depth, feed, force, force_before, filtered):
     thick = max(chip, b.least_chip_mm)
     x = math.log(thick / b.chip_mm)
     expected = depth * math.exp(s.level + s.exponent * x)
-    surprise = min(max(force / expected - 1.0, LOWEST), HIGHEST)
+    surprise = min(max(math.log(max(force, 1e-9) / expected), LOWEST), HIGHEST)
     noise = b.noise_n / expected
     yields = s.exponent * b.slack * change / (b.stiffness * thick)
     scatter = noise * noise + b.floor * b.floor + yields * yields
@@ -93,12 +93,17 @@ def learned(b, s, depth, feed, force, force_before, filtered):
     )
 
 
-def feed_for(b, s, force, depth, caution, known):
+def feed_for(b, s, force, depth, caution, known, chip=0.0, exponent_caution=0.0):
     """Feed per revolution in mm that gives a force: ``h0 (F / (b e^L))^(1/P)``, less where little is known.
 
-    It is divided by ``e^(caution max(sigma - known, 0) / P)``; ``sigma``: standard deviation of ln of the force.
+    From ``chip``, up to which the law is trusted, only the part ``1 / (1 + exponent_caution sigma_P / P)`` of the way
+    is gone, in logarithms: an exponent that is too small asks for far too much feed in soft material. It is also
+    divided by ``e^(caution max(sigma - known, 0) / P)``; ``sigma``: standard deviation of ln of the force.
     """
-    x = (math.log(max(force, 1e-9) / depth) - s.level) / s.exponent
+    right = (math.log(max(force, 1e-9) / depth) - s.level) / s.exponent
+    seen = math.log(max(chip, b.least_chip_mm) / b.chip_mm)
+    less = 1.0 + exponent_caution * math.sqrt(max(s.exponent_exponent, 0.0)) / s.exponent
+    x = seen + (right - seen) / less if right > seen else right
     variance = s.level_level + 2.0 * x * s.level_exponent + x * x * s.exponent_exponent
     doubt = max(math.sqrt(max(variance, 0.0)) - known, 0.0)
     return b.chip_mm * math.exp(min(x - caution * doubt / s.exponent, 10.0))

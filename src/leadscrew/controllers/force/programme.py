@@ -8,6 +8,11 @@
 when that is, so a preview is legal as long as it is shorter than the time between two changes. A change within a period
 counts by its share of it. A preview shorter than a period sees a change up to half a period late.
 
+**In the air**, where programme and ``depth_error`` leave less than ``air``, no force tells anything, so the feed must
+not run up. It is set for the depth that comes next, else for the last one that was cut (:func:`aimed`); where neither
+is known the output is at most ``air_feed``, until the believed depth is :data:`NEAR` of the one aimed at. A change to
+less than ``least_depth`` is not acted upon before it is commanded: the tool still cuts.
+
 Source: ours; the radial servo as in :mod:`leadscrew.plants.turning`, from which "depth feed-forward with preview" in
 the digest of the study ``grey_turning``, section 9, has its numbers.
 """
@@ -19,6 +24,8 @@ from typing import Annotated, Any, NamedTuple
 from leadscrew.kernel.sheet import Doc, Ge, Gt, Le, Unit
 from leadscrew.plants.turning.process import RadialServo
 
+NEAR = 0.95
+"""Share of the depth aimed at from which the tool counts as in the cut."""
 TINY = 1e-30
 """Below this a speed that decays is 0."""
 
@@ -27,6 +34,8 @@ PreviewS = Annotated[
 ]
 DepthError = Annotated[float, Unit("mm"), Doc("believed depth less programmed depth")]
 LeastDepth = Annotated[float, Unit("mm"), Gt(0), Doc("shallower cuts count as this deep")]
+Air = Annotated[float, Unit("mm"), Gt(0), Doc("shallower is air, not a cut")]
+AirFeed = Annotated[float, Unit("V"), Ge(0), Doc("most in the air while no depth of cut is known")]
 
 
 class Follower(NamedTuple):
@@ -65,6 +74,13 @@ def programmed(command, from_s, dt):
     """Mean depth that the programme asks for between ``from_s`` and ``from_s + dt`` seconds from now, mm."""
     share = min(max((from_s + dt - command.change_in_s) / dt, 0.0), 1.0)
     return command.depth + share * (command.next_depth - command.depth)
+
+
+def aimed(command, from_s, dt, error, least, air, last):
+    """The depth for which the feed is set, mm: of the cut ahead; in the air the next one, else ``last``."""
+    to = command.next_depth + error
+    cut = programmed(command, from_s, dt) if to >= least else command.depth
+    return cut if command.depth + error >= air else command.next_depth if to >= air else last
 
 
 def followed(f, s, asked):

@@ -28,12 +28,14 @@ from __future__ import annotations
 
 from typing import Annotated, Any, NamedTuple, cast
 
-from leadscrew.controllers.guard.holding import FREE, AirCut, Guard, Recovery, decided, sent
+from leadscrew.controllers.guard.answering import Answer
+from leadscrew.controllers.guard.holding import FREE, RUNNING, AirCut, Guard, Recovery, decided, sent
 from leadscrew.controllers.guard.watching import CellChecks, Levels, Seen, looked
-from leadscrew.controllers.guard.wrapped import taken_apart
+from leadscrew.controllers.guard.wrapped import finite_command, taken_apart, whole
 from leadscrew.kernel.block import Block, make
 from leadscrew.kernel.errors import ValueRefused
 from leadscrew.kernel.sheet import Doc, Ge, Le, Lt
+from leadscrew.references.cutting_program import CutCommand
 
 HIGH = 1e300
 """A ceiling that is none."""
@@ -92,7 +94,7 @@ def force_guard(
     own += [("clock", Clock)] if fast else []
     params_type = cast(Any, NamedTuple("ForceGuardParams", [("inner", type(inner.params)), *own]))
     times: list[Any] = [("filtered", float), ("asked", float), ("turn", int), ("wait", int)]
-    parts: list[Any] = [("inner", type(inner.state)), ("seen", Seen), ("guard", Guard)]
+    parts: list[Any] = [("inner", type(inner.state)), ("seen", Seen), ("guard", Guard), ("command", CutCommand)]
     state_type = cast(Any, NamedTuple("ForceGuardState", [*parts, *(times if fast else [])]))
 
     def prepare(params: Any, dt: float) -> Any:
@@ -105,47 +107,59 @@ def force_guard(
 
     def align(params, command, feedback, output):
         """The state from which the next output is ``output``."""
-        seen = Seen(feedback.force, feedback.raw, feedback.travel, feedback.turns, 0, 0, 0, 0)
+        level = Answer(feedback.raw, output, feedback.raw, feedback.raw, output, output, 0.0, 0)
+        seen = Seen(feedback.force, feedback.raw, feedback.travel, feedback.turns, 0, 0, 0, 0, level)
         begun = align_law(params.inner, told(command), shown(feedback, seen), output)
-        return state_type(begun, seen, Guard(0, 0, 0, 0.0, 0.0, 0.0, 0.0, output, FREE))
+        return state_type(begun, seen, Guard(0, 0, 0, 0.0, 0.0, 0.0, 0.0, output, FREE), whole(command))
 
     def below(p, s, command, feedback, ceiling, rapid, last, dt):
         """One period below a ceiling of the output."""
-        seen = looked(p.levels, p.cell, s.seen, feedback, dt)
-        stepped, asked = law(p.inner, s.inner, told(command), shown(feedback, seen), dt)
+        sound = finite_command(command)
+        known = whole(command) if sound else s.command
+        running = s.guard.mode == RUNNING
+        seen = looked(p.levels, p.cell, p.air.air_n, s.seen, feedback, known.force, sound, s.guard.output, running, dt)
+        stepped, asked = law(p.inner, s.inner, told(known), shown(feedback, seen), dt)
         guard = decided(p, s.guard, seen, asked, ceiling, rapid, dt)
         if guard.aligned >= 0.0:
-            stepped = align_law(p.inner, told(command), shown(feedback, seen), guard.aligned)
-        return state_type(stepped, seen, guard), sent(guard, ceiling, rapid), guard.output
+            stepped = align_law(p.inner, told(known), shown(feedback, seen), guard.aligned)
+        return state_type(stepped, seen, guard, known), sent(guard, ceiling, rapid), guard.output
 
     def align_fast(params, command, feedback, output):
         """The state from which the next output is ``output``."""
-        seen = Seen(feedback.force, feedback.raw, feedback.travel, feedback.turns, 0, 0, 0, 0)
+        level = Answer(feedback.raw, output, feedback.raw, feedback.raw, output, output, 0.0, 0)
+        seen = Seen(feedback.force, feedback.raw, feedback.travel, feedback.turns, 0, 0, 0, 0, level)
         begun = align_law(params.inner, told(command), shown(feedback, seen), output)
         guard = Guard(0, 0, 0, 0.0, 0.0, 0.0, 0.0, output, FREE)
-        return state_type(begun, seen, guard, feedback.force, output, 0, 0)
+        return state_type(begun, seen, guard, whole(command), feedback.force, output, 0, 0)
 
     def below_fast(p, s, command, feedback, ceiling, rapid, last, dt):
         """One call below a ceiling of the output, most of them without the inner controller."""
         if s.wait > 0:
-            waits = state_type(s.inner, s.seen, s.guard, s.filtered, s.asked, s.turn, s.wait - 1)
+            waits = state_type(s.inner, s.seen, s.guard, s.command, s.filtered, s.asked, s.turn, s.wait - 1)
             return waits, sent(s.guard, ceiling, rapid), s.guard.output
-        found = looked(p.levels, p.cell, s.seen, feedback, dt * p.clock.looks)
+        sound = finite_command(command)
+        known = whole(command) if sound else s.command
+        running = s.guard.mode == RUNNING
+        since = dt * p.clock.looks
+        found = looked(
+            p.levels, p.cell, p.air.air_n, s.seen, feedback, known.force, sound, s.guard.output, running, since
+        )  # fmt: skip
         filtered = p.clock.keep * s.filtered + (1.0 - p.clock.keep) * found.raw if s.turn == 0 else s.filtered
         seen = Seen(
-            filtered, found.raw, found.travel, found.turns, found.same, found.over, found.cause, found.started
+            filtered, found.raw, found.travel, found.turns, found.same, found.over, found.cause, found.started,
+            found.answer,
         )  # fmt: skip
         stepped = s.inner
         asked = s.asked
         if s.turn == 0:
-            stepped, asked = law(p.inner, s.inner, told(command), shown(feedback, seen), dt * p.clock.every)
-        guard = decided(p, s.guard, seen, asked, ceiling, rapid, dt * p.clock.looks)
+            stepped, asked = law(p.inner, s.inner, told(known), shown(feedback, seen), dt * p.clock.every)
+        guard = decided(p, s.guard, seen, asked, ceiling, rapid, since)
         if guard.aligned >= 0.0:
-            stepped = align_law(p.inner, told(command), shown(feedback, seen), guard.aligned)
+            stepped = align_law(p.inner, told(known), shown(feedback, seen), guard.aligned)
             asked = guard.aligned
         turn = s.turn + p.clock.looks if s.turn + p.clock.looks < p.clock.every else 0
         return (
-            state_type(stepped, seen, guard, filtered, asked, turn, p.clock.looks - 1),
+            state_type(stepped, seen, guard, known, filtered, asked, turn, p.clock.looks - 1),
             sent(guard, ceiling, rapid),
             guard.output,
         )
@@ -159,7 +173,7 @@ def force_guard(
 
     cast(Any, guarded).takes_cut = True
     cast(Any, guarded).below = stepping
-    begin = state_type(inner.state, Seen(), Guard(), *((0.0, 0.0, 0, 0) if fast else ()))
+    begin = state_type(inner.state, Seen(), Guard(), CutCommand(), *((0.0, 0.0, 0, 0) if fast else ()))
     given = (levels, cell, recover, air, *((clock,) if fast else ()))
     return make(
         "controller", guarded, params_type(inner.params, *given), begin, prepare=prepare,

@@ -4,7 +4,8 @@ What it sends, by mode::
 
     running   u = min(asked, ceiling)                the inner controller's output; a ceiling has feed_override alone
               u = min(u, air_v)                      while raw < air_n: no cut, or a dead load cell
-              u = min(u, last output)                while the load cell shows the same number for the third time
+              u = min(u, last output)                while the load cell shows the same number for the third time,
+                                                     or the force has yet to answer the last rise
               output = u share(raw)                  share: 1 up to reduce_n, then a line to ``least`` at hold_n
     holding   output = output at the trip, down to 0 within ramp_s (0: at once)
               to running when there is no cause and raw and filtered force are below resume_n for calm_s
@@ -21,6 +22,7 @@ from __future__ import annotations
 
 from typing import Annotated, NamedTuple
 
+from leadscrew.controllers.guard.answering import awaited
 from leadscrew.controllers.guard.watching import NONE, SLACK_S
 from leadscrew.kernel.sheet import Doc, Ge, Gt, Le, Unit
 
@@ -87,7 +89,7 @@ def decided(p, s, seen, asked, ceiling, rapid, dt):
     mode = later if trips else HOLDING if freed else RUNNING if resumes else s.mode
     runs = mode == RUNNING
 
-    frozen = p.cell.still_s > 0.0 and seen.same >= SAME
+    frozen = (p.cell.still_s > 0.0 and seen.same >= SAME) or awaited(p.cell, seen.answer)
     below = min(asked, ceiling)
     unfrozen = min(below, s.output) if frozen else below
     limited = min(unfrozen, p.air.air_v) if seen.raw < p.air.air_n else unfrozen

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
 from leadscrew.kernel.block import Block
 from leadscrew.kernel.errors import BlockError
+from leadscrew.references.cutting_program import CutCommand
 from leadscrew.sensors.load_cell import CutReading
 
 
@@ -27,8 +29,28 @@ class Inner(NamedTuple):
 
 
 def whole(command):
-    """A command as it is."""
-    return command
+    """What a command says of the cut."""
+    return CutCommand(command.force, command.depth, command.next_depth, command.change_in_s)
+
+
+def finite_command(command):
+    """Whether all of that is finite."""
+    return (
+        math.isfinite(command.force)
+        and math.isfinite(command.depth)
+        and math.isfinite(command.next_depth)
+        and math.isfinite(command.change_in_s)
+    )
+
+
+def finite_reading(feedback):
+    """Whether a reading is finite."""
+    return (
+        math.isfinite(feedback.force)
+        and math.isfinite(feedback.raw)
+        and math.isfinite(feedback.travel)
+        and math.isfinite(feedback.turns)
+    )
 
 
 def force_of(command):

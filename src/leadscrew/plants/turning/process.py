@@ -11,6 +11,10 @@ In this order in each step of ``dt`` (1 ms or less), semi-implicit Euler:
 ``lag_s dv_b/dt = gain (programme - b) - v_b``, ``db/dt = v_b``; with ``gain = 0`` at once. ``load`` is the relative
 change of the specific force: 1.0 is a hard spot that doubles it.
 
+Refused are steps with which this order of calculation says nothing: a servo that swings up by the step alone
+(:func:`servo_limit`), and a spindle that turns by more than :data:`MOST_OF_A_TURN` a step, for then the surface of one
+revolution ago is not there yet.
+
 Source: equation (1) of the paper of the study ``grey_turning`` for the steady force; servo, chip build-up over a
 revolution, compliance and runout are a reconstruction ("plant F" of its digest: servo of 40 rad/s, fitted to two
 figures). The whole lathe, with its three loops: :mod:`leadscrew.plants.turning_lathe`.
@@ -26,11 +30,14 @@ import numpy as np
 from leadscrew.kernel.block import plant
 from leadscrew.kernel.errors import ValueRefused
 from leadscrew.kernel.sheet import Doc, Ge, Gt, Unit
-from leadscrew.plants.turning.chip import CuttingLaw, blank, cut, leave_surface, surface_before
+from leadscrew.plants.turning.chip import CELLS, CuttingLaw, blank, cut, leave_surface, surface_before
 from leadscrew.references.cutting_program import DepthProgram, depth_at
 
 SENT = 64
 """Steps of the feed voltage that are kept: the dead time is shorter."""
+
+MOST_OF_A_TURN = (CELLS - 1) / CELLS
+"""Largest turn of the spindle in one step, revolutions: straight lines between two places of the surface need both."""
 
 TINY = 1e-30
 
@@ -76,7 +83,7 @@ class TurningState(NamedTuple):
     feed: Annotated[float, Unit("mm/min"), Doc("speed of the carriage")] = 0.0
     feed_rate: Annotated[float, Unit("mm/(min s)"), Doc("its rate of change")] = 0.0
     travel: Annotated[float, Unit("mm"), Doc("way of the carriage")] = 0.0
-    turns: Annotated[float, Doc("revolutions of the spindle")] = 0.0
+    turns: Annotated[float, Unit("rev"), Doc("angle of the spindle")] = 0.0
     surface: Annotated[float, Unit("mm"), Doc("surface that the edge leaves")] = 0.0
     depth: Annotated[float, Unit("mm"), Doc("depth of cut, without runout")] = 1.0
     depth_speed: Annotated[float, Unit("mm/s"), Doc("its speed")] = 0.0
@@ -94,7 +101,7 @@ class Turned(NamedTuple):
     chip: Annotated[float, Unit("mm"), Doc("chip thickness")] = 0.0
     depth: Annotated[float, Unit("mm"), Doc("depth of cut without runout")] = 0.0
     travel: Annotated[float, Unit("mm"), Doc("way of the carriage")] = 0.0
-    turns: Annotated[float, Doc("revolutions of the spindle")] = 0.0
+    turns: Annotated[float, Unit("rev"), Doc("angle of the spindle")] = 0.0
 
 
 class TurningPlan(NamedTuple):
@@ -110,16 +117,63 @@ class TurningPlan(NamedTuple):
     late: int
 
 
+def servo_limit(damping: float) -> float:
+    """Below which ``rate dt`` the servo's step is stable: ``2 (sqrt(1 + zeta^2) - zeta)``.
+
+    Semi-implicit Euler has the characteristic polynomial ``z^2 - (2 - 2 zeta x - x^2) z + 1 - 2 zeta x`` with
+    ``x = rate dt``; its roots lie inside the unit circle while ``x^2 + 4 zeta x < 4`` (Jury's criterion at ``z = -1``;
+    the other conditions follow from it).
+    """
+    return 2.0 / (math.hypot(1.0, damping) + damping)
+
+
+def checked_step(servo: FeedServo, rpm: float, speed: str, dt: float, where: str) -> int:
+    """The dead time in steps; what a step of ``dt`` cannot follow is refused.
+
+    Args:
+        servo: the feed servo.
+        rpm: largest spindle speed, 1/min.
+        speed: name of the parameter that gives it.
+        dt: step, s.
+        where: name of the plant.
+
+    Raises:
+        ValueRefused: a dead time of 64 steps or more, a servo that is unstable with this step, or more than
+            :data:`MOST_OF_A_TURN` of the spindle a step.
+    """
+    late = round(servo.dead_time_s / dt)
+    if late >= SENT:
+        raise ValueRefused(
+            f"servo.dead_time_s = {servo.dead_time_s!r} ({where}): less than {SENT} steps, here {SENT * dt:g} s"
+        )
+    most = servo_limit(servo.damping) / dt
+    if servo.rate >= most:
+        raise ValueRefused(
+            f"servo.rate = {servo.rate!r} rad/s ({where}): less than {most:.6g} rad/s at a damping of "
+            f"{servo.damping:g} and steps of {dt:g} s, for beyond it the step itself is unstable; take more substeps"
+        )
+    fastest = 60.0 * MOST_OF_A_TURN / dt
+    if rpm > fastest:
+        raise ValueRefused(
+            f"{speed} = {rpm!r} 1/min ({where}): at most {fastest:.6g} 1/min with steps of {dt:g} s, for a step must "
+            "be less than a revolution; take more substeps"
+        )
+    return late
+
+
 def planned(params: TurningParams, dt: float) -> TurningPlan:
     """The parameters as the step reads them.
 
     Raises:
-        ValueRefused: a dead time of 64 steps or more.
+        ValueRefused: what :func:`checked_step` refuses, or a radial servo that is unstable with this step.
     """
-    late = round(params.servo.dead_time_s / dt)
-    if late >= SENT:
+    late = checked_step(params.servo, params.spindle_rpm, "spindle_rpm", dt, "turning")
+    least = 0.25 * dt * (2.0 + params.radial.gain * dt)
+    if params.radial.gain > 0.0 and params.radial.lag_s <= least:
         raise ValueRefused(
-            f"servo.dead_time_s = {params.servo.dead_time_s!r} (turning): less than {SENT} steps, here {SENT * dt:g} s"
+            f"radial.lag_s = {params.radial.lag_s!r} s (turning): more than {least:.6g} s at a gain of "
+            f"{params.radial.gain:g} 1/s and steps of {dt:g} s, for below it the step itself is unstable; take more "
+            "substeps"
         )
     return TurningPlan(
         params.law, params.spindle_rpm, params.depth, params.servo, params.radial,

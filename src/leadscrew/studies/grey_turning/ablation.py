@@ -11,13 +11,15 @@ in N s^2. The digest gives neither the penalty nor the horizon: 1 % is the overs
 and the 2 s are ours. The factors that were found are kept in ``data/ablation_factors.csv``; :func:`found_anew` finds
 them again, six digits alike on the same versions of CMA-ES and NumPy. :func:`judgement` runs them under
 :data:`HELD_OUT` noise seeds that the search never saw. Intervals are over these: they hold for the factors that were
-found, and say nothing of another choice of the two noise seeds of the search.
+found, and say nothing of another choice of the two noise seeds of the search. Other costs:
+:mod:`~leadscrew.studies.grey_turning.ablation_costs`.
 """
 
 from __future__ import annotations
 
 import csv
-from collections.abc import Mapping
+import math
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
@@ -29,19 +31,28 @@ import numpy as np
 from leadscrew.controllers.grey_fuzzy import gpfc
 from leadscrew.controllers.grey_fuzzy.gpfc import READING_A, READING_B
 from leadscrew.controllers.grey_fuzzy.smith import smith
-from leadscrew.grey.predictors import DGM, GM, GM_GUARDED, LAST, LINE, TWO_POINT
+from leadscrew.grey.predictors import DGM, EXPONENTIAL, GM, GM_GUARDED, LAST, LINE, RESIDUAL, TWO_POINT, VERHULST
 from leadscrew.kernel.block import Block, sensor
 from leadscrew.kernel.noise import Noise
 from leadscrew.kernel.sheet import Doc, Ge
 from leadscrew.sensors.load_cell import LoadCellParams, LoadCellState, weighed
 from leadscrew.studies.grey_turning.runs import Loops, filtered
 
-HORIZON_S = 2.0
 FORCE_N = 150.0
-PENALTY = 0.5
-"""N s^2 for each percent of overshoot above :data:`FREE`."""
 FREE = 1.0
 """Percent of overshoot that cost nothing."""
+
+
+class Cost(NamedTuple):
+    """What a controller is tuned for and judged by."""
+
+    horizon_s: float = 2.0
+    """Length of the cut."""
+    penalty: float = 0.5
+    """N s^2 for each percent of overshoot above :data:`FREE`."""
+
+
+COST = Cost()
 
 FACTORS = ("error_scale", "change_scale", "output_scale")
 LOW = (2.0, 0.5, 0.0005)
@@ -69,10 +80,16 @@ VARIANTS: dict[str, dict[str, Any]] = {
     "gm_h2": {"predictor": GM_GUARDED, "horizon": 2.0},
     "dgm": {"predictor": DGM},
     "gpfc_a": {"predictor": GM, "reading": READING_A},
+    "exponential": {"predictor": EXPONENTIAL},
+    "residual": {"predictor": RESIDUAL},
+    "verhulst": {"predictor": VERHULST},
 }
 """Parameters of the GPFC, reading B unless told otherwise; with the last value as prediction it is the TFC."""
+SWITCHES = ("predictor", "reading", "horizon")
+"""Parameters by which they differ."""
 SMITH = "smith"
 NAMES = (*VARIANTS, SMITH)
+RECORDED = ("feedback", "actual.force")
 FILE = Path(__file__).parent / "data" / "ablation_factors.csv"
 
 
@@ -97,17 +114,19 @@ def repeated_cell(p, s, actual, noise):
     return now, now.force
 
 
-def costs(t: np.ndarray, force: np.ndarray, y: np.ndarray) -> np.ndarray:
-    """J of the true and the filtered force, one row a run."""
+def costs(t: np.ndarray, force: np.ndarray, y: np.ndarray, cost: Cost = COST) -> np.ndarray:
+    """J of the true and the filtered force, one row a run, of samples before the end of the cost's cut."""
     period = t[1] - t[0]
-    itae = 0.5 * period * (t * (np.abs(force - FORCE_N) + np.abs(y - FORCE_N))).sum(axis=1)
-    overshoot = 100.0 * (y.max(axis=1) / FORCE_N - 1.0)
-    return np.asarray(itae + PENALTY * np.maximum(overshoot - FREE, 0.0))
+    within = t < cost.horizon_s - 0.5 * period
+    off = np.abs(force - FORCE_N) + np.abs(y - FORCE_N)
+    itae = 0.5 * period * (t[within] * off[:, within]).sum(axis=1)
+    overshoot = 100.0 * (y[:, within].max(axis=1) / FORCE_N - 1.0)
+    return np.asarray(itae + cost.penalty * np.maximum(overshoot - FREE, 0.0))
 
 
-def costs_of(batch: Any) -> np.ndarray:
+def costs_of(batch: Any, cost: Cost = COST) -> np.ndarray:
     """J of every run of a batch; infinite where one diverged."""
-    found = costs(batch.time, batch["actual.force"], filtered(batch))
+    found = costs(batch.time, batch["actual.force"], filtered(batch), cost)
     return np.where(np.isfinite(batch.diverged_at), np.inf, found)
 
 
@@ -123,8 +142,8 @@ class Tuned:
     """J on the noise that it was tuned on, N s^2."""
 
 
-def found_anew(loops: Loops, plant: str, name: str, search: int, budget: int = BUDGET) -> Tuned:
-    """One search: the same plant, variant, seed and budget give the same factors."""
+def found_anew(loops: Loops, plant: str, name: str, search: int, budget: int = BUDGET, cost: Cost = COST) -> Tuned:
+    """One search: the same plant, variant, seed, budget and cost give the same factors."""
     from leadscrew.tune.optimisers import OPTIMISERS, Answer, Search
 
     loop = loops.get(variant(name, plant), SCENARIO, machine=plant, sensor=repeated_cell)
@@ -136,35 +155,42 @@ def found_anew(loops: Loops, plant: str, name: str, search: int, budget: int = B
         factors = np.exp(low + (high - low) * points)
         varied = {f"controller.{k}": np.repeat(factors[:, i], len(TUNED_ON)) for i, k in enumerate(FACTORS)}
         varied["sensor.which"] = np.tile(TUNED_ON, len(points))
-        done = loop.batch(HORIZON_S, varied, record=("feedback", "actual.force"))
-        cost = costs_of(done).reshape(-1, len(TUNED_ON)).mean(axis=1)
-        at = int(np.argmin(cost))
-        best = min(best, (float(cost[at]), factors[at]), key=lambda pair: pair[0])
-        return Answer(np.minimum(cost, 1e9)[:, None], np.zeros((len(points), 0)))
+        done = loop.batch(cost.horizon_s, varied, record=RECORDED)
+        found = costs_of(done, cost).reshape(-1, len(TUNED_ON)).mean(axis=1)
+        at = int(np.argmin(found))
+        best = min(best, (float(found[at]), factors[at]), key=lambda pair: pair[0])
+        return Answer(np.minimum(found, 1e9)[:, None], np.zeros((len(points), 0)))
 
     OPTIMISERS["cma"][0](Search(evaluate, np.full(3, 0.5), budget, search))
     s1, s2, s3 = (float(x) for x in best[1])
     return Tuned(plant, name, search, (s1, s2, s3), best[0])
 
 
+def row_of(cells: Mapping[str, str]) -> Tuned:
+    """A search as a file has it."""
+    factors = (float(cells["s1"]), float(cells["s2"]), float(cells["s3"]))
+    return Tuned(cells["plant"], cells["variant"], int(cells["search"]), factors, float(cells["cost"]))
+
+
 @lru_cache(maxsize=1)
 def tuned() -> tuple[Tuned, ...]:
     """What the searches found, as kept."""
     with FILE.open(newline="", encoding="utf-8") as file:
-        return tuple(
-            Tuned(r["plant"], r["variant"], int(r["search"]), (float(r["s1"]), float(r["s2"]), float(r["s3"])),
-                  float(r["cost"]))
-            for r in csv.DictReader(file)
-        )  # fmt: skip
+        return tuple(row_of(cells) for cells in csv.DictReader(file))
 
 
 @dataclass(frozen=True)
 class Judgement:
-    """J of one variant on one plant: ``(searches, noise seeds)``, in N s^2; and its readings of y in the mean."""
+    """J of one variant on one plant, in N s^2."""
 
     held_out: np.ndarray
+    """``(searches, noise seeds)``, on noise that no search has seen."""
     trained: float
-    """Mean over the searches of J on the noise that they were tuned on."""
+    """Mean over the searches of J on the noise that they were tuned on, run again."""
+    kept: float = math.nan
+    """The same as the searches left it."""
+    seen: int = 0
+    """Held-out cuts whose forces are those of a cut that was tuned on, sample by sample."""
 
     @property
     def mean(self) -> float:
@@ -205,18 +231,43 @@ def difference(one: Judgement, other: Judgement) -> Difference:
     return Difference(float(change.mean()), float(ends.low), float(ends.high))
 
 
-def judgement(loops: Loops, rows: tuple[Tuned, ...] | None = None) -> Mapping[tuple[str, str], Judgement]:
-    """Every variant that was tuned, by plant and name, on the held-out noise."""
-    found: dict[tuple[str, str], list[tuple[np.ndarray, float]]] = {}
-    for row in rows or tuned():
-        loop = loops.get(variant(row.name, row.plant), SCENARIO, machine=row.plant)
-        loop = loop.using({f"controller.{k}": v for k, v in zip(FACTORS, row.factors, strict=True)})
-        done = loop.batch(HORIZON_S, runs=len(HELD_OUT), first=HELD_OUT[0], record=("feedback", "actual.force"))
-        found.setdefault((row.plant, row.name), []).append((costs_of(done), row.cost))
+def _cuts(loops: Loops, rows: Sequence[Tuned], noise: Sequence[int], seconds: float) -> list[tuple[Any, slice]]:
+    """Cuts of every row under the same noise: the batch that they are in, and where; one batch a plant and a law."""
+    found: list[tuple[Any, slice]] = [(None, slice(0))] * len(rows)
+    for plant, smiths in sorted({(row.plant, row.name == SMITH) for row in rows}):
+        at = [k for k, row in enumerate(rows) if (row.plant, row.name == SMITH) == (plant, smiths)]
+        blocks = [variant(rows[k].name, plant) for k in at]
+        loop = loops.get(blocks[0], SCENARIO, machine=plant, sensor=repeated_cell)
+        varied = {f"controller.{f}": [rows[k].factors[i] for k in at] for i, f in enumerate(FACTORS)}
+        if not smiths:
+            varied |= {f"controller.{f}": [getattr(b.params, f) for b in blocks] for f in SWITCHES}
+        each = {key: np.repeat(values, len(noise)) for key, values in varied.items()}
+        done = loop.batch(seconds, each | {"sensor.which": np.tile(noise, len(at))}, record=RECORDED)
+        for place, k in enumerate(at):
+            found[k] = done, slice(place * len(noise), (place + 1) * len(noise))
+    return found
+
+
+def judgement(
+    loops: Loops, rows: Sequence[Tuned] | None = None, cost: Cost = COST
+) -> Mapping[tuple[str, str], Judgement]:
+    """Every variant that was tuned, by plant and name, on the held-out noise and on that of the search."""
+    asked = tuned() if rows is None else rows
+    found: dict[tuple[str, str], list[tuple[np.ndarray, float, float, int]]] = {}
+    cuts = _cuts(loops, asked, (*TUNED_ON, *HELD_OUT), cost.horizon_s)
+    priced = {id(done): costs_of(done, cost) for done, _ in cuts}
+    for row, (done, at) in zip(asked, cuts, strict=True):
+        price, force = priced[id(done)][at], done["actual.force"][at]
+        old, new = np.split(price, [len(TUNED_ON)])
+        same = (force[len(TUNED_ON) :, None] == force[None, : len(TUNED_ON)]).all(axis=2).any(axis=1)
+        found.setdefault((row.plant, row.name), []).append((new, float(old.mean()), row.cost, int(same.sum())))
     return {
-        key: Judgement(np.array([c for c, _ in each]), float(np.mean([kept for _, kept in each])))
-        for key, each in found.items()
-    }
+        key: Judgement(
+            np.array([each[0] for each in made]), float(np.mean([each[1] for each in made])),
+            float(np.mean([each[2] for each in made])), sum(each[3] for each in made),
+        )
+        for key, made in found.items()
+    }  # fmt: skip
 
 
 _MADE: WeakKeyDictionary[Loops, Mapping[tuple[str, str], Judgement]] = WeakKeyDictionary()

@@ -25,10 +25,16 @@ STAIR_SEEDS = 10
 FIRST_S = 1.9
 """The entry is over: from here on the stairs are judged."""
 ENTRY, QUIET, STAIRS = "fig6_fixed_depth", "noise_free", "fig9_falling_depth"
+SLOW_ENTRY = "tool_entry"
+"""The edge engages within 0.4 s."""
+OUTINGS = {"air": (0.0, 0.0), "air_then_cut": (0.0, 1.0), "exit": (1.0, -1.0)}
+"""Programmed depth at first and what is added to it after 2 s, mm."""
 RADIAL = {f"controller.{key}": value for key, value in FOLLOWING.items()}
 """The controller believes in the radial servo that is there."""
 
-NAMES = {"tfc": "corrected.tfc_stfc"} | {name.split(".", 1)[1]: name for name in TUNINGS}
+NAMES = {"tfc": "corrected.tfc_stfc", "tfc_n": "corrected.tfc_stfc_n"} | {
+    name.split(".", 1)[1]: name for name in TUNINGS
+}
 """Names in the study by short name."""
 BLOCKS: dict[str, Block] = {short: (GREY_FUZZY | TUNINGS)[name] for short, name in NAMES.items()}
 """By short name."""
@@ -40,6 +46,15 @@ class Entry(NamedTuple):
     reading: Reading
     peak: np.ndarray
     """Percent above the command."""
+
+
+class Outing(NamedTuple):
+    """From 0.1 s before the change of depth on."""
+
+    peak: float
+    """Largest true force, percent above the command; -100 in the air."""
+    output: float
+    """Largest feed voltage."""
 
 
 class Stairs(NamedTuple):
@@ -106,6 +121,19 @@ class Beyond:
         run = loop.batch(3.0, runs=count, record=("feedback", "plant.peak"))
         return Entry(read(filtered(run)), 100.0 * (run["plant.peak"][:, -1] / FORCE_N - 1.0))
 
+    def outing(self, name: str, what: str) -> Outing:
+        """A programme with air in it (:data:`OUTINGS`), without noise and runout; the depth changes at once."""
+        return self._once(("outing", name, what), lambda: self._outing(name, OUTINGS[what]))
+
+    def _outing(self, name: str, depth: tuple[float, float]) -> Outing:
+        loop = self.loops.get(BLOCKS[name], QUIET)
+        programme = {"start": depth[0], "step": depth[1], "every_s": 2.0, "steps": 1}
+        told = {f"{place}.depth.{key}": v for place in ("reference", "plant") for key, v in programme.items()}
+        loop = loop.using({key: value for key, value in told.items() if key in loop.sheet})
+        run = loop.run(4.0, record=["actual.force", "output"])
+        force, output = (run[key][run.time >= FIRST_S] for key in ("actual.force", "output"))
+        return Outing(round(100.0 * (float(force.max()) / FORCE_N - 1.0), 9) + 0.0, float(output.max()))
+
     def stairs(self, name: str, machine: str, variants: Sequence[Mapping[str, float]] = ({},)) -> Cases:
         """The falling staircase under variants of a controller's parameters; each variant names the same ones."""
         key = name, machine, tuple(tuple(v.items()) for v in variants)
@@ -166,21 +194,3 @@ TRIED: tuple[dict[str, float], ...] = (
 BEST, LATE = 2, 0
 WRONG = (4, 5, 6)
 AT_ONCE = ({"preview_s": 0.065},)
-
-
-def table_row(found: Beyond, name: str) -> tuple[str, ...]:
-    """A controller in the table of the guide: entry, stairs, and the 300 draws, on plant F."""
-    entry, drawn, tfc = found.entry(name), found.drawn(name), found.drawn("tfc")
-    if name == "tfc_ff":
-        steps = found.stairs(name, "plant_f_radial", TRIED).of(BEST)
-    else:
-        steps = found.stairs(name, "plant_f_radial").of(0)
-    return (
-        f"{float(np.mean(entry.reading.overshoot)):.2f}", f"{float(np.mean(entry.reading.rise_s)):.3f}",
-        f"{float(entry.peak.mean()):.1f}", f"{steps.worst:.1f} / {steps.true_worst:.1f}", f"{high(drawn):.1f}",
-        f"{int(drawn.bad.sum())}", "" if name == "tfc" else f"{iae_change(drawn, tfc):+.0f}",
-    )  # fmt: skip
-
-
-TABLE = ("tfc", "tfc_ff", "gain_normalised", "inversion", "inversion_cautious", "constant_force")
-"""Rows of that table."""

@@ -19,6 +19,7 @@ from leadscrew.studies.grey_turning.claims_montecarlo import montecarlo_claims
 from leadscrew.studies.grey_turning.claims_plant import plant_claims
 from leadscrew.studies.grey_turning.claims_removal import removal_claims
 from leadscrew.studies.grey_turning.claims_rough import rough_claims
+from leadscrew.studies.grey_turning.claims_scenarios import scenarios_claims
 from leadscrew.studies.grey_turning.results import Results
 
 Topics = list[tuple[str, list[Claim]]]
@@ -36,6 +37,7 @@ def topics(found: Results, progress: Callable[[str, float], None]) -> Topics:
         ("Falling depth of cut: Figures 9 and 10", lambda: falling_claims(loops, found.reproduction)),
         ("Rules and factors roughly chosen: Figure 11", lambda: rough_claims(loops, found.reproduction)),
         ("What the paper has wrong", lambda: errata_claims(loops, found.reproduction)),
+        ("Every scenario", lambda: scenarios_claims(loops)),
         ("The three loops together", lambda: lathe_claims(found.lathe)),
         ("Metal removed", lambda: removal_claims(found.removal)),
         ("Random plants", lambda: montecarlo_claims(loops)),

@@ -10,12 +10,15 @@ import numpy as np
 from leadscrew.grey.predictors import DERIVATIVE, GM_CLAMPED
 from leadscrew.report.claim import Claim
 from leadscrew.studies.grey_turning.readings import read
-from leadscrew.studies.grey_turning.reproduction import QUIET, STAIRS, Case, Reproduction, together, told
+from leadscrew.studies.grey_turning.reproduction import FOLLOWED, QUIET, STAIRS, Case, Reproduction, together, told
 from leadscrew.studies.grey_turning.runs import Loops
 from leadscrew.studies.grey_turning.saying import said, word
 
 SCATTER_N = 8.0
 """Noise of Figure 5, in the digest."""
+
+PAPER_TFC = (2.7, 48.6)
+"""Overshoot of the TFC in 5.1 and in 5.2, %."""
 
 printed = partial(said, group="as printed")
 
@@ -80,21 +83,26 @@ def _derivative(loops: Loops) -> Iterator[Claim]:
     yield printed(
         "derivative_in_the_loop", "equation (11)", "the derivative that the text names, in place of the difference "
         "that (11) is, makes the rise slower", word(slower), "", "yes", f"noise-free, plant F: {listed}. It looks half "
-        "a sample further ahead; the digest has 0.30 -> 0.34 s at factors that it does not name", sense="yes/no",
+        "a sample further ahead; the digest's 0.30 -> 0.34 s come out with SBN on plant N, see closed_*_rise",
+        sense="yes/no",
     )  # fmt: skip
 
 
 def _contradiction(loops: Loops, found: Reproduction) -> Iterator[Claim]:
-    cases = {f"{n}_{p}": Case(n, "tfc", QUIET | c) for n in ("s6", "s9") for p, c in (("fixed", {}), ("falls", STAIRS))}
-    cuts = together(loops, cases, 2.0, 1)
-    apart = max(float(np.abs(cuts[f"{n}_fixed"].y - cuts[f"{n}_falls"].y).max()) for n in ("s6", "s9"))
-    over = {n: float(cuts[f"{n}_falls"].overshoot[0]) for n in ("s6", "s9")}
+    falls = QUIET | STAIRS | FOLLOWED
+    cases = {f"{n}_{p}": Case(n, "tfc", c) for n in ("s6", "s9") for p, c in (("fixed", QUIET), ("falls", falls))}
+    cuts = together(loops, cases, 8.0, 1)
+    over = {name: float(c.overshoot[0]) for name, c in cuts.items()}
+    added = {n: over[f"{n}_falls"] - over[f"{n}_fixed"] for n in ("s6", "s9")}
+    asked = PAPER_TFC[1] - PAPER_TFC[0]
     yield printed(
-        "same_first_2_s", "sections 5.1 and 5.2", "difference of the force in the first 2 s between the programs of "
-        "5.1 and 5.2 with the same factors", apart, "N", 0.0, "both start at 1 mm, 1,200 1/min and 150 N, yet the "
-        f"paper's TFC overshoots by 2.7 and 48.6 %: other factors (here S6 {over['s6']:.1f}, S9 {over['s9']:.1f} %) "
-        "or another start, which it does not tell", paper="2.7 and 48.6 % of overshoot", tolerance=1e-9,
-        verdict="not reproduced" if apart < 1e-9 else "reproduced",
+        "same_first_2_s", "sections 5.1 and 5.2", "what the falling depth of 5.2 adds to the overshoot of 5.1 with the "
+        "same factors, TFC, the larger of S6 and S9, 8 s without noise", max(added.values()), "%", None,
+        "both programs start at 1 mm, 1,200 1/min and 150 N, so the first 2 s are one by construction; the 6 s behind "
+        f"add {added['s6']:+.2f} % to S6's {over['s6_fixed']:.1f} and {added['s9']:+.2f} % to S9's "
+        f"{over['s9_fixed']:.1f} %. The paper's 2.7 and 48.6 % need other factors, or another start, of which it does "
+        "not tell", paper=asked, kind="report",
+        verdict="not reproduced" if max(added.values()) < 0.5 * asked else "reproduced",
     )  # fmt: skip
     s6, tuned = found.fixed["s6_b"], found.fixed["sg_b"]
     own = told(found.fixed["stfc_tfc"].rise_s).mean

@@ -179,24 +179,28 @@ def _steps(found: Reproduction) -> Iterator[Claim]:
         force = found.fall["s9_tfc_at_once"].force.mean(axis=0)
         deepest = 100.0 * float(force[50 * int(t) : 50 * int(t) + 10].min() / 150.0 - 1.0)
         yield corrected(
-            f"falling_ideal_dip_{10 * DEPTHS[i + 1]:.0f}", statement="what the force loses at once when the depth "
-            f"falls to {DEPTHS[i + 1]:g} mm", measured=ideal, unit="%", target=target, tolerance=0.5,
-            basis="arithmetic",
-            reason=f"force goes with depth at a given feed; simulated, with a tool that yields, {deepest:.1f} %",
+            f"falling_ideal_dip_{10 * DEPTHS[i + 1]:.0f}", statement="deepest true force, read every 20 ms, when the "
+            f"depth falls to {DEPTHS[i + 1]:g} mm at once, TFC with S9", measured=deepest, unit="%", target=target,
+            kind="report", reason=f"arithmetic says {ideal:.1f} % for a rigid tool at an unchanged feed, for force "
+            "goes with depth: that is the digest's number and cannot fail; here the tool yields and the feed begins "
+            "to act",
         )  # fmt: skip
     rises = {
-        law: max(
-            (told(found.fall[f"s9_{law}"].extreme(t, t + 2.0, least=False)) for t in CHANGES_S[:3]),
+        name: max(
+            (told(found.fall[name].extreme(t, t + 2.0, least=False)) for t in CHANGES_S[:3]),
             key=lambda v: v.mean,
         )
-        for law in ("tfc", "b")
+        for name in ("s9_tfc", "s9_b", "s6_tfc", "s6_b")
     }
-    worst = max(rises.values(), key=lambda v: v.mean)
+    worst = max((rises["s9_tfc"], rises["s9_b"]), key=lambda v: v.mean)
     yield corrected(
         "falling_no_overshoot", statement="largest overshoot after any change of depth, TFC and GPFC with S9",
-        measured=worst.mean, unit="%", target=2.2, tolerance=worst.tolerance(0.1), sense="<=",
-        reason=f"TFC {rises['tfc'].mean:.2f}, GPFC {rises['b'].mean:.2f} %, of which 1 % is noise: a falling depth "
-        "lowers the force, so the paper's 48.6 % cannot be its effect", paper=48.6,
+        measured=worst.mean, unit="%", target=2.2, sense="<=", kind="report",
+        reason=f"{'above' if worst.mean > 2.2 else 'within'} the digest's 2.2 %, whose seeds it does not "
+        f"name; one seed scatters by {worst.spread:.2f} %; stairs_no_overshoot_* have it without load-cell noise. "
+        f"TFC {rises['s9_tfc'].mean:.2f}, GPFC {rises['s9_b'].mean:.2f} %, with S6 {rises['s6_tfc'].mean:.2f} and "
+        f"{rises['s6_b'].mean:.2f} %, of which 1 % is noise: a "
+        "falling depth lowers the force, so the paper's 48.6 % cannot be its effect", paper=48.6,
         verdict="not reproduced" if worst.mean < 40.0 else "reproduced",
     )  # fmt: skip
 
@@ -208,13 +212,9 @@ def _full_feed(found: Reproduction) -> Iterator[Claim]:
     feed = float(cuts.feed[:, late].mean())
     yield corrected(
         "falling_to_02_force", statement="force at 0.2 mm with the feed at its limit", measured=force, unit="N",
-        target=91.0, tolerance=0.5, reason=f"the feed stands at {feed:.1f} mm/min, the end of the paper's axis; 150 N "
-        "need 287",
-    )  # fmt: skip
-    yield corrected(
-        "falling_to_02_error", statement="lasting error at 0.2 mm", measured=100.0 * (force / 150.0 - 1.0), unit="%",
-        target=-39.0, tolerance=0.5, reason="a fourth change of depth is infeasible within 150 mm/min: '0.2 mm after "
-        "each 2 s' can hold for three changes only",
+        target=91.0, tolerance=0.5, reason=f"the feed stands at {feed:.1f} mm/min, the end of the paper's axis, 150 N "
+        f"need 287: a lasting error of {100.0 * (force / 150.0 - 1.0):.1f} %, so '0.2 mm after each 2 s' can hold for "
+        "three changes only",
     )  # fmt: skip
 
 

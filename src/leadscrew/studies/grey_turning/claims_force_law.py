@@ -72,7 +72,8 @@ def _units() -> Iterator[Claim]:
         "force_with_feed_per_minute", EQUATION, f"force of S45C at 1 mm with the feed of {feed:g} mm/min put into "
         "equation (1) as it stands", wrong / 1000.0, "kN", 35.0, f"150 N are asked for; as feed per revolution "
         f"({feed / RPM:.4f} mm) it gives {right:.1f} N, so f must be per revolution (erratum 6)", tolerance=0.5,
-        group="as printed", basis="arithmetic", paper="f is the feed rate", verdict="not reproduced",
+        group="as printed", basis="arithmetic", paper="f is the feed rate",
+        verdict="not reproduced" if wrong > 10.0 * FORCE_N else "reproduced",
     )  # fmt: skip
     for name, target in (("s45c", 455.0), ("iron", 197.0)):
         found = float(LAWS[name].force(MOST_FEED / RPM, 1.0))
@@ -139,7 +140,8 @@ def _errata(entered: Entries) -> Iterator[Claim]:
     yield said(
         "erratum_9_thinnest_cut", "section 5.2", "force in S45C at 0.2 mm and 150 mm/min, the largest feed",
         float(law.force(MOST_FEED / RPM, 0.2)), "N", 91.0, f"150 N need {least:.0f} mm/min there: a staircase of "
-        "-0.2 mm steps is feasible to 0.4 mm (erratum 9)", tolerance=0.5, basis="arithmetic",
+        "-0.2 mm steps is feasible to 0.4 mm (erratum 9); simulated: falling_to_02_force", basis="arithmetic",
+        kind="report",
     )  # fmt: skip
 
 
@@ -153,9 +155,10 @@ def _fits(series: ForceFit, whole: ForceFit, measured: ForceFit) -> Iterator[Cla
     ours, theirs = _share(whole.law), _share(PUBLISHED)
     yield said(
         "force_fit_error", FACTS, "error of our power law on the eight published cuts, root mean square", ours[0], "%",
-        theirs[0], f"the published law is off by {theirs[0]:.2f} % there; R2 of the force {ours[1]:.4f} and "
-        f"{theirs[1]:.4f}, published R2 {PUBLISHED_R2}, which is of another quantity; left out, a cut is off by "
-        f"{whole.chosen.left_out_rms_percent:.1f} %", sense="<=", basis="arithmetic",
+        theirs[0], f"ours is the least-squares fit of these cuts in the logarithm, so it must do better on them than "
+        f"the published law ({theirs[0]:.2f} %), which is a fit of the first four; R2 of the force {ours[1]:.4f} and "
+        f"{theirs[1]:.4f}, published R2 {PUBLISHED_R2}, which is of another quantity. The fair number: a cut that "
+        f"is left out of the fit is off by {whole.chosen.left_out_rms_percent:.1f} %", sense="<=", basis="arithmetic",
     )  # fmt: skip
     r2 = measured.chosen.r2
     yield said(
@@ -209,7 +212,8 @@ def _entry(entered: Entries) -> Iterator[Claim]:
     )  # fmt: skip
     yield said(
         "entry_time", FACTS, "time from the first force until its mean over a revolution stays within the scatter of "
-        "the level", even.entry_s, "s", ENTRY.entry_s, "the depth grows evenly over 0.4 s, as at a chamfer of 3 mm "
+        "the level", even.entry_s, "s", ENTRY.entry_s, f"at {ENTRY.spindle_rpm:.0f} 1/min, of which the facts say "
+        "'about 1080'; the depth grows evenly over 0.4 s, as at a chamfer of 3 mm "
         f"(assumed); with {100 * AT_ONCE:.0f} % of it at once and the rest over 0.4 s it is {sudden.entry_s:.2f} s, "
         "and that is nearer to the published record, which passes 570 N within 0.1 s", tolerance=0.03,
         basis="fitted to this number",

@@ -62,7 +62,9 @@ def _vectors() -> Iterator[Claim]:
         worst = max(worst, *(abs(float(ours) - theirs) / max(abs(theirs), least) for ours, theirs, least in pairs))
     yield arithmetic(
         "grey_vectors", "(3) to (12), A1", "largest relative deviation of c, u, prediction, shifted one and line",
-        worst, "1", 1e-9, f"{len(known)} windows of the digest's table, of 13 digits, agree to {worst:.1e}", sense="<=",
+        worst, "1", 1e-9, f"{len(known)} windows of the digest's table, of 13 digits, agree to {worst:.1e}; relative "
+        "to at least 0.001 in c, a thousandth of the largest sample in u, prediction and line, 0.15 N in the shifted "
+        "prediction: below that a relative deviation says nothing", sense="<=",
     )  # fmt: skip
     flagged = [bool(fit(v.samples).singular) for v in rows]
     right = [flag == math.isnan(v.c) for flag, v in zip(flagged, rows, strict=True)]

@@ -101,6 +101,7 @@ def _drawn(loops: Loops) -> Iterator[Claim]:
         yield said(f"guard_draws_{name}", SOURCE, f"95th percentile of the time to the hold, {len(late)} spots of 1.3 "
                    "to 3 times the force at random times, noise 0.5 to 5 N, the guard looks every "
                    f"{'20 ms' if name == '20ms' else 'millisecond'}", float(np.nanpercentile(late, 95)), "ms", 40.0,
+                   "to 0 V at the drive, the carriage stops later; "
                    f"median {np.nanmedian(late):.0f} ms, within 40 ms in {int((late <= 40).sum())} of {len(late)}; the "
                    f"longest {np.nanmax(late):.0f} ms" + (f", at {1 + size:.2f} times the force: a small spot leaves "
                    "it at the limit, where noise decides" if np.nanmax(late) > 40 else ""), sense="<=")
@@ -118,21 +119,56 @@ def _cell(loops: Loops) -> Iterator[Claim]:
                float(np.where(found.kept[rows] == 1.0, found.held_ms[rows], np.inf).max()), "ms", 100.0,
                f"{names}; in the entry and in the steady cut", sense="<=")
     yield said("guard_broken_feed", SOURCE, "largest feed after these faults, in parts of full feed",
-               float((found.feed[rows] / full).max()), "1", 0.3, f"{found.feed[rows].max():.1f} mm/min: what the cut "
-               "had", sense="<=")
+               float((found.feed[rows] / full).max()), "1", 0.3, f"{found.feed[rows].max():.1f} mm/min; with reversed "
+               "polarity it rises until the mean is below zero, with the others it is what the cut had", sense="<=")
     yield said("guard_nan", SOURCE, "whether NaN or an infinity in any number of the reading gives feed hold in the "
                "same step and stays out of the state", word(g.nan_holds()), "", "yes", "stepped by hand: a loop of the "
                "kernel stops at NaN. The exported C and LinuxCNC's HAL are tested with it", sense="yes/no")
+    yield said("guard_nan_command", SOURCE, "the same for any number of the command",
+               word(g.nan_holds(command=True)), "", "yes", "the last finite command stands in its place; the cut goes "
+               "on with the next", sense="yes/no")
     dead = g.HELD
     yield said("guard_dead_cell", SOURCE, "largest feed with a load cell that shows noise about zero",
                float(found.feed[dead].max()), "mm/min", 50.0, "no cut and no bridge look the same: the output is "
                f"held to the feed of air, 45 mm/min, and the force to {found.force[dead].max():.0f} N. Without guard "
                "it ends at 150 mm/min", sense="<=")
     unseen = found.feed[dead + 1 :].max(axis=1)
-    told = ", ".join(f"{f.name} {v:.0f}" for f, v in zip(g.FAULTS[dead + 1 :], unseen, strict=True))
-    yield said("guard_not_seen", SOURCE, "largest feed with faults that no check can see", float(unseen.max()),
-               "mm/min", None, f"{told} mm/min: a wrong tare, scale or drift looks like a lighter cut. The "
-               "programmed feed is the limit that is left", kind="report")
+    told = ", ".join(f"{f.name} {feed:.0f} mm/min and {force:.0f} N" + (" (held in the end)" if kept else "")
+                     for f, feed, force, kept in zip(g.FAULTS[dead + 1 :], unseen, found.force[dead + 1 :].max(axis=1),
+                                                     found.kept[dead + 1 :].min(axis=1), strict=True))
+    yield said("guard_not_seen", SOURCE, "largest feed within 60 s of faults that no check sees in time",
+               float(unseen.max()), "mm/min", None, f"{told}: a wrong tare, scale or drift looks like a lighter cut. "
+               "The programmed feed is the only limit that is left", kind="report")
+    yield from _frozen(loops)
+
+
+def _frozen(loops: Loops) -> Iterator[Claim]:
+    found, free = g.frozen(loops), g.frozen(loops, 20.0, {"controller.cell.rise": 0.0})
+    at = np.array(g.FROZEN_AT)
+    known, below = np.abs(at - 1.0) > 0.005, at < 0.999
+    rows = known
+    noise = f"noise of {min(g.FROZEN_NOISE):g} to {max(g.FROZEN_NOISE):g} N"
+    late = found.held_s[rows & below]
+    yield said("guard_frozen", SOURCE, f"share of cells that freeze at {at.min():g} to 0.99 of the set-point, under "
+               f"{noise}, in the entry or in the steady cut, and are held", float(np.isfinite(late).mean()), "1", 1.0,
+               f"of {late.size}; after {np.nanmin(late):.1f} to {np.nanmax(late):.1f} s: the force does not answer the "
+               f"feed. Without this check {100 * float(np.isfinite(free.held_s[rows & below]).mean()):.0f} % are held",
+               tolerance=0.0)
+    feed = found.feed[rows].max(axis=1)
+    yield said("guard_frozen_feed", SOURCE, f"largest feed of a cell that freezes at {at.min():g} to {at.max():g} of "
+               "the set-point, " + noise + ", in parts of full feed", float(feed.max() / 150.0), "1", 0.98,
+               ", ".join(f"{f:.0f} mm/min at {x:g}" for x, f in zip(at[rows], feed, strict=True)) +
+               f"; without this check {free.feed[rows].max():.0f}. Above the set-point the loop itself takes the feed "
+               "away", sense="<=")
+    same = ~known
+    yield said("guard_frozen_at_set_point", SOURCE, "largest feed within 60 s of a cell that freezes at the set-point "
+               "itself, " + noise, float(found.feed[same].max()), "mm/min", None, "the loop has nothing to correct, "
+               "and the feed stays about where it was, which no check on the feed can find. The cut "
+               "then runs without force control", kind="report")
+    hits, cuts = g.doubted(loops)
+    yield said("guard_doubted", SOURCE, "sound cuts that this check holds: draws of the Monte Carlo on plants F and N, "
+               "depth fixed, falling and rising by a fifth every 2 s, six sets of factors", float(hits), "1", 0.0,
+               f"of {cuts}", tolerance=0.0)
 
 
 def _nothing(loops: Loops) -> Iterator[Claim]:

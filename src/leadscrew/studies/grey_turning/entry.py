@@ -1,10 +1,11 @@
 """A tool that enters the cut at a constant feed, read at 10 kHz: the published cut at 0.416 mm/rev, simulated.
 
-The carriage is at speed when the edge touches. Chip build-up alone takes one revolution, 0.056 s at 1080 1/min; the
-published entry of 0.4 s are 7.2 revolutions and 3 mm of feed. What made it so long is not published, so the depth is
-made to grow in one of two ways: evenly from 0 (a chamfer of 3 mm), or at once to a share and evenly from there (a face
-that is nearly square). The scatter is white noise of the reading beside the plant's runout: the reading alone, in the
-air, scatters by less than 1 N in the published record, so most of it comes from the cut and is not white there.
+The carriage is at speed when the edge touches. Chip build-up alone takes one revolution, 0.056 s at 1080 1/min ("about
+1080" in the facts: the revolution and the feed in mm/min are known no better than that); the published entry of 0.4 s
+are 7.2 revolutions and 3 mm of feed. What made it so long is not published, so the depth is made to grow in one of two
+ways: evenly from 0 (a chamfer of 3 mm), or at once to a share and evenly from there (a face that is nearly square). The
+scatter is white noise of the reading beside the plant's runout: the reading alone, in the air, scatters by less than 1
+N in the published record, so most of it comes from the cut and is not white there.
 """
 
 from __future__ import annotations

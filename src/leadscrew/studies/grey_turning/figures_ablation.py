@@ -50,7 +50,8 @@ def _bars(loops: Loops) -> Figure:
         digest = [HELD[plant].get(name, np.nan) for name in WORDS]
         axes.plot(at, digest, linestyle="", marker="x", color=BLACK, label="digest" if k == 0 else None)
     axes.axhline(0.0, color=BLACK, linewidth=0.8)
-    words = ("GPFC-B", "line of 4", "line of 2", "GM, 2 ahead", "DGM(1,1)", "GPFC-A", "Smith")
+    words = ("GPFC-B", "line of 4", "line of 2", "GM,\n2 ahead", "DGM(1,1)", "GPFC-A", "Smith", "exponential\ncorr.",
+             "GM of\nresiduals", "Verhulst")  # fmt: skip
     axes.set_xticks(places, words)
     axes.set_ylabel("change of J against TFC (%)")
     axes.grid(axis="y", alpha=0.3)

@@ -25,8 +25,9 @@ def guard_pictures(loops: Loops) -> list[Picture]:
                 "guard, and a guard that looks at the raw force every 20 ms or every millisecond. Above, the true "
                 "force with the raw readings that the guard of 20 ms sees, at its slowest of twenty phases; below, "
                 "voltage and feed. Shaded: that guard holds the feed.", partial(hard_spot_picture, loops)),
-        Picture("guard_latency", "From the raw force's crossing of 180 N to the hold, for spots of 1.3 to 3 times the "
-                "force at random times in noise of 0.5 to 5 N; right, the peak that is left.", partial(latency, loops)),
+        Picture("guard_latency", "From the raw force's crossing of 180 N to the hold, 0 V at the drive, for spots of "
+                "1.3 to 3 times the force at random times in noise of 0.5 to 5 N; right, the peak that is left.",
+                partial(latency, loops)),
         Picture("guard_broken_cell", "A load cell that breaks at 1.5 s in a steady cut, under guard: what it shows, "
                 "and the feed. Dashed: without guard, the same fault.", partial(broken_cell, loops)),
     ]  # fmt: skip

@@ -9,6 +9,7 @@ import numpy as np
 
 from leadscrew.controllers.grey_fuzzy.tunings import FACTORS, TUNINGS
 from leadscrew.controllers.guard import HOLDING, RUNNING, Clock, force_guard
+from leadscrew.controllers.guard.watching import UNANSWERED
 from leadscrew.disturbances.hard_spot import hard_spot
 from leadscrew.grey.gm11 import ahead, fit
 from leadscrew.grey.window import Window
@@ -16,6 +17,7 @@ from leadscrew.references.cutting_program import CutCommand
 from leadscrew.sensors.faulty_load_cell import KINDS, faulty_load_cell
 from leadscrew.sensors.load_cell import CutReading
 from leadscrew.studies.grey_turning.machines import PERIOD_S, SLOW
+from leadscrew.studies.grey_turning.montecarlo import draws
 from leadscrew.studies.grey_turning.runs import Loops, build
 from leadscrew.studies.grey_turning.scenarios import SCENARIOS
 
@@ -35,9 +37,12 @@ QUIET, QUIET_S = 4, 24.0
 
 OFF: dict[str, float] = {
     "controller.levels.hold_n": 1e7, "controller.levels.reduce_n": 1e6, "controller.cell.range_n": 1e7,
-    "controller.cell.still_s": 0.0, "controller.air.air_v": 1e7,
+    "controller.cell.still_s": 0.0, "controller.cell.rise": 0.0, "controller.cell.below_n": 1e7,
+    "controller.air.air_v": 1e7,
 }  # fmt: skip
 """No guard: levels that nothing reaches."""
+LEVELS_OFF = {key: value for key, value in OFF.items() if "levels" in key or "range" in key}
+"""Checks of the load cell alone."""
 
 
 class Case(NamedTuple):
@@ -196,11 +201,13 @@ class Fault(NamedTuple):
 FAULTS = (
     Fault("constant", "constant", 0.0), Fault("saturated above", "saturated", 1000.0),
     Fault("saturated below", "saturated", -1000.0), Fault("error code", "error code", 8388607.0),
-    Fault("jump of 400 N", "jump", 400.0), Fault("dead", "dead", 0.0), Fault("jump of -120 N", "jump", -120.0),
-    Fault("half the scale", "wrong scale", 0.5), Fault("drift of -20 N/s", "drift", -20.0),
+    Fault("jump of 400 N", "jump", 400.0), Fault("reversed polarity", "wrong scale", -1.0), Fault("dead", "dead", 0.0),
+    Fault("jump of -120 N", "jump", -120.0), Fault("half the scale", "wrong scale", 0.5),
+    Fault("0.3 of the scale", "wrong scale", 0.3), Fault("drift of -20 N/s", "drift", -20.0),
+    Fault("drift of -2 N/s", "drift", -2.0),
 )  # fmt: skip
-"""The first five are to hold the feed, a dead one to get the feed of air at most, the rest cannot be seen."""
-HELD, BROKEN_S = 5, (0.1, 1.5)
+"""The first six are to hold the feed, a dead one to get the feed of air at most, the rest is not seen in time."""
+HELD, BROKEN_S = 6, (0.1, 1.5)
 
 
 class Broken(NamedTuple):
@@ -211,12 +218,16 @@ class Broken(NamedTuple):
     feed: np.ndarray
     """Largest feed after it, mm/min."""
     kept: np.ndarray
-    """Whether the feed stays held to the end."""
+    """Whether the feed is held at the end."""
     force: np.ndarray
     """Largest true force after it, N."""
+    end_feed: np.ndarray
+    """Mean feed of the last second, mm/min."""
+    end_force: np.ndarray
+    """Mean true force of the last second, N."""
 
 
-def broken(loops: Loops, seconds: float = 6.0) -> Broken:
+def broken(loops: Loops, seconds: float = 60.0) -> Broken:
     """The guarded loop of 20 ms with every fault, in the entry and in the steady cut."""
     scenario = SCENARIOS["fig6_fixed_depth"]
     loop = loops.adopt(build(SLOW_GUARD, scenario, sensor=faulty_load_cell, metrics={}))
@@ -227,28 +238,89 @@ def broken(loops: Loops, seconds: float = 6.0) -> Broken:
         "sensor.from_s": np.tile(BROKEN_S, count),
     }
     run = loop.batch(seconds, changes, record=("actual.feed", "actual.force", "output", "controller.guard.mode"))
-    held_ms, feed, kept, force = (np.full((count, 2), math.nan) for _ in range(4))
+    held_ms, feed, kept, force, end_feed, end_force = (np.full((count, 2), math.nan) for _ in range(6))
     for k in range(2 * count):
         at = round(float(changes["sensor.from_s"][k]) / PERIOD_S)
         mode = run["controller.guard.mode"][k, at:]
         place = divmod(k, 2)
         held = bool((mode >= HOLDING).any())
         held_ms[place] = 1e3 * PERIOD_S * int(np.argmax(mode >= HOLDING)) if held else math.nan
-        kept[place] = float(held and (mode[int(np.argmax(mode >= HOLDING)) :] >= HOLDING).all())
+        kept[place] = float(mode[-1] >= HOLDING)
         feed[place], force[place] = run["actual.feed"][k, at:].max(), run["actual.force"][k, at:].max()
-    return Broken(held_ms, feed, kept, force)
+        end_feed[place], end_force[place] = run["actual.feed"][k, -50:].mean(), run["actual.force"][k, -50:].mean()
+    return Broken(held_ms, feed, kept, force, end_feed, end_force)
 
 
-def nan_holds() -> bool:
-    """Whether a NaN or an infinity in any field of the reading gives output 0 in the same step, and a finite state."""
+FROZEN_AT = (0.2, 0.5, 0.7, 0.9, 0.95, 0.99, 1.0, 1.1, 1.3)
+"""Levels that a cell freezes at, in parts of the set-point."""
+FROZEN_NOISE = (0.2, 0.5, 1.0, 2.0)
+
+
+class Frozen(NamedTuple):
+    """Rows by level, columns by noise and then by moment; 60 s after it."""
+
+    held_s: np.ndarray
+    """From the fault to the hold; NaN without."""
+    feed: np.ndarray
+    """Largest feed after it, mm/min."""
+    end_feed: np.ndarray
+    """Mean feed of the last second, mm/min."""
+
+
+def frozen(loops: Loops, seconds: float = 60.0, changes: dict[str, Any] | None = None) -> Frozen:
+    """The guarded loop of 20 ms, its cell standing at a level under noise, from the entry or the steady cut on."""
+    loop = loops.adopt(build(SLOW_GUARD, SCENARIOS["fig6_fixed_depth"], sensor=faulty_load_cell, metrics={}))
+    shape = len(FROZEN_AT), len(FROZEN_NOISE) * 2
+    level, noise, from_s = (v.ravel() for v in np.meshgrid(FROZEN_AT, FROZEN_NOISE, BROKEN_S, indexing="ij"))
+    rows = {"sensor.fault": np.full(level.size, KINDS["frozen"]), "sensor.size_n": FORCE_N * level,
+            "sensor.lathe.noise_n": noise, "sensor.from_s": from_s}  # fmt: skip
+    run = loop.using(changes or {}).batch(seconds, rows, record=("actual.feed", "controller.guard.mode"))
+    after = run.time >= from_s[:, None] - 0.5 * PERIOD_S
+    held = (run["controller.guard.mode"] >= HOLDING) & after
+    late = np.where(held.any(axis=1), run.time[held.argmax(axis=1)] - from_s, math.nan)
+    feed = np.where(after, run["actual.feed"], 0.0).max(axis=1)
+    return Frozen(late.reshape(shape), feed.reshape(shape), run["actual.feed"][:, -50:].mean(axis=1).reshape(shape))
+
+
+SOUND = {"plant_f": ("stfc", "s6", "sg"), "plant_n": ("sbn", "s6n", "sg")}
+"""Factors of the sound cuts of the Monte Carlo."""
+SOUND_STEPS = (0.0, -0.2, 0.2)
+"""The depth's change every 2 s, in parts of the drawn one: fixed, falling, rising."""
+
+
+def doubted(loops: Loops, count: int = 10) -> tuple[int, int]:
+    """Cuts with a sound cell in which the check of the answer holds the feed, of how many: draws of the Monte Carlo."""
+    hits = total = 0
+    for plant, names in SOUND.items():
+        varied = draws(plant, count)
+        loop = loops.adopt(build(SLOW_GUARD, SCENARIOS["fig6_fixed_depth"], machine=plant, metrics={}))
+        for name, step in ((n, s) for n in names for s in SOUND_STEPS):
+            sizes, start = FACTORS[name], varied["plant.depth.start"]
+            own = {"controller.inner.error_scale": sizes.error, "controller.inner.change_scale": sizes.change,
+                   "controller.inner.output_scale": sizes.output, "plant.depth.every_s": 2.0,
+                   "plant.depth.steps": 3 if step else 0, "controller.cell.jump_n": 1e7} | LEVELS_OFF  # fmt: skip
+            run = loop.using(own).batch(
+                8.0 if step else 3.0,
+                varied | {"plant.depth.step": step * start, "reference.depth.start": start},
+                record=("controller.guard.cause",),
+            )
+            hits += int((run["controller.guard.cause"] == UNANSWERED).any(axis=1).sum())
+            total += count
+    return hits, total
+
+
+def nan_holds(command: bool = False) -> bool:
+    """Whether NaN or infinity in any field of reading (or command) gives output 0 in that step, and a finite state."""
     params = SLOW_GUARD.prepare(SLOW_GUARD.params, PERIOD_S) if SLOW_GUARD.prepare else SLOW_GUARD.params
-    command, sound = CutCommand(FORCE_N, 1.0, 1.0), CutReading(FORCE_N, FORCE_N, 1.0, 20.0)
-    begun = SLOW_GUARD.align(params, command, sound, 0.24) if SLOW_GUARD.align else SLOW_GUARD.state
+    asked, sound = CutCommand(FORCE_N, 1.0, 1.0), CutReading(FORCE_N, FORCE_N, 1.0, 20.0)
+    begun = SLOW_GUARD.align(params, asked, sound, 0.24) if SLOW_GUARD.align else SLOW_GUARD.state
     good = []
-    for field in CutReading._fields:
+    for field in (CutCommand if command else CutReading)._fields:
         for bad in (math.nan, math.inf, -math.inf):
-            state, output = SLOW_GUARD.step(params, begun, command, sound, PERIOD_S)
-            after, held = SLOW_GUARD.step(params, state, command, sound._replace(**{field: bad}), PERIOD_S)
+            state, output = SLOW_GUARD.step(params, begun, asked, sound, PERIOD_S)
+            told = asked._replace(**{field: bad}) if command else asked
+            shown = sound if command else sound._replace(**{field: bad})
+            after, held = SLOW_GUARD.step(params, state, told, shown, PERIOD_S)
             good.append(output > 0.2 and held == 0.0 and all(math.isfinite(x) for x in _numbers(after)))
     return all(good)
 
