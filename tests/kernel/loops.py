@@ -5,6 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from leadscrew import catalogue
+from leadscrew.actuators.dac import lathe_dac
 from leadscrew.actuators.saturation import saturation
 from leadscrew.controllers.sliding.continuous import seen_in_mm
 from leadscrew.kernel.block import Block, controller
@@ -12,9 +13,12 @@ from leadscrew.kernel.errors import LeadscrewError
 from leadscrew.kernel.loop import Loop
 from leadscrew.plants.ballscrew_stage import ballscrew_stage
 from leadscrew.plants.turning import turning
-from leadscrew.references.cutting_program import cutting_program
+from leadscrew.plants.turning_lathe import turning_lathe
+from leadscrew.references.cutting_program import cutting_force, cutting_program
+from leadscrew.references.lathe_program import LatheDrive, lathe_program
 from leadscrew.references.sine import sine, sine_motion
-from leadscrew.sensors.load_cell import lathe_reading
+from leadscrew.sensors.lathe_sensors import lathe_sensors
+from leadscrew.sensors.load_cell import lathe_reading, load_cell
 from tests.kernel import zoo
 
 
@@ -42,11 +46,22 @@ def follows_cut(p, command, feedback):
     return 0.003 * p.gain * (command.force - feedback.force)
 
 
+@controller(GainParams())
+def drives_lathe(p, command, feedback):
+    feed = 0.003 * p.gain * (command.force - feedback.force)
+    return LatheDrive(8.0 + 0.001 * (command.rpm - feedback.rpm), feed, 3.0 * (command.depth - feedback.depth))
+
+
 PERIOD = 1e-3
 COMMANDS = (sine(amplitude=3.0, frequency=0.7), sine_motion(amplitude=3.0, frequency=0.7))
 CONTROLLERS = (zoo.pid(kp=0.8), follows_motion, follows_position, follows_force)
 CUT = {"reference": cutting_program, "controller": follows_cut, "plant": turning, "sensor": lathe_reading}
 """A lathe in the cut, for blocks on its signals."""
+LATHE = {
+    "reference": lathe_program, "controller": drives_lathe, "plant": turning_lathe, "sensor": lathe_sensors,
+    "actuator": lathe_dac,
+}  # fmt: skip
+"""The whole lathe."""
 
 
 def _candidates(block: Block):
@@ -64,10 +79,13 @@ def _candidates(block: Block):
         for command in COMMANDS:
             yield {"reference": command, "controller": block, "plant": zoo.mass, **rest}
         yield {**CUT, "controller": block, **rest}
+        cut = {"reference": cutting_force, "plant": turning, "sensor": load_cell, "metrics": {}}
+        yield {**cut, "controller": block, "period": 0.02, "substeps": 20}
     elif block.kind == "plant":
         for c in CONTROLLERS:
             for method in ("rk4", "sdirk3"):
                 yield {"reference": COMMANDS[0], "controller": c, "plant": block, "method": method, **rest}
+        yield {**rest, **LATHE, "plant": block}
     elif block.kind == "metric":
         yield {
             "reference": COMMANDS[0],
@@ -84,6 +102,7 @@ def _candidates(block: Block):
             yield {**plain, "plant": plant, block.kind: block}
         for c in CONTROLLERS:
             yield {**plain, "plant": turning, "controller": c, block.kind: block}
+        yield {**rest, **LATHE, block.kind: block}
 
 
 def around(name: str) -> Loop:
