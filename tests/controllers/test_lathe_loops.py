@@ -28,6 +28,7 @@ def alone(block, command, feedback):
     return out
 
 
+@pytest.mark.slow
 def test_each_loop_gives_what_its_controller_gives_alone():
     run = lathe().run(3.0)
     for axis, signal, name in (("spindle", "rpm", "ours.spindle_gpfc"), ("feed", "force", "corrected.gpfc_b_s9"),

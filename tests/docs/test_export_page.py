@@ -15,6 +15,9 @@ from tests.tools import missing, needed
 PAGE = ROOT / "docs" / "export.md"
 
 
+pytestmark = pytest.mark.slow
+
+
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
     """A folder in which every command of the page was typed."""

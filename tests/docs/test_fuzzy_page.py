@@ -15,6 +15,9 @@ PAGE = ROOT / "docs" / "fuzzy.md"
 EXAMPLES = ROOT / "examples"
 
 
+pytestmark = pytest.mark.slow
+
+
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
     """A folder in which the Python of the page ran, and then every command was typed."""

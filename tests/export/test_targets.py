@@ -31,7 +31,10 @@ def test_everything_that_runs_an_export_gives_the_bits_of_the_simulation(row, ta
     assert sum("clang" not in v.target for v in judged) == JUDGES[target] - in_single
 
 
-@pytest.mark.parametrize("row", ROWS)
+RECORDED = [pytest.param(row, marks=() if ROWS[row].quick else pytest.mark.slow) for row in ROWS]
+
+
+@pytest.mark.parametrize("row", RECORDED)
 def test_the_recorded_run_asks_something_of_the_controller(row):
     core, record = exported(row)
     assert len(record.outputs) >= 300
