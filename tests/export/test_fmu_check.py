@@ -26,7 +26,7 @@ def verdicts(folder, of):
 
 
 @VERSIONS
-@pytest.mark.parametrize("real", ["double", "float"])
+@pytest.mark.parametrize("real", ["double", pytest.param("float", marks=pytest.mark.slow)])
 def test_both_importers_give_the_golden_bits(version, real, tmp_path):
     importers()
     of = core(real)

@@ -30,6 +30,7 @@ def test_one_thread_and_two_give_the_same_bits():
         assert len(np.unique(one.metrics[j.where[0]]["rms_error"])) > runs / 2
 
 
+@pytest.mark.slow
 def test_a_killed_worker_loses_nothing(tmp_path):
     needed("distributed", "cluster")
     j, runs = lathe(2.0), 15_000
@@ -89,6 +90,7 @@ def test_something_else_at_the_address_is_no_scheduler(monkeypatch):
             pass
 
 
+@pytest.mark.slow
 def test_a_scheduler_without_workers_is_said(tmp_path, monkeypatch):
     needed("distributed", "cluster")
     with dask(tmp_path, 0) as (address, _):
@@ -122,6 +124,7 @@ def test_a_scheduler_that_dies_is_said_and_not_waited_for(tmp_path):
     assert time.monotonic() - began < 40.0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("stopped", "words"), [("scheduler", "is gone"), ("worker", "has lost all of its workers")])
 def test_a_silent_cluster_is_not_waited_for(tmp_path, monkeypatch, stopped, words):
     needed("distributed", "cluster")
@@ -152,6 +155,7 @@ with crew("local:2") as workers:
 """
 
 
+@pytest.mark.slow
 def test_a_script_without_a_main_guard_may_take_workers_of_this_machine(tmp_path):
     needed("distributed", "cluster")
     (tmp_path / "script.py").write_text(SCRIPT.replace("DIE", ""))
@@ -160,6 +164,7 @@ def test_a_script_without_a_main_guard_may_take_workers_of_this_machine(tmp_path
     assert (done.returncode, done.stdout, done.stderr) == (0, "once\n100 runs\n", "")
 
 
+@pytest.mark.slow
 def test_workers_of_this_machine_leave_when_their_script_is_killed(tmp_path):
     needed("distributed", "cluster")
     killed = "import os; print(workers.client.cluster.scheduler_address, flush=True); os.kill(os.getpid(), 9)"
