@@ -8,15 +8,19 @@ from leadscrew import catalogue
 from leadscrew.actuators.dac import lathe_dac
 from leadscrew.actuators.saturation import saturation
 from leadscrew.controllers.sliding.continuous import seen_in_mm
+from leadscrew.disturbances.cut_load import cut_load
 from leadscrew.kernel.block import Block, controller
 from leadscrew.kernel.errors import LeadscrewError
 from leadscrew.kernel.loop import Loop
 from leadscrew.plants.ballscrew_stage import ballscrew_stage
+from leadscrew.plants.flexible_cut import flexible_cut
 from leadscrew.plants.turning import turning
 from leadscrew.plants.turning_lathe import turning_lathe
+from leadscrew.references.cut_line import along, cut_line
 from leadscrew.references.cutting_program import cutting_force, cutting_program
 from leadscrew.references.lathe_program import LatheDrive, lathe_program
 from leadscrew.references.sine import sine, sine_motion
+from leadscrew.sensors.cut_camera import cut_reading
 from leadscrew.sensors.lathe_sensors import lathe_sensors
 from leadscrew.sensors.load_cell import lathe_reading, load_cell
 from tests.kernel import zoo
@@ -52,6 +56,11 @@ def drives_lathe(p, command, feedback):
     return LatheDrive(8.0 + 0.001 * (command.rpm - feedback.rpm), feed, 3.0 * (command.depth - feedback.depth))
 
 
+@controller(GainParams())
+def turns_blade(p, command, feedback):
+    return 20.0 * p.gain * command.curvature_ahead - 0.1 * p.gain * (feedback.deviation - command.deviation)
+
+
 PERIOD = 1e-3
 COMMANDS = (sine(amplitude=3.0, frequency=0.7), sine_motion(amplitude=3.0, frequency=0.7))
 CONTROLLERS = (zoo.pid(kp=0.8), follows_motion, follows_position, follows_force)
@@ -62,6 +71,13 @@ LATHE = {
     "actuator": lathe_dac,
 }  # fmt: skip
 """The whole lathe."""
+WAY = np.linspace(0.0, 100.0, 500)
+CURVED = 90.0 * np.sin(WAY / 15.0), np.radians(6.0 * np.cos(WAY / 15.0))
+KNIFE = {
+    "reference": along(cut_line, *CURVED), "controller": turns_blade, "plant": flexible_cut, "sensor": cut_reading,
+    "disturbance": along(cut_load, *CURVED),
+}  # fmt: skip
+"""A tangential knife on a curved line."""
 
 
 def _candidates(block: Block):
@@ -71,6 +87,7 @@ def _candidates(block: Block):
         for c in CONTROLLERS:
             yield {"reference": block, "controller": c, "plant": zoo.mass, **rest}
         yield {**CUT, "reference": block, **rest}
+        yield {**KNIFE, "reference": block, **rest}
     elif block.kind == "controller" and block.continuous:
         stage = seen_in_mm(ballscrew_stage)
         parts = {"reference": COMMANDS[1], "controller": block, "plant": stage, "metrics": {}}
@@ -79,6 +96,7 @@ def _candidates(block: Block):
         for command in COMMANDS:
             yield {"reference": command, "controller": block, "plant": zoo.mass, **rest}
         yield {**CUT, "controller": block, **rest}
+        yield {**KNIFE, "controller": block, **rest, "period": 0.01}
         cut = {"reference": cutting_force, "plant": turning, "sensor": load_cell, "metrics": {}}
         yield {**cut, "controller": block, "period": 0.02, "substeps": 20}
     elif block.kind == "plant":
@@ -86,6 +104,7 @@ def _candidates(block: Block):
             for method in ("rk4", "sdirk3"):
                 yield {"reference": COMMANDS[0], "controller": c, "plant": block, "method": method, **rest}
         yield {**rest, **LATHE, "plant": block}
+        yield {**rest, **KNIFE, "plant": block}
     elif block.kind == "metric":
         yield {
             "reference": COMMANDS[0],
@@ -103,6 +122,8 @@ def _candidates(block: Block):
         for c in CONTROLLERS:
             yield {**plain, "plant": turning, "controller": c, block.kind: block}
         yield {**rest, **LATHE, block.kind: block}
+        yield {**rest, **KNIFE, block.kind: block}
+        yield {**rest, **KNIFE, "controller": CONTROLLERS[0], "reference": COMMANDS[0], block.kind: block}
 
 
 def around(name: str) -> Loop:
