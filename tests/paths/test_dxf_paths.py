@@ -1,0 +1,218 @@
+"""DXF drawings, written here with ezdxf, against geometry by hand and ezdxf's flattening as a second opinion."""
+
+import math
+
+import numpy as np
+import pytest
+
+from leadscrew.kernel.errors import DataError, NameUnknown
+from leadscrew.paths.dxf import bulged
+from leadscrew.paths.read import read_drawing
+from leadscrew.paths.segments import Arc, EllipseArc, Spline
+
+ezdxf = pytest.importorskip("ezdxf")
+DOWN = {"extrusion": (0, 0, -1)}
+
+
+@pytest.fixture
+def drawn(tmp_path):
+    """Saves what a function draws and reads it."""
+
+    def make(draw, units=4, **options):
+        document = ezdxf.new()
+        document.units = units
+        draw(document.modelspace())
+        file = tmp_path / "drawing.dxf"
+        document.saveas(file)
+        return read_drawing(file, **options)
+
+    return make
+
+
+def block(space):
+    b = space.doc.blocks.new("B")
+    b.add_circle((1, 1), 2)
+    b.add_arc((5, 5), 2, 0, 90)
+    b.add_lwpolyline([(0, 0, 0.5), (3, 0, 0), (3, 3, 0)], format="xyb")
+    inner = space.doc.blocks.new("INNER")
+    inner.add_line((0, 0), (4, 0))
+    b.add_blockref("INNER", (9, 0), dxfattribs={"rotation": 90})
+
+
+ENTITIES = {
+    "line": lambda m: m.add_line((0, 0, 3), (10, 5, 3)),
+    "circle": lambda m: m.add_circle((50, 0), 7),
+    "arc": lambda m: m.add_arc((10, 5), 5, -80, 95),
+    "arc from below": lambda m: m.add_arc((0, 50), 5, 10, 100, dxfattribs=DOWN),
+    "ellipse": lambda m: m.add_ellipse((80, 0), (10, 5), 0.4, 0.3, 4),
+    "ellipse from below": lambda m: m.add_ellipse((80, 0), (10, 5), 0.4, 0.3, 4, dxfattribs=DOWN),
+    "round ellipse": lambda m: m.add_ellipse((80, 50), (10, 0), 1),
+    "polyline with bulges": lambda m: m.add_lwpolyline(
+        [(0, 100, 1), (10, 100, 0), (10, 120, -0.3)], format="xyb", close=True
+    ),
+    "polyline from below": lambda m: m.add_lwpolyline([(0, 0, 0.5), (9, 0, 2)], format="xyb", dxfattribs=DOWN),
+    "old polyline": lambda m: m.add_polyline2d([(0, 300, 0.5), (10, 300, 0), (12, 310, 0)], format="xyb"),
+    "fit points": lambda m: m.add_spline([(100, 100), (120, 130), (150, 100), (170, 120)]),
+    "control points": lambda m: m.add_open_spline([(100, 200), (120, 230), (150, 200), (170, 220), (200, 200)]),
+    "weights": lambda m: m.add_rational_spline(
+        [(100, 300), (120, 330), (150, 300), (170, 320), (200, 300)], [1, 2, 3, 1, 1]
+    ),
+    "block": lambda m: (block(m), m.add_blockref("B", (30, 20), dxfattribs={"rotation": 30})),
+    "block stretched": lambda m: (
+        block(m),
+        m.add_blockref("B", (30, 20), dxfattribs={"xscale": 2, "yscale": 0.7, "rotation": 30}),
+    ),
+    "block mirrored": lambda m: (
+        block(m),
+        m.add_blockref("B", (30, 20), dxfattribs={"xscale": -2, "yscale": 2, "rotation": -70}),
+    ),
+    "block from below": lambda m: (block(m), m.add_blockref("B", (30, 20), dxfattribs=DOWN)),
+}
+
+
+def flattened(entities):
+    """Points of ezdxf's own polylines, nearly exact."""
+    from ezdxf.path import make_path
+
+    for entity in entities:
+        if entity.dxftype() == "INSERT":
+            yield from flattened(entity.virtual_entities())
+        elif entity.dxftype() == "SPLINE":
+            # Its path would be an approximation by cubics.
+            yield np.array([(v.x, v.y) for v in entity.construction_tool().approximate(4000)])
+        else:
+            yield np.array([(v.x, v.y) for v in make_path(entity).flattening(1e-5, 32)])
+
+
+@pytest.mark.parametrize("name", ENTITIES)
+def test_every_entity_runs_where_ezdxf_draws_it(drawn, name):
+    kept = []
+    drawing = drawn(lambda m: kept.append((ENTITIES[name](m), m)))
+    theirs = list(flattened(kept[0][1]))
+    length = sum(np.hypot(*np.diff(rows, axis=0).T).sum() for rows in theirs)
+    # ezdxf draws arcs as cubic curves, which are longer by up to 1e-4.
+    assert drawing.length == pytest.approx(length, rel=2e-4)
+    ours = np.concatenate([np.column_stack(p.at(np.linspace(0, p.length, 3000))[:2]) for p in drawing.paths])
+    from scipy.spatial import cKDTree
+
+    far, _ = cKDTree(ours).query(np.concatenate(theirs))
+    assert far.max() < drawing.length / 3000 + 1e-3
+
+
+def test_the_kinds_stay_what_they_are(drawn):
+    kinds = {
+        name: type(drawn(ENTITIES[name]).paths[0].segments[0])
+        for name in ("arc", "ellipse", "round ellipse", "weights")
+    }
+    assert kinds == {"arc": Arc, "ellipse": EllipseArc, "round ellipse": Arc, "weights": Spline}
+
+
+def test_bulges_by_hand():
+    half, quarter = bulged([(0, 0, 1), (10, 0, -math.tan(math.pi / 8)), (10, 10, 0)], closed=False)
+    # A bulge of 1 is half a turn to the left of the way: below the chord; -tan(22.5 deg) a quarter to the right.
+    assert half.at(half.length / 2).y == pytest.approx(-5) and half.sweep == pytest.approx(math.pi)
+    assert quarter.sweep == pytest.approx(-math.pi / 2) and quarter.radius == pytest.approx(math.sqrt(50))
+    assert quarter.centre == pytest.approx((15, 5))
+    assert quarter.end == pytest.approx((10, 10))
+
+
+def test_a_closed_spline_has_no_corner_at_its_joint(drawn):
+    points = [(0, 0, 0), (20, 30, 0), (50, 0, 0), (70, 20, 0), (40, -40, 0)]
+    (path,) = drawn(lambda m: m.add_spline().set_closed(points)).paths
+    assert path.closed and path.corners == [] and abs(path.turn) == pytest.approx(360)
+
+
+def test_loose_entities_become_one_outline(drawn):
+    def slot(m):
+        m.add_line((0, 0), (10, 0))
+        m.add_line((0, 10), (10, 10.002))
+        m.add_arc((0, 5), 5, 90, 270)
+        m.add_line((3, 3), (3, 3))
+        m.add_arc((10, 5), 5, -90, 90)
+
+    drawing = drawn(slot)
+    (path,) = drawing.paths
+    assert path.closed and path.turn == pytest.approx(360)
+    assert all(abs(c.turn_deg) < 0.1 for c in path.corners)
+    assert path.length == pytest.approx(20 + 10 * math.pi, abs=0.01)
+    assert "4 pieces joined into 1 path" in drawing.notes
+    assert "1 segment of no length left out" in drawing.notes
+
+
+UNITS = [(4, 1, "mm"), (1, 25.4, "in"), (5, 10, "cm"), (6, 1000, "m"), (9, 0.0254, "mil")]
+
+
+@pytest.mark.parametrize(("units", "factor", "name"), UNITS)
+def test_units_of_the_file(drawn, units, factor, name):
+    drawing = drawn(lambda m: m.add_line((0, 0), (3, 4)), units)
+    assert drawing.length == pytest.approx(5 * factor) and drawing.unit == name
+
+
+def test_a_file_without_a_unit_is_refused_with_the_way_out(drawn):
+    with pytest.raises(DataError, match=r"does not say its unit \(\$INSUNITS is 0\): give it, as --unit mm"):
+        drawn(lambda m: m.add_line((0, 0), (3, 4)), 0)
+    assert drawn(lambda m: m.add_line((0, 0), (3, 4)), 0, unit="in").length == pytest.approx(127)
+    asked = drawn(lambda m: m.add_line((0, 0), (3, 4)), 1, unit="mm")
+    assert asked.length == pytest.approx(5) and asked.notes == ("the file is in in, read as mm as asked",)
+
+
+def test_what_is_not_read_is_said(drawn):
+    def draw(m):
+        m.add_line((0, 0), (9, 0))
+        m.add_text("hello")
+        m.add_point((1, 2))
+        m.add_circle((0, 0), 5, dxfattribs={"extrusion": (1, 0, 0)})
+        m.doc.layers.add("off").off()
+        m.add_line((0, 0), (0, 7), dxfattribs={"layer": "off"})
+
+    drawing = drawn(draw)
+    assert drawing.length == pytest.approx(9)
+    assert drawing.notes == (
+        "not cut: 1 POINT, 1 TEXT",
+        "not in the XY plane, not cut: 1 CIRCLE",
+        "hidden, not cut: 1 LINE",
+    )
+
+
+def test_layers_are_chosen_and_not_joined_across(drawn):
+    def draw(m):
+        m.add_line((0, 0), (9, 0), dxfattribs={"layer": "CUT"})
+        m.add_line((9, 0), (9, 5), dxfattribs={"layer": "FOLD"})
+
+    assert drawn(draw).layers == ("CUT", "FOLD")
+    assert drawn(draw, layers=["FOLD"]).length == pytest.approx(5)
+    with pytest.raises(NameUnknown, match=r"no layer 'CUTS'.*CUT"):
+        drawn(draw, layers=["CUTS"])
+
+
+def test_where_three_lines_meet_the_straightest_goes_on(drawn):
+    def draw(m):
+        m.add_line((0, 0), (10, 0))
+        m.add_line((10, 0), (10, 10))
+        m.add_line((10, 0), (20, 0.5))
+
+    first, second = drawn(draw).paths
+    assert len(first.segments) == 2 and abs(first.corners[0].turn_deg) < 5
+    assert second.length == pytest.approx(10)
+
+
+def test_a_block_that_holds_itself_is_refused(drawn):
+    def draw(m):
+        b = m.doc.blocks.new("SELF")
+        b.add_line((0, 0), (1, 0))
+        b.add_blockref("SELF", (1, 1))
+        m.add_blockref("SELF", (0, 0))
+
+    with pytest.raises(DataError, match="block 'SELF' lies more than 32 blocks deep"):
+        drawn(draw)
+
+
+def test_empty_and_broken_files_are_refused(drawn, tmp_path):
+    with pytest.raises(DataError, match=r"there is nothing to cut in .*drawing\.dxf: the file has no lines or curves"):
+        drawn(lambda m: None)
+    with pytest.raises(DataError, match=r"nothing to cut.*1 TEXT"):
+        drawn(lambda m: m.add_text("a"))
+    for content in (b"this is no DXF", b"", b"\x00\x01\x02\xff" * 40, b"0\nSECTION\n2\nENTITIES\n0\nLINE\n10\nfoo\n"):
+        (tmp_path / "broken.dxf").write_bytes(content)
+        with pytest.raises(DataError, match=r"broken\.dxf"):
+            read_drawing(tmp_path / "broken.dxf", unit="mm")
