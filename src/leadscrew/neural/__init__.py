@@ -1,0 +1,1 @@
+"""Networks that learn: performance measurement, fuzzy inference."""
