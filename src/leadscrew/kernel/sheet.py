@@ -57,7 +57,8 @@ class Entry:
         import numpy as np
 
         place = f" ({where})" if where else ""
-        label = f"{self.key} = {value!r}{place}"
+        plain = self.type == "array" and isinstance(value, np.ndarray)
+        label = self.key + place if plain else f"{self.key} = {value!r}{place}"
         unit = f" {self.unit}" if self.unit else ""
         if self.type == "array":
             try:
@@ -69,7 +70,9 @@ class Entry:
                 raise ValueRefused(f"{self.key}{place}: expected an array of shape {shape}, got {array.shape}")
             if not np.isfinite(array).all():
                 raise ValueRefused(f"{self.key}{place}: the array holds a value that is not finite")
-            flat: Any = array.ravel()
+            if self._refused(array).any():
+                raise ValueRefused(f"{self.key} = {value!r}{place}: allowed range is {self.range}{unit}")
+            return array
         elif self.type == "bool":
             if not isinstance(value, bool | np.bool_) and value not in (0, 1):
                 raise ValueRefused(f"{label}: expected true or false")
@@ -92,15 +95,14 @@ class Entry:
                 and not self._open_to(float(value))
             ):
                 raise ValueRefused(f"{label}: allowed range is {self.range}{unit}")
-            flat = (value,)
-        for x in flat:
-            low_bad = x <= self.above if self.above_open else x < self.above
-            high_bad = x >= self.below if self.below_open else x > self.below
-            if low_bad or high_bad:
+            if self._refused(value):
                 raise ValueRefused(f"{label}: allowed range is {self.range}{unit}")
-        if self.type == "array":
-            return array
         return int(value) if self.type == "int" else float(value)
+
+    def _refused(self, value: Any) -> Any:
+        """Where a number lies outside the range."""
+        low = value <= self.above if self.above_open else value < self.above
+        return low | (value >= self.below if self.below_open else value > self.below)
 
     def _open_to(self, value: float) -> bool:
         return (value > 0 and self.below == math.inf) or (value < 0 and self.above == -math.inf)
