@@ -17,6 +17,8 @@ from leadscrew.report import fuzzy as pictures
 from leadscrew.studies.fsmc_ballscrew.figures_beaten import beaten_pictures
 from leadscrew.studies.fsmc_ballscrew.figures_selftuned import selftuned_pictures
 from leadscrew.studies.fsmc_ballscrew.runs import Loops
+from leadscrew.studies.sofnn_tangent.figures_pieces import pieces_pictures
+from leadscrew.studies.sofnn_tangent.runs import Loops as Cuts
 from leadscrew.tune.job import Job
 from leadscrew.tune.tuned_figures import figures
 from leadscrew.tune.tuned_report import units
@@ -81,6 +83,13 @@ def friction_of_the_stage_images(folder: Path) -> None:
         picture.draw().savefig(folder / f"{picture.name}.png", dpi=90)
 
 
+def tangent_images(folder: Path) -> None:
+    """The pictures of the page on learning from piece to piece."""
+    for picture in pieces_pictures(Cuts()):
+        if picture.name in ("pieces_error", "pieces_swap", "pieces_recall"):
+            picture.draw().savefig(folder / f"{picture.name}.png", dpi=85)
+
+
 def main(folder: Path = Path(__file__).parent / "images") -> None:
     """Draws every image."""
     folder.mkdir(exist_ok=True)
@@ -93,6 +102,7 @@ def main(folder: Path = Path(__file__).parent / "images") -> None:
     friction_images(folder)
     integration_image(folder)
     friction_of_the_stage_images(folder)
+    tangent_images(folder)
 
 
 if __name__ == "__main__":

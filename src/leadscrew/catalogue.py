@@ -22,6 +22,7 @@ if TYPE_CHECKING:
 BLOCKS: dict[str, str] = {
     # references
     "chirp": "leadscrew.references.chirp:chirp",
+    "cut_line": "leadscrew.references.cut_line:cut_line",
     "cutting_force": "leadscrew.references.cutting_program:cutting_force",
     "cutting_program": "leadscrew.references.cutting_program:cutting_program",
     "eased_sine": "leadscrew.references.eased_sine:eased_sine",
@@ -39,6 +40,8 @@ BLOCKS: dict[str, str] = {
     "trapezoid": "leadscrew.references.trapezoid:trapezoid",
     # sensors
     "axis_encoder": "leadscrew.sensors.axis_encoder:axis_encoder",
+    "cut_camera": "leadscrew.sensors.cut_camera:cut_camera",
+    "cut_reading": "leadscrew.sensors.cut_camera:cut_reading",
     "dual_encoder": "leadscrew.sensors.dual_encoder:dual_encoder",
     "encoder_count": "leadscrew.sensors.encoder_count:encoder_count",
     "faulty_load_cell": "leadscrew.sensors.faulty_load_cell:faulty_load_cell",
@@ -59,8 +62,11 @@ BLOCKS: dict[str, str] = {
     "constant_force": "leadscrew.controllers.force.constant_force:constant_force",
     "csmc": "leadscrew.controllers.sliding.complementary:csmc",
     "csmc_ideal": "leadscrew.controllers.sliding.continuous:csmc_ideal",
+    "curvature_feed_forward": "leadscrew.controllers.tangent.curvature_feed_forward:curvature_feed_forward",
+    "curvature_network": "leadscrew.controllers.tangent.curvature_network:curvature_network",
     "duty_pd": "leadscrew.controllers.vud.duty_pd:duty_pd",
     "duty_pid": "leadscrew.controllers.vud.duty_pid:duty_pid",
+    "fnn": "leadscrew.controllers.sofnn.fixed:fnn",
     "fsmc": "leadscrew.controllers.sliding.fuzzy:fsmc",
     "fsmc_ideal": "leadscrew.controllers.sliding.continuous:fsmc_ideal",
     "fsmc_printed": "leadscrew.controllers.sliding.fuzzy:fsmc_printed",
@@ -81,7 +87,11 @@ BLOCKS: dict[str, str] = {
     "smc_integral": "leadscrew.controllers.sliding.integral:smc_integral",
     "smc_integral_ideal": "leadscrew.controllers.sliding.continuous:smc_integral_ideal",
     "smith": "leadscrew.controllers.grey_fuzzy.smith:smith",
+    "sofc": "leadscrew.controllers.sofnn.standard:sofc",
+    "sofnn": "leadscrew.controllers.sofnn.network:sofnn",
+    "sofnn_all_weights": "leadscrew.controllers.sofnn.all_weights:sofnn_all_weights",
     "super_twisting": "leadscrew.controllers.sliding.super_twisting:super_twisting",
+    "tangent_dob": "leadscrew.controllers.tangent.tangent_dob:tangent_dob",
     "tfc": "leadscrew.controllers.grey_fuzzy.tfc:tfc",
     "torque_pid": "leadscrew.controllers.torque_pid:torque_pid",
     "vud": "leadscrew.controllers.vud.literal:vud",
@@ -109,6 +119,7 @@ BLOCKS: dict[str, str] = {
     "ballscrew_play": "leadscrew.plants.ballscrew_play:ballscrew_play",
     "ballscrew_stage": "leadscrew.plants.ballscrew_stage:ballscrew_stage",
     "ballscrew_stage_fixed": "leadscrew.plants.ballscrew_stage_fixed:ballscrew_stage_fixed",
+    "flexible_cut": "leadscrew.plants.flexible_cut:flexible_cut",
     "lathe_screw": "leadscrew.plants.lathe_screw:lathe_screw",
     "lathe_servo": "leadscrew.plants.lathe_servo:lathe_servo",
     "lathe_servo_limited": "leadscrew.plants.lathe_servo_limited:lathe_servo_limited",
@@ -123,6 +134,7 @@ BLOCKS: dict[str, str] = {
     "xy_table_two_mass": "leadscrew.plants.xy_table_two_mass:xy_table_two_mass",
     "xy_table_cutting": "leadscrew.plants.xy_table_cutting:xy_table_cutting",
     # disturbances
+    "cut_load": "leadscrew.disturbances.cut_load:cut_load",
     "five_sines": "leadscrew.disturbances.five_sines:five_sines",
     "hard_spot": "leadscrew.disturbances.hard_spot:hard_spot",
     "kicked_load": "leadscrew.disturbances.kicked_load:kicked_load",
@@ -170,6 +182,8 @@ MAKERS: dict[str, str] = {
     "resonant": "leadscrew.controllers.resonant:resonant",
     "stairs": "leadscrew.references.stairs:stairs",
     "state_space": "leadscrew.plants.linear:state_space",
+    "taught_alone": "leadscrew.controllers.tangent.taught_offset:taught_alone",
+    "taught_offset": "leadscrew.controllers.tangent.taught_offset:taught_offset",
     "tracking_differentiator": "leadscrew.controllers.tracking_differentiator:tracking_differentiator",
     "transfer_function": "leadscrew.plants.linear:transfer_function",
     "waypoints": "leadscrew.references.waypoints:waypoints",
@@ -180,6 +194,7 @@ STUDIES: dict[str, str] = {
     "fsmc_ballscrew": "leadscrew.studies.fsmc_ballscrew.study:STUDY",
     "grey_turning": "leadscrew.studies.grey_turning.study:STUDY",
     "npid_xytable": "leadscrew.studies.npid_xytable.study:STUDY",
+    "sofnn_tangent": "leadscrew.studies.sofnn_tangent.study:STUDY",
     "vud_lathe": "leadscrew.studies.vud_lathe.study:STUDY",
 }
 """The published systems."""

@@ -10,7 +10,7 @@ from leadscrew.bench.row import FIELDS
 PARTS = (
     "threads", "single runs", "batches", "settled loops", "other tools", "inference", "fuzzy systems",
     "stiff friction", "portable functions", "compilation", "fresh processes", "many runs",
-    "circular test", "robustness box", "grey prediction", "turning Monte Carlo",
+    "circular test", "robustness box", "grey prediction", "turning Monte Carlo", "self-organising network",
 )  # fmt: skip
 """In this order: threads come first, before the bench itself puts load on the machine."""
 
@@ -32,6 +32,7 @@ def run(
         others,
         robustness,
         servo,
+        sofnn,
         stage,
         start,
         threads,
@@ -58,6 +59,7 @@ def run(
         "robustness box": lambda: robustness.rows(quick),
         "grey prediction": lambda: grey.rows(rounds),
         "turning Monte Carlo": lambda: turning.rows(quick),
+        "self-organising network": lambda: sofnn.rows(rounds),
     }
     for i, part in enumerate(parts):
         if progress is not None:

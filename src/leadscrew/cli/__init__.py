@@ -34,6 +34,7 @@ from leadscrew.cli import (
     replay,
     run,
     simulate,
+    tangent,
     tune,
     version,
 )
@@ -84,6 +85,7 @@ app.command("predict")(predict.predict)
 app.add_typer(fuzzy.app, name="fuzzy")
 app.add_typer(design.app, name="design")
 app.add_typer(identify.app, name="identify")
+app.add_typer(tangent.app, name="tangent")
 app.command("bench")(bench.bench)
 app.add_typer(cache.app, name="cache")
 app.command("version")(version.version)

@@ -148,8 +148,10 @@ class Places(Linking):
                 if x.kind == "float":
                     parts.append(within(name(f"s.{x.key}"), largest))
                 elif x.kind == "array":
-                    check = (arrays.sound1, arrays.sound2)[len(x.shape) - 1]
-                    parts.append(call(m.function(check), f"s.{x.key}"))
+                    whole: ast.expr = name(f"s.{x.key}")
+                    if len(x.shape) > 1:  # one long loop: LLVM unrolls short rows before it could make vectors of them
+                        whole = ast.Call(ast.Attribute(whole, "reshape", ast.Load()), [ast.Constant(x.size)], [])
+                    parts.append(call(m.function(arrays.sound1), whole))
         self.define(holes.state_sound, "s", [give(both(parts) if parts else ast.Constant(True))])
         seen = [within(name(under("x.output", x.key)), largest) for x in leaves(self.trees["output"])]
         seen += [within(name(under("x.actual", x.key)), name("bound")) for x in leaves(self.trees["actual"])]

@@ -68,6 +68,12 @@ COLOURS = {
     "ours.gain_normalised": GREEN,
     "ours.inversion": PURPLE,
     "ours.constant_force": BLACK,
+    "paper.uncompensated": BLACK,
+    "corrected.fnn": VERMILION,
+    "corrected.sofnn_table": SKY,
+    "paper.sofnn_pnn": BLUE,
+    "ours.sofnn_tuned": GREEN,
+    "corrected.sofc": PURPLE,
 }
 """Colour by controller, kept across all figures; others get one of the rest by their name."""
 

@@ -21,12 +21,3 @@ def sound1(a):
     for i in range(a.shape[0]):
         sound = sound & (abs(a[i]) <= 1.7976931348623157e308)
     return sound
-
-
-def sound2(a):
-    """Whether every element is finite."""
-    sound = True
-    for i in range(a.shape[0]):
-        for j in range(a.shape[1]):
-            sound = sound & (abs(a[i, j]) <= 1.7976931348623157e308)
-    return sound

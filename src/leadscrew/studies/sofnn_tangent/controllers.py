@@ -1,0 +1,39 @@
+"""The controllers of the study, by name: an offset of the tangential axis in degrees, every 10 ms.
+
+``paper.*`` is the paper's controller as printed, with what it leaves open reconstructed; ``corrected.*`` the same with
+what is wrong put right; ``ours.*`` are for comparison or go beyond it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+from leadscrew.controllers.pid import pid
+from leadscrew.controllers.sofnn.tunings import TUNINGS as SOFNN
+from leadscrew.controllers.tangent.curvature_feed_forward import TUNINGS as FEED_FORWARD
+from leadscrew.controllers.tangent.curvature_network import TUNINGS as CURVATURE
+from leadscrew.controllers.tangent.tangent_dob import TUNINGS as OBSERVER
+from leadscrew.kernel.block import Block
+
+LAG_S = 0.02
+"""Of the derivative of the PIDs."""
+
+
+def offset_pid(name: str, kp: float, ki: float, kd: float, **values: float) -> Block:
+    """A PID of the deviation; its output is the offset of the tangential axis, held to 15 degrees."""
+    law = replace(pid, name=name, unit="deg", drive="", full_scale=15.0)
+    return law(kp=kp, ki=ki, kd=kd, max_output=15.0, **values)
+
+
+CONTROLLERS: Mapping[str, Block] = {
+    **SOFNN,
+    **OBSERVER,
+    **FEED_FORWARD,
+    **CURVATURE,
+    "paper.uncompensated": offset_pid("uncompensated", 0.0, 0.0, 0.0),
+    "ours.pid": offset_pid("pid", 0.7, 14.0, 0.005, filter_s=LAG_S),
+    "ours.pid_fast": offset_pid("pid", 0.7, 22.0, 0.01, filter_s=LAG_S),
+    "ours.pid_mild": offset_pid("pid", 0.3, 6.0, 0.0, filter_s=LAG_S),
+}
+"""By name."""

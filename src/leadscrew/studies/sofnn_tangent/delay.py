@@ -1,0 +1,103 @@
+"""The loop that equation (3) closes, linear near its rest, and where it is stable by its roots.
+
+Where the rule at zero alone fires, with ``K = k_d k_e g`` (``g``: turn of the cut by a turn of the blade), the slope
+``c`` of the rules and ``s`` of the performance table there, and the steady gain ``kappa`` of the Kalman filter:
+
+    D(k) = w(k) - c E(k),      w(k) = (1 - kappa) w(k-1) + kappa (w(k - m_c) + s kg (-E(k)))      stored, equation (3)
+                               w(k) = w(k-1) + kappa s kg (-E(k))                                 accumulate
+    E(k) = k_e g x(k - m - 1),     x(k) = a x(k-1) + (1 - a) d(k-1) of the axis,     a = exp(-T / tau_s)
+
+With ``C(z) = 1 - (1 - kappa) / z - kappa / z^m_c``, or ``1 - 1/z``, the characteristic equation is
+
+    C(z) (1 - a / z) + K (1 - a) z^-(m+1) (kappa s kg + c C(z)) = 0.
+
+At the teeth ``w = 2 pi n / m_c`` of this comb ``abs(C) = 2 (1 - kappa) sin(w / 2)``: a gain that ``kappa = 1``, so the
+replacement that equation (3) prints, makes infinite, and the filter leaves finite. Where it leaves the loop below 1 at
+every tooth, no delay can make it unstable; where it does not, the phase between the delay assumed and the true one has
+to fit.
+
+``kappa`` follows from the Riccati equation of one rule, ``p^2 = q (p + r)``: ``kappa = p / (p + r)``.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from leadscrew.controllers.sofnn.network import sofnn
+from leadscrew.neural.inference_net import W0
+from leadscrew.neural.performance import TABLE
+from leadscrew.plants.flexible_cut import flexible_cut
+from leadscrew.studies.sofnn_tangent.lines import PERIOD_S
+
+AXIS_KEEP = math.exp(-PERIOD_S / flexible_cut.params.axis_lag_s)
+"""What the tangential axis keeps of its offset in a sample, a."""
+
+RULE_SLOPE = float(W0[24 - 1] - W0[24 + 1]) / 4.0
+"""Fall of the trained rules per level of E at zero, c; the rules stand two levels apart."""
+
+TABLE_SLOPE = float(TABLE[6, 5] - TABLE[6, 7]) / 2.0
+"""Fall of the performance table per level of E at zero, s."""
+
+
+def kalman_gain(r: float = sofnn.params.r, q: float = sofnn.params.q) -> float:
+    """Steady gain of one rule that fires alone in every sample, kappa."""
+    p = 0.5 * (q + math.sqrt(q * q + 4.0 * q * r))
+    return p / (p + r)
+
+
+def at(power: int, value: float = 1.0) -> np.ndarray:
+    """``value / z^power`` as coefficients of falling powers of z."""
+    row = np.zeros(power + 1)
+    row[power] = value
+    return row
+
+
+def added(*rows: np.ndarray) -> np.ndarray:
+    """Sum of such polynomials."""
+    total = np.zeros(max(map(len, rows)))
+    for row in rows:
+        total[: len(row)] += row
+    return total
+
+
+def characteristic(
+    assumed: int,
+    late: int,
+    k_e: float,
+    kg: float = 1.0,
+    gain: float = 0.95,
+    accumulate: bool = False,
+    kappa: float | None = None,
+) -> np.ndarray:
+    """Coefficients of the characteristic polynomial, falling powers of z.
+
+    Args:
+        assumed: the delay that the learning refers to, m_c, samples.
+        late: samples that the camera is late, m.
+        k_e: levels per deg.
+        kg: strength of the correction.
+        gain: turn of the cut by a turn of the blade, g.
+        accumulate: the other target.
+        kappa: gain of the update; the steady one of the filter unless given. 1: the target is reached at once.
+    """
+    kappa = kalman_gain() if kappa is None else kappa
+    comb = added(at(0), at(1, -1.0)) if accumulate else added(at(0), at(1, kappa - 1.0), at(assumed, -kappa))
+    loop = added(at(0, kappa * TABLE_SLOPE * kg), RULE_SLOPE * comb)
+    forward = sofnn.params.k_d * k_e * gain * (1.0 - AXIS_KEEP)
+    return added(np.convolve(comb, [1.0, -AXIS_KEEP]), np.convolve(at(late + 1, forward), loop))
+
+
+def radius(assumed: int, late: int, k_e: float, **options: float | bool) -> float:
+    """Largest size of a root: below 1 the loop settles."""
+    return float(np.abs(np.roots(characteristic(assumed, late, k_e, **options))).max())  # type: ignore[arg-type]
+
+
+def tooth_gain(assumed: int, k_e: float, gain: float = 0.95) -> float:
+    """Largest gain of the loop at a tooth of the comb, but for the rules' own part and whatever the delay."""
+    kappa = kalman_gain()
+    w = 2.0 * np.pi * np.arange(1, assumed // 2 + 1) / assumed
+    axis = np.abs((1.0 - AXIS_KEEP) / (1.0 - AXIS_KEEP * np.exp(-1j * w)))
+    comb = 2.0 * (1.0 - kappa) * np.sin(0.5 * w)
+    return float((sofnn.params.k_d * k_e * gain * kappa * TABLE_SLOPE * axis / comb).max())

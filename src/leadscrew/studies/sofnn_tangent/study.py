@@ -1,0 +1,45 @@
+"""The study ``sofnn_tangent``: a fuzzy neural network that learns to keep a blade on its tangent while it cuts."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+from leadscrew.studies.sofnn_tangent.controllers import CONTROLLERS
+from leadscrew.studies.sofnn_tangent.runs import build
+from leadscrew.studies.sofnn_tangent.scenarios import SCENARIOS
+from leadscrew.studies.study import Study, StudyResult
+
+
+def evaluate(progress: Callable[[str, float], None] = lambda what, done: None) -> StudyResult:
+    """Runs every loop that the claims and figures need, and judges the claims."""
+    from leadscrew.studies.sofnn_tangent.claims import topics
+    from leadscrew.studies.sofnn_tangent.findings import findings
+    from leadscrew.studies.sofnn_tangent.pictures import all_pictures
+    from leadscrew.studies.sofnn_tangent.results import Results
+
+    found = Results()
+    judged = topics(found, progress)
+    progress("figures", 1.0)
+    return StudyResult.of(judged, all_pictures(found), found.loops.runs, findings)
+
+
+STUDY = Study(
+    name="sofnn_tangent",
+    title="Tangent following in flexible material with a self-organising fuzzy neural network",
+    paper=(
+        "Yaohua Deng, Xiali Liu, Liming Wu, Qiaofen Zhang: Study of Self-organizing Fuzzy Neural Network Control for "
+        "Flexible Material Path Processing Tangent Following Error Compensation. Guangdong University of Technology, "
+        "Guangzhou."
+    ),
+    controllers=CONTROLLERS,
+    scenarios=SCENARIOS,
+    build=build,
+    evaluate=evaluate,
+    folder=Path(__file__).parent,
+    summary=(
+        "A performance network corrects the rules of a fuzzy network while a blade cuts. It learns, and beats fixed "
+        "rules; a tuned PID equals it. Feed-forward of the curvature, and learning from piece to piece, which composes "
+        "with the network, are three times better."
+    ),
+)

@@ -1,0 +1,74 @@
+"""The numbers on the page of learning from piece to piece are the study's."""
+
+import re
+from pathlib import Path
+
+import pytest
+
+PAGE = (Path(__file__).parents[2] / "docs" / "piece_learning.md").read_text(encoding="utf-8")
+TEXT = " ".join(PAGE.split())
+ROWS = dict(re.findall(r"^\| `(\w+)` \|.*\| ([\d.]+) \|$", PAGE, re.MULTILINE))
+
+
+@pytest.fixture(scope="module")
+def claims():
+    from leadscrew.studies.sofnn_tangent.claims_feed_forward import feed_forward_claims
+    from leadscrew.studies.sofnn_tangent.claims_moonshots import moonshots_claims
+    from leadscrew.studies.sofnn_tangent.claims_pieces import pieces_claims
+    from leadscrew.studies.sofnn_tangent.runs import Loops
+
+    loops = Loops()
+    made = [*feed_forward_claims(loops), *pieces_claims(loops), *moonshots_claims(loops)]
+    return {c.id.split(".")[1]: c for c in made}
+
+
+@pytest.mark.slow
+def test_every_claim_meets_its_target(claims):
+    assert not [c.id for c in claims.values() if c.passed is False]
+    assert sum(c.passed is True for c in claims.values()) > 35
+
+
+@pytest.mark.slow
+def test_the_table_is_the_claims(claims):
+    assert len(ROWS) == 8
+    assert {name: f"{claims[name].measured:.2f}" for name in ROWS} == ROWS
+
+
+@pytest.mark.slow
+def test_the_numbers_in_the_text_are_the_claims(claims):
+    said = {
+        f"back at {claims['m3'].measured:.2f} deg": "m3",
+        f"stays at {claims['mismatch_feed_forward_3'].measured:.2f} deg in the third piece": "mismatch",
+        f"with feedback gets to {claims['mismatch_net_table_3'].measured:.2f}": "mismatch",
+        f"keep at least {claims['m4_kept'].measured:.0f} %": "m4",
+        f"leave {claims['m4_transfer'].measured:.2f} deg at worst": "m4",
+        f"{claims['m2_prior_most'].measured:.1f} with one": "m2",
+    }
+    for words in said:
+        assert words in TEXT
+    worst = re.search(r"the worst cell, .*?, ([\d.]+);", claims["m2_prior_most"].reason)
+    assert worst and f"but {worst.group(1)} in the worst cell" in TEXT
+
+
+@pytest.mark.slow
+def test_the_texture_alone_is_as_said():
+    import numpy as np
+
+    from leadscrew.studies.sofnn_tangent.comparison import texture_floor
+    from leadscrew.studies.sofnn_tangent.runs import Loops
+
+    floor = np.mean([f.mean for f in texture_floor(Loops()).values()])
+    assert f"alone makes {floor:.2f} deg" in TEXT
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("topic", ["pieces", "feed_forward"])
+def test_pictures_are_drawn(topic):
+    import importlib
+
+    from leadscrew.studies.sofnn_tangent.runs import Loops
+
+    module = importlib.import_module(f"leadscrew.studies.sofnn_tangent.figures_{topic}")
+    for picture in getattr(module, f"{topic}_pictures")(Loops()):
+        figure = next(part for part in picture if callable(part))()
+        assert figure.axes and all(axes.has_data() for axes in figure.axes)

@@ -1,0 +1,78 @@
+"""What the paper says: areas of its Figure 4, its errata, its conclusions; every item has its place."""
+
+import csv
+
+import numpy as np
+import pytest
+
+from leadscrew.studies.sofnn_tangent import study
+from leadscrew.studies.sofnn_tangent.claims_errata import MISSING, QUANTITIES, errata_claims
+from leadscrew.studies.sofnn_tangent.claims_paper import paper_claims, passed_areas, sets_of
+from leadscrew.studies.sofnn_tangent.figures_paper import paper_pictures
+from leadscrew.studies.sofnn_tangent.runs import Loops
+
+
+@pytest.fixture(scope="module")
+def loops():
+    return Loops()
+
+
+def test_the_set_of_a_level_is_the_nearest_and_half_way_it_is_both():
+    assert [sets_of(v) for v in (-2.0, 0.0, 2.71, 3.0, -2.63, -0.56, 9.0)] == [
+        "NS", "ZO", "PS", "PS or PM", "NS", "ZO", "PB",
+    ]  # fmt: skip
+
+
+def test_areas_are_told_by_the_signs_of_deviation_and_rate():
+    e = np.array([-5.0, -3.0, -1.0, 0.5, 0.8, 0.6, 0.2, -0.1])
+    ec = np.array([-1.0, 0.5, 0.8, 0.9, 0.3, -0.2, -0.3, -0.3])
+    assert passed_areas(e, ec) == ["I", "II", "III"]
+    assert passed_areas(np.full(5, -1.0), np.full(5, 0.1)) == ["I"]
+    assert passed_areas(np.full(5, -1.0), np.full(5, -0.1)) == []
+
+
+def test_every_name_of_a_quantity_is_given_once():
+    names = [name for given in QUANTITIES.values() for name in given]
+    assert len(names) == len(set(names)) == 9 and len(set(MISSING)) == len(MISSING)
+
+
+def test_every_numbered_part_of_the_paper_has_a_row():
+    with (study.STUDY.folder / "paper_items.csv").open(newline="", encoding="utf-8") as file:
+        items = [row["item"] for row in csv.DictReader(file)]
+    assert len(items) == len(set(items))
+    wanted = [f"figure {i}" for i in range(1, 8)] + [f"equation {i}" for i in range(1, 4)]
+    wanted += [f"step {i}" for i in range(1, 8)] + [f"erratum {i}" for i in range(1, 20)]
+    wanted += ["table 1", "area I", "area II", "area III", "conclusion 1", "conclusion 2"]
+    assert set(wanted) <= set(items)
+
+
+@pytest.mark.slow
+def test_what_the_paper_says_is_judged_from_the_numbers(loops):
+    named = {c.id.removeprefix("sofnn_tangent."): c for c in paper_claims(loops)}
+    assert [(k, c.measured, c.target) for k, c in named.items() if c.kind == "required" and not c.passed] == []
+    assert [k for k, c in named.items() if c.paper is None and c.verdict != "cannot be checked"] == []
+    assert named["paper_better_than_none"].verdict == "reproduced with change"
+    assert named["paper_better_than_pid"].verdict == "not reproduced"
+    assert named["paper_offline_training"].verdict == "not reproduced"
+    assert [named[f"area_{i}_network"].verdict for i in (1, 2, 3)] == ["reproduced"] * 3
+
+
+@pytest.mark.slow
+def test_every_erratum_of_this_room_is_shown(loops):
+    named = {c.id.removeprefix("sofnn_tangent."): c for c in errata_claims(loops)}
+    assert [(k, c.measured, c.target) for k, c in named.items() if c.kind == "required" and not c.passed] == []
+    for number in (3, 8, 9, 10, 11, 12, 13, 14, 15, 18, 19):
+        assert [k for k in named if k.startswith(f"erratum_{number}_")], number
+    assert named["five_passes_without_threshold"].measured > 2.0 * 0.493
+
+
+@pytest.mark.slow
+def test_the_figures_of_the_paper_are_drawn(loops):
+    names = []
+    for picture in paper_pictures(loops):
+        figure = picture.draw()
+        names.append(picture.name)
+        assert figure.axes and picture.caption
+    assert [n for n in names if n.startswith("fig")] == [
+        "fig4_step_areas", "fig5_trajectory", "fig6_without_compensation", "fig7_with_compensation",
+    ]  # fmt: skip

@@ -1,0 +1,46 @@
+"""The study's workflow without a sensor: its claims, its table made again, its pictures."""
+
+import numpy as np
+import pytest
+
+from leadscrew.studies.sofnn_tangent import workflow
+from leadscrew.studies.sofnn_tangent.claims_workflow import workflow_claims
+from leadscrew.studies.sofnn_tangent.figures_workflow import workflow_pictures
+from leadscrew.studies.sofnn_tangent.lines import MATERIAL_NAMES
+from leadscrew.studies.sofnn_tangent.runs import Loops
+
+
+@pytest.mark.slow
+def test_every_required_claim_holds_and_the_moonshot_is_reached():
+    claims = workflow_claims(Loops())
+    assert len({c.id for c in claims}) == len(claims) == 14
+    assert all(c.passed for c in claims if c.kind != "report")
+    assert sum(c.kind == "required" for c in claims) == 7 and sum(c.kind == "moonshot" for c in claims) == 4
+
+
+def test_a_piece_of_the_table_comes_out_again():
+    found = workflow.trip("rrect", "leather", "scanner", workflow.SEEDS[1], 3)
+    kept = workflow.kept_table()["rrect", "leather", "scanner"][1]
+    assert kept == pytest.approx([*found.errors, found.largest, found.clipped], abs=2e-4)
+
+
+@pytest.mark.slow
+def test_a_third_of_the_table_comes_out_again():
+    made = workflow.measured_table(seeds=workflow.SEEDS[2:])
+    kept = workflow.kept_table()
+    assert 3 * len(made) == 5 * 3 * 3 * 3 == sum(map(len, kept.values()))
+    for drawing, material, scan, seed, *numbers in made:
+        row = kept[drawing, material, scan][workflow.SEEDS.index(int(seed))]
+        np.testing.assert_allclose(np.array(numbers, dtype=float), row, atol=2e-3)
+
+
+def test_the_table_has_every_drawing_in_every_material_with_every_scan():
+    keys = set(workflow.kept_table())
+    assert keys == {(d, m, s) for d in ("wave", "flower", "rrect", "leaf.svg", "petal.dxf") for m in MATERIAL_NAMES
+                    for s in ("exact", "scanner", "shape")}  # fmt: skip
+
+
+@pytest.mark.slow
+def test_the_pictures_are_drawn():
+    for picture in workflow_pictures(Loops()):
+        assert len(picture.draw().axes) >= 1 and picture.caption.endswith(".")
