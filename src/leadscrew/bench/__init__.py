@@ -11,6 +11,7 @@ PARTS = (
     "threads", "single runs", "batches", "settled loops", "other tools", "inference", "fuzzy systems",
     "stiff friction", "portable functions", "compilation", "fresh processes", "many runs",
     "circular test", "robustness box", "grey prediction", "turning Monte Carlo", "self-organising network",
+    "tangential table",
 )  # fmt: skip
 """In this order: threads come first, before the bench itself puts load on the machine."""
 
@@ -35,6 +36,7 @@ def run(
         sofnn,
         stage,
         start,
+        tangent,
         threads,
         turning,
     )
@@ -60,6 +62,7 @@ def run(
         "grey prediction": lambda: grey.rows(rounds),
         "turning Monte Carlo": lambda: turning.rows(quick),
         "self-organising network": lambda: sofnn.rows(rounds),
+        "tangential table": lambda: tangent.rows(quick),
     }
     for i, part in enumerate(parts):
         if progress is not None:

@@ -2,27 +2,17 @@
 
 from __future__ import annotations
 
-import json
-import subprocess
-import sys
 import time
 from collections.abc import Sequence
 from typing import Any
 
-from leadscrew.bench.machine import load
-from leadscrew.bench.row import row
-from leadscrew.bench.threads import IDLE
+from leadscrew.bench import whole
 
 STUDY = "fsmc_ballscrew"
 CONTROLLERS = ("ours.smc_4khz", "ours.fsmc_4khz", "ours.pd_dob")
 RADIUS_MM = 100.0
 FEEDS_MM_MIN = (1000.0, 2000.0, 4000.0)
 LIMIT_S = 10.0
-FRESH = """
-import json
-from leadscrew.bench import circles
-print(json.dumps(circles.drawn({feeds})))
-"""
 
 
 def drawn(feeds: Sequence[float] = FEEDS_MM_MIN) -> dict[str, float]:
@@ -38,36 +28,21 @@ def drawn(feeds: Sequence[float] = FEEDS_MM_MIN) -> dict[str, float]:
     from leadscrew.experiment import Experiment
 
     axes = {name: Experiment(STUDY, name, "sine_wide").loop() for name in CONTROLLERS}
-    walls: dict[str, float] = {}
-    simulated = 0.0
-    for which in ("first", "again"):
+
+    def work() -> float:
         simulated = 0.0
         for axis in axes.values():
             for feed in feeds:
                 circle = Circle(RADIUS_MM, feed)
                 quantities(draw(Machine(axis, axis), circle))
                 simulated += 4.0 * 2.125 * 6.283185307179586 / circle.speed
-        walls[which] = time.perf_counter() - began
-        began = time.perf_counter()
-    return walls | {"simulated": simulated}
+        return simulated
+
+    return whole.twice(began, work)
 
 
 def rows(quick: bool = False) -> list[dict[str, Any]]:
-    """The rows, measured in a process of its own; ``quick`` takes the fastest feed alone and judges nothing."""
-    before = load()
-    idle = before is not None and before < IDLE
+    """The rows; ``quick`` takes the fastest feed alone and judges nothing."""
     feeds = FEEDS_MM_MIN[-1:] if quick else FEEDS_MM_MIN
-    done = subprocess.run(
-        [sys.executable, "-c", FRESH.format(feeds=repr(feeds))], capture_output=True, text=True, check=True
-    )
-    found: dict[str, float] = json.loads(done.stdout.splitlines()[-1])
     what = f"{len(CONTROLLERS)} controllers, both axes, both directions, {len(feeds)} feeds, R = {RADIUS_MM:g} mm"
-    said = f"load {before:.2f} before" if before is not None else "load unknown"
-    made = []
-    for name, which in (("in a fresh process", "first"), ("once more", "again")):
-        wall = found[which]
-        made.append(
-            row("circular test", f"{what}, {name}", wall, "s", at_most=None if quick else LIMIT_S,
-                judged=idle or wall <= LIMIT_S, remark=f"{found['simulated'] / wall:,.0f} x real time, {said}")
-        )  # fmt: skip
-    return made
+    return whole.rows("circular test", f"circles.drawn({feeds!r})", lambda found: what, LIMIT_S, quick)
