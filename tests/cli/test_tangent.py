@@ -129,6 +129,10 @@ def test_the_file_of_a_cut_is_its_line(call, line, tmp_path):
         ("x_yd,y_yd\n1,2\n", "the header is x_yd, y_yd; expected x_mm and y_mm"),
         ("x (ell),y (ell)\n1,2\n", "'x (ell)': expected a unit of mm, cm, m, inch, in"),
         ("stroke,x_mm,y_mm\n1.5,2,3\n", "row 2: stroke 1.5: expected a whole number"),
+        ("stroke,x_mm,y_mm\n1e300,2,3\n", "row 2: stroke 1e+300: expected a whole number"),
+        ("x_mm,y_mm\n1e200,2\n", "row 2: lies 1e+200 mm away; expected up to 1e+06 mm"),
+        ("x_mm;y_mm\n1,5;2\n", "row 1: cells are divided by semicolons; expected commas, and a decimal point"),
+        ("x_mm,y_mm\n1,5,2,5\n", "row 2: has 4 cells, the header 2; a decimal comma? expected a point"),
         ("stroke,x_mm,y_mm\n" + "".join(f"4,{k},0\n" for k in range(60)), "the program has 1 stroke only"),
         ("x_mm,y_mm\n" + "".join(f"{k},0\n" for k in range(60)), "does not cover the path: it is 59.0 mm long"),
     ],
@@ -139,6 +143,47 @@ def test_a_measured_file_that_is_none_is_refused_and_nothing_is_written(call, li
     result = call("tangent", "compensate", line, "--measured", scan, "-o", tmp_path / "out.ngc", code=2)
     assert why in result.stderr and result.stdout == ""
     assert left(tmp_path) == ["line.ngc", "scan.csv"]
+
+
+def test_a_picture_is_not_written_over_what_it_is_made_of(refused, svg, line):
+    before = svg.read_bytes()
+    assert "--plot" in refused("tangent", "show", svg, "--plot", svg)
+    said = refused("tangent", "compensate", line, "--measured", svg, "-o", line.with_name("o.ngc"), "--plot", svg)
+    assert "--plot" in said and "is read by this command; write to another file" in said
+    assert svg.read_bytes() == before
+
+
+@pytest.mark.slow
+def test_what_a_program_says_itself_is_not_overruled(call, refused, svg, line, tmp_path):
+    ours = tmp_path / "ours.ngc"
+    call("tangent", "gcode", svg, "-o", ours)
+    for option in (("--zero", 90), ("--clockwise",)):
+        assert "the head of" in refused("tangent", "cut", ours, "-o", tmp_path / "c.csv", *option)
+    assert "its unit stands in it" in refused(
+        "tangent", "compensate", line, "--measured", line, "-o", tmp_path / "o.ngc", "--drawing-unit", "in"
+    )
+    assert "are about a program that was cut" in refused(
+        "tangent", "compensate", svg, "--measured", line, "-o", tmp_path / "o.ngc", "--zero", 90
+    )
+    assert "a program that is cut ends in .ngc" in refused("tangent", "cut", svg, "-o", tmp_path / "c.csv")
+
+
+def test_a_program_that_a_new_one_would_cut_otherwise_is_not_compensated(call, tmp_path):
+    file, scan = tmp_path / "flat.ngc", tmp_path / "cut.csv"
+    file.write_text("G21 G90\nG0 X0 Y0 C0\nG1 X100 C0 F1000\nM2\n", encoding="utf-8")
+    call("tangent", "cut", file, "-o", scan)
+    result = call("tangent", "compensate", file, "--measured", scan, "-o", tmp_path / "o.ngc", code=2)
+    assert "cannot be written anew: it has no Z word, and a new program would move Z" in result.stderr
+    assert left(tmp_path) == ["cut.csv", "flat.ngc"]
+
+
+def test_the_plunge_of_a_program_of_others_is_kept_and_what_is_not_is_said(call, tmp_path):
+    file, scan, out = tmp_path / "slow.ngc", tmp_path / "cut.csv", tmp_path / "o.ngc"
+    file.write_text(LINE.replace("F600", "F150").replace("M2", "G0 X0 Y0\nM2"), encoding="utf-8")
+    call("tangent", "cut", file, "-o", scan)
+    result = call("tangent", "compensate", file, "--measured", scan, "-o", out)
+    assert "G1 Z-1 F150\n" in out.read_text(encoding="utf-8")
+    assert "slow.ngc: moves above the work that lead to no cut are not kept (line 8)" in result.stderr
 
 
 def test_options_that_make_no_sense_are_refused(refused, line, svg, tmp_path):

@@ -261,8 +261,11 @@ def test_rules_and_networks_of_the_wrong_kind_are_refused():
 
 
 # ---- engines and batches
+LOST = {"sensor.lost_from_s": 0.05, "sensor.lost_for_s": 0.04}
+
+
 def test_compiled_and_plain_python_give_the_same_bits():
-    loop = knife_loop(TUNINGS["ours.sofnn_tuned"])
+    loop = knife_loop(TUNINGS["ours.sofnn_tuned"]).using(LOST)
     plain, fast = loop.run(0.15, engine="python"), loop.run(0.15)
     assert all(np.array_equal(plain[k], fast[k]) for k in plain.signals)
 
@@ -273,7 +276,7 @@ def test_every_way_of_learning_gives_the_same_bits_in_c(name):
     """What the catalogue has is tried in tests/kernel/test_c99.py; these are the other branches."""
     if not compiler_path():
         missing("gcc", "there is no C compiler on this machine")
-    loop = knife_loop(TUNINGS[name])
+    loop = knife_loop(TUNINGS[name]).using(LOST)
     fast, by_c = loop.run(9.0), loop.run(9.0, engine="c")
     assert all(np.array_equal(fast[k], by_c[k]) for k in fast.signals)
 

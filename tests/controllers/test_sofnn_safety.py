@@ -3,10 +3,13 @@
 import numpy as np
 import pytest
 
-from leadscrew.controllers.sofnn import TUNINGS, sofnn
+from leadscrew.controllers.sofnn import TUNINGS, fnn, sofc, sofnn
+from leadscrew.controllers.sofnn.all_weights import sofnn_all_weights
+from leadscrew.kernel.errors import ValueRefused
 from leadscrew.neural.inference_net import W0
+from leadscrew.sensors.cut_camera import SeenCut
 from tests.controllers.sofnn_loop import CURVATURE, HEADING, QUIET, STRAIGHT, knife_loop, rms, state_of
-from tests.controllers.test_sofnn import stepped, wandering
+from tests.controllers.test_sofnn import COMMAND, T, fresh, stepped, wandering
 from tests.studies import tangent_oracle
 
 LEARNING = ("paper.sofnn_pnn", "ours.sofnn_tuned", "ours.sofnn_nlms", "ours.sofc_tuned")
@@ -57,6 +60,63 @@ def test_a_sensor_that_never_sees_sends_nothing_and_learns_nothing():
     assert not sent.any() and np.array_equal(state.weights, W0)
 
 
+def test_the_offset_fades_out_and_in_as_worked_by_hand():
+    # 30 deg: rule 7*3 + 4 says -2.038709 levels of 2.5 deg
+    rule, keep = -2.5 * 2.038709, np.exp(-T / 0.2)
+    sent = stepped(fnn, np.full(40, 30.0), np.repeat([1.0, 0.0, 1.0], [3, 12, 25]))[0]
+    gone = rule * keep ** np.arange(1, 13)
+    back = rule - (rule - gone[-1]) * keep ** np.arange(1, 26)
+    assert sent == pytest.approx(np.concatenate([np.full(3, rule), gone, back]), rel=1e-12)
+
+
+def test_seen_in_every_second_sample_it_does_half():
+    rule, keep = -2.5 * 2.038709, np.exp(-T / 0.2)
+    sent = stepped(fnn, np.full(400, 30.0), np.tile([1.0, 0.0], 200))[0]
+    assert sent[-2:] == pytest.approx([rule / (1.0 + keep), keep * rule / (1.0 + keep)], rel=1e-6)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["ours.sofnn_tuned", "ours.sofc_tuned", "paper.sofnn_pnn", "corrected.fnn"])
+def test_the_offset_does_not_jump_when_the_cut_is_seen_again(name):
+    bends = knife_loop(TUNINGS[name], *tangent_oracle.flower())
+    largest = {}
+    for case, more in {
+        "plain": {"sensor.lost_for_s": 0.0},
+        "lost": {},
+        "at once": {"controller.fade_s": 1e-4},
+    }.items():
+        starts = {"sensor.lost_from_s": np.arange(1.0, 6.0, 0.5)}
+        loop = bends.using({"sensor.lost_for_s": 1.0, **more})
+        largest[case] = abs(np.diff(loop.batch(7.5, starts, record="output")["output"], axis=1)).max()
+    assert largest["lost"] < 1.6 * largest["plain"] < 0.8 * largest["at once"]
+
+
+@pytest.mark.parametrize("block", [fnn, sofnn, sofc, sofnn_all_weights])
+@pytest.mark.parametrize("reading", [float("nan"), 40.0])
+def test_taking_over_while_nothing_is_seen_fades_and_then_fades_in(block, reading):
+    block = block if block is fnn else block(learning=False)
+    p, rules = block.prepare(block.params, T), getattr(block.params, "prior", W0)
+    state = fresh(block.align(p, COMMAND, SeenCut(reading, 0.0), 10.0))
+    found = []
+    for k in range(160):
+        state, d = block.step(p, state, COMMAND, SeenCut(reading, 0.0) if k < 20 else SeenCut(20.0, 1.0), T)
+        found.append(d)
+    keep = np.exp(-T / 0.2)
+    assert found[:20] == pytest.approx(10.0 * keep ** np.arange(1, 21), rel=1e-12)
+    rule = stepped(block, [20.0])[0][0]
+    assert np.array_equal(getattr(state, "weights", rules), rules), "a reading that is not seen moves no rule"
+    assert found[20:] == pytest.approx(rule - (rule - found[19]) * keep ** np.arange(1, 141), abs=1e-9)
+
+
+@pytest.mark.parametrize("block", [fnn, sofnn(clamp=2.0), sofc(clamp=2.0), sofnn_all_weights(clamp=2.0)])
+def test_an_offset_that_the_rules_cannot_say_is_taken_over_and_fades(block):
+    p, seen = block.prepare(block.params, T), SeenCut(1.0, 1.0)
+    state = fresh(block.align(p, COMMAND, seen, 14.0))
+    state, first = block.step(p, state, COMMAND, seen, T)
+    state, second = block.step(p, state, COMMAND, seen, T)
+    assert first == pytest.approx(14.0, abs=1e-12) and 0.0 < first - second < 0.05 * 15.0
+
+
 @pytest.mark.slow
 def test_holding_the_offset_through_a_long_loss_is_worse_than_fading_it_on_a_line_of_bends():
     starts = np.arange(1.0, 6.0, 0.5)
@@ -69,6 +129,15 @@ def test_holding_the_offset_through_a_long_loss_is_worse_than_fading_it_on_a_lin
         blind = [e["actual.deviation"][k, round(at / 0.01) + 1 :][:100] for k, at in enumerate(starts)]
         found[fade] = rms(blind)
     assert found[0.2] < 0.9 * found[1e5]
+
+
+# ---- a target that is believed exactly
+@pytest.mark.parametrize("block", [sofnn, sofnn_all_weights])
+def test_exact_targets_and_rules_that_do_not_walk_are_learned_without_an_error(block):
+    sent, state = stepped(block(q=0.0, r=1e-9, passes=2, delay=1), wandering(12))
+    assert np.isfinite(sent).all() and np.isfinite(state.covariance).all() and abs(state.weights - W0).max() > 0.1
+    with pytest.raises(ValueRefused, match="r = 1e-300"):
+        block(r=1e-300)
 
 
 # ---- saturation

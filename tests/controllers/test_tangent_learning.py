@@ -10,10 +10,13 @@ from leadscrew.controllers.tangent.curvature_network import apart_covariance, cu
 from leadscrew.kernel.errors import ValueRefused
 from leadscrew.neural.inference_net import Fired
 from leadscrew.neural.kalman import kalman_learn
+from leadscrew.references.cut_line import TangentCommand
+from leadscrew.sensors.cut_camera import SeenCut
 from tests.controllers.tangent_loop import knife
 
 SEEN = ("command", "feedback", "output")
 LATE = 4
+RULES_APART = curvature_network(prior_covariance=apart_covariance(), k_c=36.0, k_h=36.0, gain=0.0)
 CENTRES = np.linspace(-6.0, 6.0, 7)
 
 
@@ -81,7 +84,7 @@ def rules_of(run, at, scale=36.0):
 
 @pytest.mark.slow
 def test_rules_of_the_curvature_learn_the_least_squares_weights():
-    run, state = lived(curvature_network, 5.0, noise=0.15)
+    run, state = lived(curvature_network(k_c=36.0, k_h=36.0), 5.0, noise=0.15)
     c, at = unexplained(run)
     c, at = c[1:], at[1:]
     rows = np.column_stack([rules_of(run, at), *(part[at] for part in direction(run))])
@@ -93,7 +96,7 @@ def test_rules_of_the_curvature_learn_the_least_squares_weights():
 @pytest.mark.slow
 def test_rules_apart_are_updated_by_the_networks_own_filter():
     """The digest's form: the same weights as of the Kalman update of the network of the error."""
-    run, state = lived(curvature_network(prior_covariance=apart_covariance(), gain=0.0), 3.0, noise=0.15)
+    run, state = lived(RULES_APART, 3.0, noise=0.15)
     c, at = unexplained(run)
     rows = rules_of(run, at[1:])
     weights, covariance = np.zeros(49), np.eye(49)
@@ -147,6 +150,39 @@ def test_nothing_is_learned_while_the_cut_is_not_seen(controller):
     assert np.array_equal(before.weights, lost.weights) and before.found == lost.found
     assert np.array_equal(before.covariance, lost.covariance)
     assert not np.array_equal(lost.weights, after.weights)
+
+
+@pytest.mark.parametrize("controller", [curvature_feed_forward, curvature_network])
+def test_what_is_read_while_the_cut_is_not_seen_does_no_harm(controller):
+    """Step by step: NaN from a lost camera leaves no trace, whatever it says instead."""
+    plan, sent = controller.prepare(controller.params, 0.01), []
+    for blank in (math.nan, 7.0):
+        state, offsets = controller.state._replace(**{k: np.array(v) for k, v in arrays_of(controller.state)}), []
+        for k in range(60):
+            command = TangentCommand(0.0, 2.0 * k, 0.03, 2.0 * k + 2.0, 0.03, 0.5 * k)
+            seen = not 30 <= k < 40
+            reading = SeenCut(0.3 * math.sin(k), 1.0) if seen else SeenCut(blank, 0.0)
+            state, offset = controller.step(plan, state, command, reading, 0.01)
+            offsets.append(offset)
+        sent.append(offsets)
+    assert np.isfinite(sent[0]).all() and sent[0] == sent[1]
+    assert len(set(sent[0])) > 20
+
+
+def arrays_of(state):
+    return [(k, v) for k, v in state._asdict().items() if isinstance(v, np.ndarray)]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("controller", [curvature_feed_forward, curvature_network])
+def test_the_offset_does_not_jump_when_the_cut_is_seen_again(controller):
+    """Lost while the material changes: all at once it steps by twice what it does with the reading coming back."""
+    steps = []
+    for block in (controller, controller(return_s=0.01)):
+        lost = {"sensor.lost_from_s": 2.8, "sensor.lost_for_s": 1.0, "plant.change_at": 120.0}
+        sent = knife(block, noise=0.15).using(lost).run(4.2, record=("output",))["output"]
+        steps.append(np.abs(np.diff(sent))[377:].max())
+    assert steps[0] < 0.6 * steps[1]
 
 
 @pytest.mark.slow

@@ -23,8 +23,9 @@ def claims():
 
 
 @pytest.mark.slow
-def test_every_claim_meets_its_target(claims):
-    assert not [c.id for c in claims.values() if c.passed is False]
+def test_every_claim_but_the_one_that_is_said_meets_its_target(claims):
+    missed = [name for name, c in claims.items() if c.passed is False]
+    assert missed == ["m2_mismatch_prior_rms"]
     assert sum(c.passed is True for c in claims.values()) > 35
 
 
@@ -43,9 +44,17 @@ def test_the_numbers_in_the_text_are_the_claims(claims):
         f"keep at least {claims['m4_kept'].measured:.0f} %": "m4",
         f"leave {claims['m4_transfer'].measured:.2f} deg at worst": "m4",
         f"{claims['m2_prior_most'].measured:.1f} with one": "m2",
+        f"{claims['m2_mismatch_prior_rms'].measured:.3f} deg with a prior": "m2",
+        f"{claims['mismatch_feed_forward_1'].measured:.3f} without": "m2",
+        f"by at most {claims['resight_rules'].measured:.1f} deg": "resight",
+        f"by {claims['resight_observer'].measured:.0f} deg": "resight",
     }
     for words in said:
         assert words in TEXT
+    parts = claims["m4_parts"].reason
+    assert f"{re.search('without the direction ([0-9.]+)', parts).group(1)} deg without the direction" in TEXT
+    assert f"{re.search('rules apart ([0-9.]+)', parts).group(1)} with rules that" in TEXT
+    assert f"{re.search('leaves ([0-9.]+);', claims['m4_transfer'].reason).group(1)} deg there" in TEXT
     worst = re.search(r"the worst cell, .*?, ([\d.]+);", claims["m2_prior_most"].reason)
     assert worst and f"but {worst.group(1)} in the worst cell" in TEXT
 

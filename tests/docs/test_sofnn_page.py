@@ -71,6 +71,18 @@ def test_a_lost_sensor_does_what_the_page_says():
 
 
 @pytest.mark.slow
+def test_the_offset_comes_back_in_steps_as_large_as_the_page_says():
+    pattern = r"at most ([\d.]+) deg a sample, ([\d.]+) if it came back at once; ([\d.]+) and ([\d.]+) with"
+    said = list(map(float, re.search(pattern, TEXT).groups()))
+    starts = {"sensor.lost_from_s": np.arange(1.0, 6.0, 0.1)}
+    for name, numbers in (("ours.sofnn_tuned", said[:2]), ("paper.sofnn_pnn", said[2:])):
+        loop = knife_loop(TUNINGS[name], *tangent_oracle.flower()).using({"sensor.lost_for_s": 1.0})
+        for fade, number in zip((SHEET["fade_s"], 1e-4), numbers, strict=True):
+            sent = loop.using({"controller.fade_s": fade}).batch(7.5, starts, record="output")["output"]
+            assert abs(np.diff(sent, axis=1)).max() == pytest.approx(number, abs=0.05)
+
+
+@pytest.mark.slow
 def test_saturation_ends_as_soon_as_the_page_says():
     said = map(float, re.search(r"after ([\d.]+) s, ([\d.]+) s with the paper's scales", TEXT).groups())
     for block, seconds in zip((TUNINGS["ours.sofnn_tuned"], sofnn), said, strict=True):

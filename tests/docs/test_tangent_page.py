@@ -38,5 +38,5 @@ def test_the_programs_have_the_lines_that_the_page_shows(tmp_path, monkeypatch):
     assert shown in (tmp_path / "leaf.ngc").read_text(encoding="utf-8")
     for line in re.findall(r"`(C\S+ \(d [\d.-]+\))`", TEXT):
         assert line in (tmp_path / "leaf2.ngc").read_text(encoding="utf-8")
-    chords = re.search(r"(\d+) chords at 3000 mm/min", TEXT)
-    assert chords is not None and workflow.first_program("flower").count("\nG1 X") == int(chords[1])
+    arcs = re.search(r"(\d+) arcs at 3000 mm/min", TEXT)
+    assert arcs is not None and len(re.findall(r"\nG[123] X", workflow.first_program("flower"))) == int(arcs[1])

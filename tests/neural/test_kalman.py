@@ -9,7 +9,7 @@ from leadscrew.kernel.errors import NameUnknown
 from leadscrew.neural.inference_net import AXIS, W0, Fired, fired
 from leadscrew.neural.kalman import kalman_learn
 from leadscrew.neural.kalman_dense import kalman_learn_dense, regressor, updated
-from leadscrew.studies.sofnn_tangent.inference_runs import (
+from leadscrew.studies.sofnn_tangent.inference_filter import (
     FORMS_CSV,
     covariance_forms,
     forms_kept,

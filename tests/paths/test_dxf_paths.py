@@ -216,3 +216,81 @@ def test_empty_and_broken_files_are_refused(drawn, tmp_path):
         (tmp_path / "broken.dxf").write_bytes(content)
         with pytest.raises(DataError, match=r"broken\.dxf"):
             read_drawing(tmp_path / "broken.dxf", unit="mm")
+
+
+LINE = "0\nSECTION\n2\nENTITIES\n0\nLINE\n8\n0\n10\n0\n20\n0\n30\n0\n11\n30\n21\n40\n31\n0\n0\nENDSEC\n0\nEOF\n"
+
+
+@pytest.mark.parametrize("head", ["", "0\nSECTION\n2\nHEADER\n9\n$ACADVER\n1\nAC1009\n0\nENDSEC\n"])
+def test_a_file_without_a_header_is_not_taken_for_metres(tmp_path, head):
+    file = tmp_path / "r12.dxf"
+    file.write_text(head + LINE)
+    with pytest.raises(DataError, match=r"r12\.dxf does not say its unit \(it has no \$INSUNITS\): give it"):
+        read_drawing(file)
+    assert read_drawing(file, unit="mm").length == pytest.approx(50)
+    assert read_drawing(file, unit="inch").length == pytest.approx(1270)
+    # A text that names it is no unit.
+    file.write_text((head + LINE).replace("8\n0\n", "8\n$INSUNITS\n"))
+    with pytest.raises(DataError, match="it has no"):
+        read_drawing(file)
+
+
+@pytest.mark.parametrize("form", ["asc", "bin"])
+def test_the_unit_is_found_in_text_and_in_binary_files(tmp_path, form):
+    document = ezdxf.new(units=5)
+    document.modelspace().add_line((0, 0), (3, 4))
+    document.saveas(tmp_path / "a.dxf", fmt=form)
+    assert read_drawing(tmp_path / "a.dxf").length == pytest.approx(50)
+
+
+SPLINE = "0\nSPLINE\n8\n0\n5\n7F\n100\nAcDbEntity\n100\nAcDbSpline\n70\n8\n71\n3\n{}"
+POINTS = "".join(f"10\n{x}\n20\n{y}\n30\n0\n" for x, y in [(0, 0), (10, 20), (30, 20), (40, 0)])
+KNOTS = "".join(f"40\n{k}\n" for k in (0, 0, 0, 0, 1, 1, 1, 1))
+BROKEN = {
+    "two points": (SPLINE.format(KNOTS + "10\n0\n20\n0\n30\n0\n10\n9\n20\n0\n30\n0\n"), "got 2 control points"),
+    "three knots": (SPLINE.format(KNOTS[:15] + POINTS), "knot values required"),
+    "two weights": (SPLINE.format(KNOTS + "41\n1\n41\n2\n" + POINTS), "invalid weight count"),
+    "no number": ("0\nLINE\n5\n7F\n8\n0\n10\n0\n20\n0\n11\nnan\n21\n5\n", "expected finite coordinates"),
+}
+
+
+@pytest.mark.parametrize("name", BROKEN)
+def test_a_broken_entity_is_refused_by_kind_and_handle(tmp_path, name):
+    entity, why = BROKEN[name]
+    (tmp_path / "a.dxf").write_text(f"0\nSECTION\n2\nENTITIES\n{entity}0\nENDSEC\n0\nEOF\n")
+    with pytest.raises(DataError, match=rf"a\.dxf: {entity.split()[1]} 7F cannot be read: .*{why}"):
+        read_drawing(tmp_path / "a.dxf", unit="mm")
+
+
+def test_an_ellipse_of_no_size_is_a_point(tmp_path):
+    axes = "10\n0\n20\n0\n30\n0\n11\n0\n21\n0\n31\n0\n40\n0.5\n41\n0\n42\n6.2\n"
+    (tmp_path / "a.dxf").write_text(LINE.replace("0\nENDSEC", f"0\nELLIPSE\n8\n0\n{axes}0\nENDSEC"))
+    drawing = read_drawing(tmp_path / "a.dxf", unit="mm")
+    assert drawing.length == pytest.approx(50) and drawing.notes == ("1 segment of no length left out",)
+
+
+def test_blocks_that_multiply_without_end_are_refused(drawn, monkeypatch):
+    monkeypatch.setattr("leadscrew.paths.dxf.MOST_INSERTED", 1000)
+
+    def draw(m):
+        m.doc.blocks.new("B0").add_line((0, 0), (1, 0))
+        for k in range(1, 12):
+            b = m.doc.blocks.new(f"B{k}")
+            for x in range(10):
+                b.add_blockref(f"B{k - 1}", (x, k))
+        m.add_blockref("B11", (0, 0))
+
+    with pytest.raises(DataError, match=r"drawing\.dxf: its blocks draw more than 1000 entities"):
+        drawn(draw)
+
+    def rows(m):
+        m.doc.blocks.new("B").add_line((0, 0), (1, 0))
+        m.add_blockref("B", (0, 0), dxfattribs={"row_count": 9000, "column_count": 9000, "row_spacing": 1})
+
+    with pytest.raises(DataError, match="more than 1000 entities"):
+        drawn(rows)
+
+
+def test_a_block_that_is_not_there_is_refused_by_its_reference(drawn):
+    with pytest.raises(DataError, match=r"drawing\.dxf: INSERT [0-9A-F]+ cannot be read: .*NIX"):
+        drawn(lambda m: (m.add_line((0, 0), (1, 0)), m.add_blockref("NIX", (0, 0))))

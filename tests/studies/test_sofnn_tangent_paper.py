@@ -51,9 +51,12 @@ def test_what_the_paper_says_is_judged_from_the_numbers(loops):
     named = {c.id.removeprefix("sofnn_tangent."): c for c in paper_claims(loops)}
     assert [(k, c.measured, c.target) for k, c in named.items() if c.kind == "required" and not c.passed] == []
     assert [k for k, c in named.items() if c.paper is None and c.verdict != "cannot be checked"] == []
-    assert named["paper_better_than_none"].verdict == "reproduced with change"
-    assert named["paper_better_than_pid"].verdict == "not reproduced"
-    assert named["paper_offline_training"].verdict == "not reproduced"
+    assert (
+        named["paper_offline_training"].verdict == "cannot be checked"
+        and named["paper_offline_training"].measured > 0.0
+    )
+    assert named["paper_compensated_share"].verdict == "cannot be checked"
+    assert not [k for k in named if "pid" in k]  # the paper never mentions one
     assert [named[f"area_{i}_network"].verdict for i in (1, 2, 3)] == ["reproduced"] * 3
 
 
@@ -61,9 +64,11 @@ def test_what_the_paper_says_is_judged_from_the_numbers(loops):
 def test_every_erratum_of_this_room_is_shown(loops):
     named = {c.id.removeprefix("sofnn_tangent."): c for c in errata_claims(loops)}
     assert [(k, c.measured, c.target) for k, c in named.items() if c.kind == "required" and not c.passed] == []
-    for number in (3, 8, 9, 10, 11, 12, 13, 14, 15, 18, 19):
+    for number in (3, 8, 11, 12, 13, 14, 15, 18, 19):
         assert [k for k in named if k.startswith(f"erratum_{number}_")], number
     assert named["five_passes_without_threshold"].measured > 2.0 * 0.493
+    read_off = ("erratum_13_symbols", "erratum_18_missing", "erratum_19_references")
+    assert [named[k].target for k in read_off] == [None] * 3 and all(named[k].kind == "report" for k in read_off)
 
 
 @pytest.mark.slow

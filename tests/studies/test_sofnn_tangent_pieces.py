@@ -5,11 +5,14 @@ import pytest
 from scipy.ndimage import gaussian_filter1d
 
 from leadscrew.controllers.tangent.curvature_feed_forward import curvature_feed_forward
+from leadscrew.controllers.tangent.curvature_network import curvature_network
 from leadscrew.controllers.tangent.taught_offset import taught_alone
-from leadscrew.studies.sofnn_tangent.pieces import ROOM, Teaching, pieces
+from leadscrew.studies.sofnn_tangent import recall_choice, taught
+from leadscrew.studies.sofnn_tangent.lines import LAPS, MATERIAL_NAMES, line
+from leadscrew.studies.sofnn_tangent.pieces import ROOM, Learned, Teaching, pieces
 from leadscrew.studies.sofnn_tangent.runs import SEED, Loops, build
 from leadscrew.studies.sofnn_tangent.scenarios import SCENARIOS
-from leadscrew.studies.sofnn_tangent.taught import SWAP_AT
+from leadscrew.studies.sofnn_tangent.taught import SWAP_AT, others_say
 
 FLOWER = {"lines": ("flower",), "materials": ("fabric",)}
 
@@ -59,3 +62,34 @@ def test_a_changed_material_is_the_other_one_from_its_piece_on():
     foam = pieces(loops, None, 1, runs=2, lines=("flower",), materials=("foam",), first=SWAP_AT - 1)
     assert np.array_equal(changed.rms[-1], foam.rms[0])
     assert changed.rms[-2].mean() < 0.8 * foam.rms[0].mean()
+
+
+def test_what_a_new_piece_starts_from_has_seen_neither_its_line_nor_its_material(monkeypatch):
+    """Every line in every material says a power of two of its own: the mean names who was asked."""
+    bits = {(m, x): 2.0 ** (3 * i + k) for i, m in enumerate(MATERIAL_NAMES) for k, x in enumerate(LAPS)}
+    monkeypatch.setattr(
+        taught, "known_of", lambda loops, m, changes: Learned({x: np.full((2, 7), bits[m, x]) for x in LAPS}, {})
+    )
+    for material, own in bits:
+        asked = sum(v for (m, x), v in bits.items() if m != material and x != own)
+        assert np.array_equal(4.0 * others_say(Loops(), material, own, None), np.full(7, asked))
+
+
+def test_the_rules_are_set_to_what_was_chosen_on_other_lines():
+    chosen = recall_choice.chosen().setting.block().params
+    for name in ("k_c", "k_h", "highpass_s", "prior_covariance"):
+        assert np.array_equal(getattr(chosen, name), getattr(curvature_network.params, name)), name
+
+
+@pytest.mark.slow
+def test_the_choice_is_made_again():
+    """The chosen setting and its neighbours, as the file has them; the chosen one is the best of all tried."""
+    own = {round(line.length) for line in recall_choice.lines_of_choice()}
+    assert len(own) == 3 and not own & {round(line(name).travel[-1]) for name in LAPS}
+    loops, best = Loops(), recall_choice.chosen()
+    near = recall_choice.next_to("scale") + recall_choice.next_to("highpass_s")
+    assert len(near) == 4 and len(recall_choice.kept()) > 40
+    for row in (best, *near):
+        again = recall_choice.tried(loops, row.setting)
+        assert again.worst == pytest.approx(row.worst, abs=1e-5) and again.mean == pytest.approx(row.mean, abs=1e-5)
+    assert all(best.worst < row.worst for row in near)

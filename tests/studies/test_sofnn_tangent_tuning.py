@@ -5,6 +5,7 @@ import csv
 import numpy as np
 import pytest
 
+from leadscrew.studies.sofnn_tangent.lines import PERIOD_S
 from leadscrew.studies.sofnn_tangent.runs import SEED, Loops
 from leadscrew.studies.sofnn_tangent.tuning import (
     BUDGET,
@@ -12,6 +13,7 @@ from leadscrew.studies.sofnn_tangent.tuning import (
     SEARCHES,
     TUNED_ON,
     as_row,
+    at_ends,
     best,
     costs,
     found_anew,
@@ -30,9 +32,18 @@ def test_every_law_has_had_the_same_searches_and_lies_in_its_box():
     assert TUNED_ON != SEED, "judged on textures that no search has seen"
 
 
+def test_no_law_was_held_back_by_an_end_of_its_range():
+    """A filter of less than a tenth of a period is none, so that its lower end holds nothing back."""
+    for law in LAWS:
+        found = best(law)
+        none = found.values.get("filter_s", 1.0) < 0.1 * PERIOD_S
+        assert set(at_ends(found)) <= ({"filter_s"} if none else set()), law
+
+
 def test_the_ends_and_the_middle_of_a_box():
     found = spread(np.array([[0.0, 1.0], [0.5, 0.5]]), {"a": (0.1, 10.0), "b": (2.0, 8.0)})
     assert found["a"] == pytest.approx([0.1, 1.0]) and found["b"] == pytest.approx([8.0, 4.0])
+    assert spread(np.array([[1.0]]), {"kg": (0.05, 1000.0)})["kg"][0] <= 1000.0, "not a digit beyond its end"
 
 
 def test_a_file_of_searches_is_read_as_it_was_written(tmp_path):

@@ -13,7 +13,7 @@ from leadscrew.studies.sofnn_tangent.runs import Loops
 @pytest.mark.slow
 def test_every_required_claim_holds_and_the_moonshot_is_reached():
     claims = workflow_claims(Loops())
-    assert len({c.id for c in claims}) == len(claims) == 14
+    assert len({c.id for c in claims}) == len(claims) == 15
     assert all(c.passed for c in claims if c.kind != "report")
     assert sum(c.kind == "required" for c in claims) == 7 and sum(c.kind == "moonshot" for c in claims) == 4
 
@@ -25,13 +25,19 @@ def test_a_piece_of_the_table_comes_out_again():
 
 
 @pytest.mark.slow
-def test_a_third_of_the_table_comes_out_again():
-    made = workflow.measured_table(seeds=workflow.SEEDS[2:])
+def test_the_last_run_of_each_case_of_the_table_comes_out_again():
+    made = workflow.measured_table(seeds=workflow.SEEDS[-1:])
     kept = workflow.kept_table()
-    assert 3 * len(made) == 5 * 3 * 3 * 3 == sum(map(len, kept.values()))
+    assert 9 * len(made) == 9 * 5 * 3 * 3 == sum(map(len, kept.values()))
     for drawing, material, scan, seed, *numbers in made:
         row = kept[drawing, material, scan][workflow.SEEDS.index(int(seed))]
         np.testing.assert_allclose(np.array(numbers, dtype=float), row, atol=2e-3)
+
+
+def test_ratios_of_single_runs_lie_around_that_of_their_means():
+    each = workflow.each_ratio(("leaf.svg",), ("leather",), "exact")[0, 0]
+    assert each.shape == (9,) and each.min() < workflow.ratios(("leaf.svg",), ("leather",), "exact")[0, 0] < each.max()
+    assert each.max() > 1.0 / 3.0  # single runs miss the third
 
 
 def test_the_table_has_every_drawing_in_every_material_with_every_scan():

@@ -15,6 +15,7 @@ from leadscrew.tangent.deviation import cutoff_of, deviation_of, noise_of
 from leadscrew.tangent.emit import program
 from leadscrew.tangent.measured import Trace
 from leadscrew.tangent.placing import Placing, by_marks, fitted
+from leadscrew.tangent.points import thinned
 from leadscrew.tangent.program import program_of
 from leadscrew.tangent.scan import Scan, marks_of, scanned
 from leadscrew.tangent.settings import Settings
@@ -152,6 +153,44 @@ def test_traced_lines_find_their_strokes_and_what_was_not_measured_stays():
     assert only.strokes[0] is strokes[0] and "not measured, kept as they were: stroke 1, 2" in only.notes
 
 
+def test_a_stray_point_is_left_out_and_said_and_many_are_only_said():
+    stroke = stroke_of(Path([Line((0.0, 0.0), (100.0, 0.0))]))
+    _, x, y = line_with(stroke, lambda s: 0.0 * s + 1.8, 0.5)
+    astray = y.copy()
+    astray[80] += 2.0
+    found = compensated([stroke], PLAIN, [points(x, astray)])
+    assert found.largest == pytest.approx(2.0, abs=1e-3)
+    (note,) = found.notes
+    assert note == "scan.csv: 1 point of stroke 1 (near 40.0, 3.3) up to 2 mm off the line of the others: left out"
+    astray = y.copy()
+    astray[[30, 80, 130]] += 0.55
+    found = compensated([stroke], PLAIN, [points(x, astray)])
+    assert "so many are not left out: the error is uncertain there" in found.notes[0]
+
+
+def test_a_dense_scan_is_put_together_and_tells_the_same():
+    stroke = stroke_of(Path([Line((0.0, 0.0), (100.0, 0.0))]))
+    draw = np.random.default_rng(4)
+    _, x, y = line_with(stroke, lambda s: 2.0 * np.sin(s / 15.0), 0.001)
+    noisy = [v + 0.02 * draw.standard_normal(v.size) for v in (x, y)]
+    found = compensated([stroke], PLAIN, [points(*noisy)])
+    (learned,) = found.learned
+    off = learned.before - 2.0 * np.sin(learned.travel / 15.0)
+    assert math.sqrt(np.mean(off[5:-5] ** 2)) < 0.06 and np.abs(off).max() < 0.4
+    assert learned.seen.noise == pytest.approx(0.02, rel=0.1) and learned.seen.spacing == pytest.approx(0.001, rel=0.05)
+    assert learned.seen.travel.size < 1100
+
+
+def test_points_are_put_together_by_their_means_with_the_ends_of_the_line():
+    x = np.linspace(0.0, 10.0, 1001)
+    u, v, count = thinned(x, 2.0 * x, 10.0, 0.1)
+    assert count == 10 and u.size == 102 and (u[0], u[-1]) == pytest.approx((0.0, 10.0), abs=6e-3)
+    assert v == pytest.approx(2.0 * u)
+    assert thinned(x[::100], x[::100], 10.0, 0.1)[2] == 1
+    # What jumps is not smeared.
+    assert thinned(np.where(x < 5.0, x, x + 40.0), x, 10.0, 0.1)[2] == 1
+
+
 def wave_points(step=0.5):
     stroke = stroke_of(shapes.wave())
     at = stroke.at(stroke.grid(step))
@@ -180,6 +219,9 @@ def test_what_is_not_the_cut_of_this_path_is_refused_in_a_sentence():
     assert "too coarse: a point every 14" in refusal(points(x[::28], y[::28]))
     assert "3 points are too few" in refusal(points(x[:3], y[:3]))
     assert "all points are the same" in refusal(points(np.ones(50), np.ones(50)))
+    assert "1 point is too few" in refusal(points([1.0], [2.0]))
+    assert "is 10 times as large as stroke 1: another unit or scale?" in refusal(points(10.0 * x, 10.0 * y))
+    assert "1 row is too few" in refusal(Trace(1, NONE, NONE, np.zeros(1), np.zeros(1), False, "gauge.csv"))
     assert "lies 300 mm from where stroke 1" in refusal(points(x + 300.0, y))
     other = shapes.flower().at(np.linspace(0.0, 394.0, 900))
     assert "jumps" not in (said := refusal(points(1.17 * other.x + 150.0, 1.17 * other.y)))
@@ -198,6 +240,8 @@ def test_two_strokes_need_a_number_for_each_row_or_a_line_each():
     _, x, y = wave_points()
     with pytest.raises(DataError, match="the program has 2 strokes"):
         compensated(strokes, PLAIN, [points(x, y)])
+    with pytest.raises(DataError, match=r"2 lines measured, the program has 1 stroke$"):
+        compensated(strokes[:1], PLAIN, [points(x, y), points(x, y)])
 
 
 def test_marks_are_checked():
@@ -268,7 +312,7 @@ def test_the_program_of_the_next_piece_says_the_offsets_that_were_learned():
     stroke = stroke_of(shapes.wave())
     _, x, y = line_with(stroke, lambda s: 3.0 * np.sin(s / 30.0), 0.5)
     found = compensated([stroke], PLAIN, [points(x, y)])
-    (read,) = program_of(program(found.strokes, PLAIN)).strokes
+    (read,) = program_of(program(found.strokes, Settings(angle_tolerance=0.1))).strokes
     grid = np.linspace(5.0, stroke.length - 5.0, 300)
     assert np.abs(read.offset(grid) - found.strokes[0].offset(grid)).max() < 0.15
 

@@ -8,17 +8,18 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from leadscrew.cli.output import Json, busy, emit, print_table
+from leadscrew.cli.output import Json, emit, print_table, progress
+from leadscrew.cli.tangent_axis import ClockwiseOfOthers, ZeroOfOthers
 from leadscrew.cli.tangent_files import (
+    PICTURES,
     PROGRAMS,
     SCHEMA_VERSION,
-    Clockwise,
-    Zero,
     cut_program,
     drawing,
     is_program,
     spared,
     wanted,
+    written,
 )
 from leadscrew.kernel.errors import DataError, ValueRefused
 
@@ -63,8 +64,8 @@ def compensate(
         str | None, typer.Option("--unit", help="Of the measured file, where it does not say it: mm or inch.")
     ] = None,
     drawing_unit: Annotated[str | None, typer.Option(help="Of the drawing, where it does not say it.")] = None,
-    zero: Zero = 0.0,
-    clockwise: Clockwise = False,
+    zero: ZeroOfOthers = None,
+    clockwise: ClockwiseOfOthers = None,
     plot: Annotated[
         Path | None, typer.Option("--plot", metavar="FILE", help="A picture (.png, .svg, .pdf): errors and offsets.")
     ] = None,
@@ -75,7 +76,6 @@ def compensate(
     The program that was cut tells its offsets itself, so pieces follow each other: cut, measure, compensate.
     """
     from leadscrew import __version__
-    from leadscrew.newfile import save
     from leadscrew.tangent.compensate import Learning, compensated
     from leadscrew.tangent.emit import program
     from leadscrew.tangent.measured import read_measured
@@ -83,13 +83,21 @@ def compensate(
     wanted(out, PROGRAMS, "a program")
     spared(out, [file, measured, after])
     if plot is not None:
-        wanted(plot, (".png", ".svg", ".pdf"), "a picture")
+        wanted(plot, PICTURES, "a picture")
+        spared(plot, [file, measured, after], "--plot")
     pairs = [_mark(text) for text in mark or []]
     how = Learning(learning, gain, axis_lag, width, cutoff, limit)
     settings, strokes = _cut(file, after, drawing_unit, zero, clockwise)
-    with busy(f"{measured}: error of the cut"):
+    with progress() as report:
+        report(f"{measured}: reading", 0.0)
         found = compensated(
-            strokes, settings, read_measured(measured, unit), how, align or ("marks" if pairs else "none"), pairs
+            strokes,
+            settings,
+            read_measured(measured, unit),
+            how,
+            align or ("marks" if pairs else "none"),
+            pairs,
+            lambda done: report(f"{measured}: error of the cut", done),
         )
         notes = [
             f"{file.name}, compensated by {measured.name}, by leadscrew {__version__} tangent compensate",
@@ -100,9 +108,9 @@ def compensate(
             from leadscrew.tangent.picture import learned_figure, picture
 
             drawn = picture(learned_figure(found), plot.suffix)
-    save(text, out)
+    written(text, out)
     if plot is not None:
-        save(drawn, plot)
+        written(drawn, plot)
     rows = [
         {"stroke": k.number, "length_mm": k.stroke.length, "before_rms_deg": _rms(k.before),
          "predicted_rms_deg": _rms(k.predicted), "largest_offset_deg": float(abs(k.new).max()),
@@ -146,32 +154,45 @@ def compensate(
 
 
 def _cut(
-    file: Path, after: Path | None, unit: str | None, zero: float, clockwise: bool
+    file: Path, after: Path | None, unit: str | None, zero: float | None, clockwise: bool | None
 ) -> tuple[Settings, list[Stroke]]:
     """Settings and strokes of the piece that was cut."""
     from dataclasses import replace
 
+    from leadscrew.cli.door import say
     from leadscrew.tangent.settings import Settings
     from leadscrew.tangent.stroke import strokes_of
 
     if is_program(file):
         if after is not None:
             raise ValueRefused(f"--after {after}: {file} is a program itself: give the one that was cut as PATH")
+        if unit is not None:
+            raise ValueRefused(f"--drawing-unit {unit}: {file} is a program, and its unit stands in it")
         cut = cut_program(file, zero, clockwise)
         if cut.passed:
             raise DataError(
                 f"{file}: has words that a new program would lose ({'; '.join(cut.passed[:3])}); give the drawing, or "
                 "a program of leadscrew tangent gcode"
             )
+        if cut.lost:
+            raise DataError(
+                f"{file}: cannot be written anew: {cut.lost[0]}; give the drawing, or a program of leadscrew tangent "
+                "gcode"
+            )
+        for change in cut.changed:
+            say(f"leadscrew: note: {file}: {change}")
         if not cut.ours:
             return cut.settings, cut.strokes
         return cut.settings, [replace(s, feeds=None) for s in cut.strokes]
     before = None if after is None else cut_program(after, zero, clockwise)
+    if before is not None and (before.passed or before.lost):
+        said = "; ".join([*before.passed, *before.lost][:4])
+        say(f"leadscrew: note: the new program is made of {file} and does not have what {after} has: {said}")
     settings = Settings() if before is None else before.settings
     strokes = strokes_of(drawing(file, unit).paths, settings)
     if before is None:
-        from leadscrew.cli.door import say
-
+        if zero is not None or clockwise is not None:
+            raise ValueRefused("--zero and --clockwise are about a program that was cut: give it with --after")
         say(f"leadscrew: note: {file}: taken as cut by what gcode makes of it without options; else give --after")
         return settings, strokes
     if len(before.strokes) != len(strokes) or any(

@@ -8,8 +8,9 @@ from typing import Annotated
 import typer
 
 from leadscrew.cli.output import Json, emit, print_table, progress
-from leadscrew.cli.tangent_files import SCHEMA_VERSION, Clockwise, Zero, cut_program, spared, wanted
-from leadscrew.kernel.errors import ValueRefused
+from leadscrew.cli.tangent_axis import ClockwiseOfOthers, ZeroOfOthers
+from leadscrew.cli.tangent_files import PROGRAMS, SCHEMA_VERSION, cut_program, is_program, spared, wanted, written
+from leadscrew.kernel.errors import DataError, ValueRefused
 
 
 def cut(
@@ -21,8 +22,8 @@ def cut(
     placed: Annotated[
         str | None, typer.Option(metavar="DX,DY,DEG", help="How the piece lay on the scanner, and two marks with it.")
     ] = None,
-    zero: Zero = 0.0,
-    clockwise: Clockwise = False,
+    zero: ZeroOfOthers = None,
+    clockwise: ClockwiseOfOthers = None,
     as_json: Json = False,
 ) -> None:
     """Cut in simulation: a blade in flexible material, which springs back behind it.
@@ -30,12 +31,15 @@ def cut(
     The material is a reconstruction, none was measured. With --noise or --placed the file has what a scan has: stroke,
     x_mm and y_mm.
     """
-    from leadscrew.newfile import save
     from leadscrew.tangent import machine
     from leadscrew.tangent.scan import Scan, cut_csv, marks_of, scan_csv
 
     wanted(out, (".csv",), "a cut line")
     spared(out, [file])
+    if not is_program(file):
+        raise DataError(
+            f"{file}: a program that is cut ends in {', '.join(PROGRAMS)}; leadscrew tangent gcode makes one"
+        )
     if not 0.0 <= noise <= 10.0:
         raise ValueRefused(f"--noise {noise:g}: allowed range is 0 to 10 mm")
     if seed < 0:
@@ -48,7 +52,7 @@ def cut(
             program.strokes, program.settings, material, seed, lambda done: report(f"{file}: {material}", done)
         )
     scan = None if lying is None and not noise else Scan(noise, *(lying or (0.0, 0.0, 0.0)), seed)
-    save(cut_csv(found) if scan is None else scan_csv(found, scan), out)
+    written(cut_csv(found) if scan is None else scan_csv(found, scan), out)
     marks = [] if scan is None or lying is None else marks_of(program.strokes, scan, program.settings.places())
     rows = [
         {"stroke": k, "length_mm": float(c.travel[-1]), "seconds": c.seconds, "rms_error_deg": machine.rms([c]),

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from leadscrew.kernel.errors import DataError, ValueRefused
+from leadscrew.paths.suffixes import GCODE
 
 if TYPE_CHECKING:
     from leadscrew.paths.read import Drawing
@@ -17,12 +18,15 @@ if TYPE_CHECKING:
     from leadscrew.tangent.stroke import Stroke
 
 SCHEMA_VERSION = 1
-PROGRAMS = (".ngc", ".nc", ".gcode", ".tap", ".cnc")
+PROGRAMS = GCODE
 """Suffixes of G-code."""
+PICTURES = (".png", ".svg", ".pdf")
+"""Suffixes of pictures."""
 
 Drawn = Annotated[Path, typer.Argument(metavar="DRAWING", help="SVG, DXF, or G-code of a line in XY.")]
 Unit = Annotated[
-    str | None, typer.Option("--unit", help="mm or inch, where the file does not say its unit (SVG: 96 px an inch).")
+    str | None,
+    typer.Option("--unit", help="mm, cm, m, inch or px, where the file does not say its unit (SVG: 96 px an inch)."),
 ]
 Zero = Annotated[
     float, typer.Option("--zero", metavar="DEG", help="Heading, counter-clockwise from +X, at which the axis reads 0.")
@@ -46,7 +50,7 @@ def drawing(file: Path, unit: str | None) -> Drawing:
     return found
 
 
-def cut_program(file: Path, zero: float = 0.0, clockwise: bool = False) -> Program:
+def cut_program(file: Path, zero: float | None = None, clockwise: bool | None = None) -> Program:
     """A program that was cut, its notes said."""
     from leadscrew.cli.door import say
     from leadscrew.tangent.program import read_program
@@ -57,11 +61,18 @@ def cut_program(file: Path, zero: float = 0.0, clockwise: bool = False) -> Progr
     return found
 
 
-def spared(out: Path, inputs: Sequence[Path | None]) -> None:
-    """Refuses to write over a file that is read."""
+def spared(out: Path, inputs: Sequence[Path | None], option: str = "--out") -> None:
+    """Refuses to write over a file that is read; ``option`` is what names it."""
     for file in inputs:
         if file is not None and out.exists() and file.exists() and out.samefile(file):
-            raise ValueRefused(f"--out {out}: is read by this command; write to another file")
+            raise ValueRefused(f"{option} {out}: is read by this command; write to another file")
+
+
+def written(data: str | bytes, out: Path) -> None:
+    """Writes a file; through a link, the file that it points to, and the link stays."""
+    from leadscrew.newfile import save
+
+    save(data, out.resolve() if out.is_symlink() else out)
 
 
 def wanted(out: Path, suffixes: Sequence[str], what: str) -> None:

@@ -19,6 +19,7 @@ from leadscrew.cli.tangent_files import (
     drawing,
     spared,
     wanted,
+    written,
 )
 from leadscrew.tangent.settings import Settings
 
@@ -36,18 +37,20 @@ def gcode(
     blend: Annotated[float, typer.Option(metavar="MM", help="Length over which a smaller corner is turned.")] = (
         Settings.blend
     ),
-    lift: Annotated[float, typer.Option(metavar="Z", help="Z of the lifted knife, mm.")] = Settings.lift,
-    depth: Annotated[float, typer.Option(metavar="Z", help="Z of the cutting knife, mm.")] = Settings.depth,
+    lift: Annotated[
+        float, typer.Option(metavar="Z", help="Z of the lifted knife, mm, above the sheet: above 0.")
+    ] = Settings.lift,
+    depth: Annotated[float, typer.Option(metavar="Z", help="Z of the cutting knife, mm: 0 or below.")] = Settings.depth,
     plunge: Annotated[float, typer.Option(metavar="MM/MIN", help="Feed down.")] = Settings.plunge,
     max_swivel_rate: Annotated[
         float, typer.Option(metavar="DEG/S", help="Fastest turn of the axis: the feed is lowered to it.")
     ] = Settings.swivel,
-    tolerance: Annotated[float, typer.Option(metavar="MM", help="Of a chord, from the drawn curve.")] = (
+    tolerance: Annotated[float, typer.Option(metavar="MM", help="Of an arc in place of another curve.")] = (
         Settings.tolerance
     ),
-    angle_tolerance: Annotated[float, typer.Option(metavar="DEG", help="Of the blade, between two words.")] = (
-        Settings.angle_tolerance
-    ),
+    angle_tolerance: Annotated[
+        float, typer.Option(metavar="DEG", help="Of the blade between two words, and of a move's tangent.")
+    ] = (Settings.angle_tolerance),
     overcut: Annotated[float, typer.Option(metavar="MM", help="How far a closed line is cut beyond its start.")] = (
         Settings.overcut
     ),
@@ -69,7 +72,7 @@ def gcode(
     unit: Unit = None,
     as_json: Json = False,
 ) -> None:
-    """Write G-code with tangential words: lines and arcs as they are, other curves in chords, headings exact.
+    """Write G-code with tangential words: lines and arcs as they are, other curves in arcs, headings exact.
 
     Words are unwrapped: they run on beyond 360 deg.
     """
@@ -80,10 +83,10 @@ def gcode(
         corner_angle=corner_angle, blend=blend, lift=lift, depth=depth, plunge=plunge, swivel=max_swivel_rate,
         tolerance=tolerance, angle_tolerance=angle_tolerance, overcut=overcut, inverse_time=inverse_time, inch=inch,
         pricks=" ".join(prick or []),
-    )  # fmt: skip
+    ).over_the_sheet()  # fmt: skip
     from leadscrew import __version__
-    from leadscrew.newfile import save
     from leadscrew.tangent.emit import program
+    from leadscrew.tangent.fillets import tight_turns
     from leadscrew.tangent.moves import moves_of
     from leadscrew.tangent.stroke import strokes_of
 
@@ -92,7 +95,7 @@ def gcode(
         each = [moves_of(s, settings) for s in strokes]
         text = program(strokes, settings, [f"{file.name}, by leadscrew {__version__} tangent gcode"], each)
     moves = [m for part in each for m in part]
-    save(text, out)
+    written(text, out)
     words = [float(x) for x in re.findall(rf"^G[0-3] .*{settings.axis}(\S+)", text, re.MULTILINE)]
     slowest = min(m.feed for m in moves)
     found = {
@@ -103,7 +106,10 @@ def gcode(
         "seconds": sum(60.0 * m.length / m.feed for m in moves),
         "slowest_feed_mm_min": slowest,
         "angles_deg": [min(words), max(words)],
-    }
+        "tight": [{"stroke": k, **t._asdict()} for k, part in enumerate(each, start=1)
+                  for t in tight_turns(part, settings)],
+    }  # fmt: skip
+    _say_tight(found["tight"])  # type: ignore[arg-type]
     if as_json:
         emit({"schema_version": SCHEMA_VERSION, "file": str(file), "out": out, **found})
         return
@@ -114,3 +120,17 @@ def gcode(
     typer.echo(f"{settings.axis} from {min(words):.1f} to {max(words):.1f} deg")
     if slowest < feed:
         typer.echo(f"feed lowered to F{slowest:.0f} where the blade turns at {max_swivel_rate:g} deg/s")
+
+
+def _say_tight(found: list[dict[str, float]]) -> None:
+    """The places where the blade turns sharply while it cuts."""
+    from leadscrew.cli.door import say
+
+    if found:
+        worst = max(found, key=lambda t: abs(t["turn"]))
+        say(
+            f"leadscrew: note: in {len(found)} place{'s' if len(found) > 1 else ''} the blade turns by more than the "
+            f"corner angle within less than the blend while it cuts: most at X{worst['x']:.4g} Y{worst['y']:.4g} mm, "
+            f"by {abs(worst['turn']):.0f} deg over {worst['length']:.2g} mm (stroke {worst['stroke']}); draw a sharp "
+            "corner there, and the knife lifts"
+        )

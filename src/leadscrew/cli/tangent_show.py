@@ -8,10 +8,20 @@ from typing import Annotated
 import typer
 
 from leadscrew.cli.output import Json, busy, emit, print_table
-from leadscrew.cli.tangent_files import COLUMNS, SCHEMA_VERSION, Drawn, Unit, drawing, printed, program_row, wanted
+from leadscrew.cli.tangent_files import (
+    COLUMNS,
+    PICTURES,
+    SCHEMA_VERSION,
+    Drawn,
+    Unit,
+    drawing,
+    printed,
+    program_row,
+    spared,
+    wanted,
+    written,
+)
 from leadscrew.tangent.settings import Settings
-
-PICTURES = (".png", ".svg", ".pdf")
 
 
 def show(
@@ -43,6 +53,7 @@ def show(
 
     if plot is not None:
         wanted(plot, PICTURES, "a picture")
+        spared(plot, [file], "--plot")
     settings = Settings(feed=feed, corner_angle=corner_angle, swivel=max_swivel_rate)
     with busy(str(file)):
         drawn = drawing(file, unit)
@@ -50,10 +61,9 @@ def show(
         rows = [program_row(s, settings, k) for k, s in enumerate(strokes, start=1)]
         corners = [c for p in drawn.paths for c in p.corners]
         if plot is not None:
-            from leadscrew.newfile import save
             from leadscrew.tangent.picture import drawn_figure, picture
 
-            save(picture(drawn_figure(strokes, settings), plot.suffix), plot)
+            written(picture(drawn_figure(strokes, settings), plot.suffix), plot)
     lifted = [c for c in corners if abs(c.turn_deg) > corner_angle]
     if as_json:
         emit({"schema_version": SCHEMA_VERSION, "file": str(file), "unit": drawn.unit, "paths": len(drawn.paths),

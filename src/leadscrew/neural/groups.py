@@ -105,6 +105,7 @@ def learn_all(p, weights, certainties, centres_e, centres_ec, covariance, past, 
     s = p.r
     for m in range(12):
         s = s + h[m] * gain[int(place[m])]
+    s = max(s, p.r)
     move = innovation / s
     for n in range(49):
         weights[n] = min(max(weights[n] + move * gain[n], -p.clamp), p.clamp)

@@ -29,7 +29,7 @@ def kalman_learn(weights, covariance, fired, innovation, r, q, cap, clamp):
     ``P`` stays symmetric to the last bit without being made so. Both triangles are worked on: half the numbers in
     rows of 1 to 49 were as fast as all of them in rows of 49 (0.4 us a step on a 2.6 GHz Zen 4 core), and the guards
     of array accesses cost nothing here. Under the cap what rules have in common decays; below 1e-30 it is set to zero
-    (0.1 us more), because denormal numbers are slow.
+    (0.1 us more), because denormal numbers are slow. ``h' P h`` that rounding brought below 0 counts as 0.
     :func:`leadscrew.neural.kalman_dense.kalman_learn_dense` is the plain formula.
     """
     k = 7 * fired.j + fired.i
@@ -43,7 +43,7 @@ def kalman_learn(weights, covariance, fired, innovation, r, q, cap, clamp):
         gain[i] = (h0 * covariance[k, i] + h1 * covariance[k + 1, i]) + (
             h2 * covariance[k + 7, i] + h3 * covariance[k + 8, i]
         )
-    s = (h0 * gain[k] + h1 * gain[k + 1]) + (h2 * gain[k + 7] + h3 * gain[k + 8]) + r
+    s = max((h0 * gain[k] + h1 * gain[k + 1]) + (h2 * gain[k + 7] + h3 * gain[k + 8]), 0.0) + r
     move = innovation / s
     for i in range(49):
         weights[i] = min(max(weights[i] + gain[i] * move, -clamp), clamp)

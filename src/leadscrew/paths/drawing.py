@@ -18,11 +18,24 @@ from leadscrew.paths.path import JOIN_MM, SHORTEST_MM, Path, wrapped
 
 UNITS_MM = {"mm": 1.0, "cm": 10.0, "m": 1000.0, "in": 25.4, "px": 25.4 / 96.0}
 """Units a user may name, in mm; ``px``: 96 to the inch."""
+SAME_UNIT = {"inch": "in"}
 
 LARGEST_MM = 1e7
 """Coordinates beyond are a broken file."""
 DOUBLE_MM = 1e-6
 """Pieces that agree to this are the same."""
+
+
+def unit_named(unit: str | None) -> str | None:
+    """The unit a user names, as :data:`UNITS_MM` has it.
+
+    Raises:
+        ValueRefused: a unit not known.
+    """
+    found = SAME_UNIT.get(unit, unit) if unit is not None else None
+    if found is not None and found not in UNITS_MM:
+        raise ValueRefused(f"unit = {unit!r}: expected one of {', '.join(UNITS_MM)} (in or inch)")
+    return found
 
 
 class Programmed(NamedTuple):

@@ -4,12 +4,14 @@ Read are ``LINE``, ``ARC``, ``CIRCLE``, ``ELLIPSE``, ``LWPOLYLINE`` and ``POLYLI
 (control points with knots and weights, or fit points), and ``INSERT``: blocks are taken apart with their transforms. An
 extrusion direction of -Z mirrors; an entity in another plane is noted and left out, as is every other kind and what
 lies on a layer that is off or frozen. The Z of points is not used. Units are those of ``$INSUNITS``; a file without is
-refused unless the unit is given, and a unit that is given takes precedence.
+refused unless the unit is given, and a unit that is given takes precedence. An entity that cannot be read is refused by
+kind and handle.
 """
 
 from __future__ import annotations
 
 import math
+import re
 from collections import Counter
 from collections.abc import Iterator, Sequence
 from pathlib import Path as File
@@ -31,6 +33,9 @@ INSUNITS = {
 """``$INSUNITS``: name and size in mm."""
 DEEPEST = 32
 """Blocks inside blocks."""
+MOST_INSERTED = 100_000
+"""Entities of blocks, wherever they are put."""
+BINARY = b"AutoCAD Binary DXF"
 IN_PLANE = 1e-9
 SPLINE_FRAME = 16
 """Flag of a vertex that is only the frame of a spline."""
@@ -40,7 +45,7 @@ def read_dxf(file: File, unit: str | None, tolerance: float, layers: Sequence[st
     """The paths of a DXF file; see :func:`leadscrew.paths.read.read_drawing`."""
     document = _document(file)
     notes: list[str] = []
-    code = int(document.header.get("$INSUNITS", 0))
+    code = int(document.header.get("$INSUNITS", 0)) if _says_unit(file) else None
     if unit is not None:
         name, size = unit, UNITS_MM[unit]
         if code in INSUNITS and INSUNITS[code][1] != size:
@@ -49,7 +54,8 @@ def read_dxf(file: File, unit: str | None, tolerance: float, layers: Sequence[st
         name, size = INSUNITS[code]
     else:
         raise DataError(
-            f"{file} does not say its unit ($INSUNITS is {code}): give it, as --unit mm or unit='mm' in Python"
+            f"{file} does not say its unit ({'it has no $INSUNITS' if code is None else f'$INSUNITS is {code}'}): "
+            "give it, as --unit mm or unit='mm' in Python"
         )
     present = sorted({e.dxf.layer for e in document.modelspace()})
     for layer in layers:
@@ -62,7 +68,7 @@ def read_dxf(file: File, unit: str | None, tolerance: float, layers: Sequence[st
         for entity in document.modelspace():
             if not layers or entity.dxf.layer in layers:
                 pieces += reader.pieces(entity, "0")
-    except (ValueRefused, OverflowError) as refused:
+    except ValueRefused as refused:
         raise DataError(f"{file}: {refused}") from None
     notes += left_out(reader.other) + left_out(reader.tilted, "not in the XY plane, not cut")
     notes += left_out(reader.hidden, "hidden, not cut")
@@ -88,6 +94,14 @@ def _document(file: File) -> Any:
         raise DataError(f"{file} is no DXF that can be read: {error}") from None
 
 
+def _says_unit(file: File) -> bool:
+    """Whether ``$INSUNITS`` stands in the file: ezdxf makes up a header where there is none, in metres."""
+    data = file.read_bytes()
+    if data.startswith(BINARY):
+        return b"$INSUNITS\0" in data
+    return re.search(rb"(?:^|\n)[ \t]*9[ \t]*\r?\n[ \t]*\$INSUNITS\b", data) is not None
+
+
 class _Reader:
     """Entities as pieces, and a count of what is not one."""
 
@@ -97,6 +111,7 @@ class _Reader:
         self.other: Counter[str] = Counter()
         self.tilted: Counter[str] = Counter()
         self.hidden: Counter[str] = Counter()
+        self.inserted = 0
 
     def pieces(self, entity: Any, layer: str, depth: int = 0) -> Iterator[Piece]:
         """The pieces of an entity; ``layer`` is that of the block reference it stands in."""
@@ -107,18 +122,47 @@ class _Reader:
         elif kind == "INSERT":
             if depth >= DEEPEST:
                 raise ValueRefused(f"block {entity.dxf.name!r} lies more than {DEEPEST} blocks deep")
-            for single in entity.multi_insert() if entity.mcount > 1 else (entity,):
-                for inner in single.virtual_entities(skipped_entity_callback=self._skipped):
-                    yield from self.pieces(inner, own, depth + 1)
+            for inner in self._inside(entity):
+                yield from self.pieces(inner, own, depth + 1)
         elif kind not in KINDS or (kind == "POLYLINE" and not (entity.is_2d_polyline or entity.is_3d_polyline)):
             self.other[kind] += 1
-        elif (curves := KINDS[kind](entity)) is None:
+        elif (curves := self._curves(entity, kind)) is None:
             self.tilted[kind] += 1
         elif curves:
-            yield Piece([c.transformed(self.scale) for c in curves], own)
+            yield Piece(curves, own)
+
+    def _inside(self, entity: Any) -> Iterator[Any]:
+        """The entities of a block, where it is put."""
+        if entity.mcount > MOST_INSERTED:
+            raise _too_many()
+        for single in entity.multi_insert() if entity.mcount > 1 else (entity,):
+            try:
+                found = list(single.virtual_entities(skipped_entity_callback=self._skipped))
+            except Exception as error:
+                raise _unreadable(entity, error) from None
+            self.inserted += len(found)
+            if self.inserted > MOST_INSERTED:
+                raise _too_many()
+            yield from found
+
+    def _curves(self, entity: Any, kind: str) -> list[Curve] | None:
+        try:
+            curves = KINDS[kind](entity)
+            return None if curves is None else [c.transformed(self.scale) for c in curves]
+        except Exception as error:
+            # A broken entity raises what the parts of ezdxf raise.
+            raise _unreadable(entity, error) from None
 
     def _skipped(self, entity: Any, reason: str) -> None:
         self.other[entity.dxftype()] += 1
+
+
+def _too_many() -> ValueRefused:
+    return ValueRefused(f"its blocks draw more than {MOST_INSERTED} entities")
+
+
+def _unreadable(entity: Any, error: Exception) -> ValueRefused:
+    return ValueRefused(f"{entity.dxftype()} {entity.dxf.handle or 'of a block'} cannot be read: {error}")
 
 
 def _plane(entity: Any) -> Any:
@@ -156,6 +200,9 @@ def _ellipse(entity: Any) -> list[Curve] | None:
     sweep = (entity.dxf.end_param - first) % (2.0 * math.pi)
     if sweep < 1e-9:
         sweep = 2.0 * math.pi
+    if math.hypot(*_xy(entity.dxf.major_axis)) == 0.0:
+        centre = _xy(entity.dxf.center)
+        return [Line(centre, centre)]
     centre, major, minor = (_xy(p) for p in (entity.dxf.center, entity.dxf.major_axis, entity.minor_axis))
     return [circular(EllipseArc(centre, major, minor, first, sweep))]
 

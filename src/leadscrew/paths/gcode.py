@@ -1,6 +1,6 @@
 """Paths of a G-code program: what is cut between two rapids, or between lowering and lifting the tool.
 
-Understood are ``G0 G1 G2 G3 G5``, ``G20 G21``, ``G90 G91`` and the rest of
+Understood are ``G0 G1 G2 G3 G5``, ``G20 G21``, ``G90 G91``, ``G93 G94`` and the rest of
 :mod:`leadscrew.references.gcode_reader`, words of the rotary axes A, B and C besides. A path ends at a rapid that moves
 X or Y, and at every move of Z alone. Where X and Y move at several heights, feeds that end in the upper half do not
 cut. The words of the tangential axis are kept as programmed, for each block of a path:
@@ -18,7 +18,7 @@ import numpy as np
 
 from leadscrew.kernel.errors import DataError, ValueRefused
 from leadscrew.paths.curve import Curve
-from leadscrew.paths.drawing import UNITS_MM, Drawing, Programmed, left_out, nothing
+from leadscrew.paths.drawing import UNITS_MM, Drawing, Programmed, left_out, nothing, unit_named
 from leadscrew.paths.path import JOIN_MM, SHORTEST_MM, Path
 from leadscrew.paths.segments import Arc, Bezier, Line
 from leadscrew.references.gcode_reader import RADIUS_TOLERANCE_MM, Dialect, Move, moves_from_gcode
@@ -44,13 +44,14 @@ def paths_of_gcode(program: str, unit: str | None = None, axis: str = "", name: 
 
     Raises:
         DataError: a line that is not understood (names line and word), nothing to cut, two rotary axes and none named.
-        ValueRefused: an axis other than A, B, C.
+        ValueRefused: an axis other than A, B, C; a unit not known.
     """
     if axis not in ("", *ROTARY):
         raise ValueRefused(f"axis = {axis!r}: expected A, B or C")
     passed: Counter[str] = Counter()
-    size = UNITS_MM[unit or "mm"]
-    moves = moves_from_gcode(program, name=name, dialect=Dialect(ROTARY, True, True, size), passed=passed)
+    unit = unit_named(unit)
+    dialect = Dialect(ROTARY, splines=True, passive=True, unit=UNITS_MM[unit or "mm"], inverse_time=True)
+    moves = moves_from_gcode(program, name=name, dialect=dialect, passed=passed)
     notes = left_out(passed, "without effect on the path")
     turning = [k for k in range(3) if any(m.turned_to[k] != m.turned_from[k] for m in moves)]
     if len(turning) > 1 and not axis:

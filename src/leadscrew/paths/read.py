@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from pathlib import Path as File
 
 from leadscrew.kernel.errors import DataError, ValueRefused
-from leadscrew.paths.drawing import UNITS_MM, Drawing
+from leadscrew.paths.drawing import Drawing, unit_named
 from leadscrew.paths.path import JOIN_MM
 
 GCODE = (".ngc", ".nc", ".gcode", ".tap", ".cnc")
@@ -18,9 +18,9 @@ def read_drawing(
 ) -> Drawing:
     """The paths of a file, in mm.
 
-    ``unit`` (``mm``, ``cm``, ``m``, ``in``, ``px``) is used where the file does not say it: see each reader.
-    ``tolerance`` is the largest gap, in mm, that is closed. ``layers`` names those to read (SVG and DXF; none: all).
-    ``axis`` is the letter of the tangential axis of a G-code program (none: the one of A, B, C that it has).
+    ``unit`` (``mm``, ``cm``, ``m``, ``in`` or ``inch``, ``px``) is used where the file does not say it: see each
+    reader. ``tolerance`` is the largest gap, in mm, that is closed. ``layers`` names those to read (SVG and DXF; none:
+    all). ``axis`` is the letter of the tangential axis of a G-code program (none: the one of A, B, C that it has).
 
     Raises:
         DataError: no such file, a suffix not known, a file that cannot be read, or nothing to cut in it.
@@ -28,12 +28,13 @@ def read_drawing(
         ValueRefused: a unit not known, a tolerance that is not positive, or layers of G-code.
     """
     where = File(file).expanduser()
-    if unit is not None and unit not in UNITS_MM:
-        raise ValueRefused(f"unit = {unit!r}: expected one of {', '.join(UNITS_MM)}")
+    unit = unit_named(unit)
     if not 0.0 < tolerance < 1e3:
         raise ValueRefused(f"tolerance = {tolerance:g} mm: expected above 0 and below 1000")
     if where.suffix.lower() not in SUFFIXES:
         raise DataError(f"{where}: a drawing is expected to end in {', '.join(SUFFIXES)}")
+    if where.is_dir():
+        raise DataError(f"{str(where)!r} is a folder, not a file")
     if not where.is_file():
         raise DataError(f"there is no file {str(where)!r}")
     try:

@@ -4,7 +4,8 @@ Read are ``path``, ``rect``, ``circle``, ``ellipse``, ``line``, ``polyline`` and
 fill. Their geometry is taken before the transform and mapped by us: an arc under a skew stays exact, as the arc of an
 ellipse. Not read: text, images, what is hidden, what only serves to clip, mask, mark or fill. Sizes follow ``width``,
 ``height`` and ``viewBox``, 96 px to the inch; ``unit`` says what a px is where the file names no physical unit. The
-y-axis is turned upwards, with the lower edge of the page at 0.
+y-axis is turned upwards, with the lower edge of the page at 0. What cannot be read is refused, not cut in part: see
+:mod:`leadscrew.paths.svg_checks`.
 """
 
 from __future__ import annotations
@@ -26,24 +27,14 @@ from leadscrew.paths.arcs import circular
 from leadscrew.paths.curve import Curve
 from leadscrew.paths.drawing import UNITS_MM, Drawing, Piece, drawing, left_out
 from leadscrew.paths.segments import Bezier, EllipseArc, Line
+from leadscrew.paths.svg_checks import LENGTHS, NOT_DRAWN, PX, SIZE, check
+from leadscrew.paths.svg_checks import tag as _tag
 
 SVG = "{http://www.w3.org/2000/svg}"
 INKSCAPE = "{http://www.inkscape.org/namespaces/inkscape}"
 LAYER = "leadscrew-layer"
-NOT_DRAWN = ("symbol", "marker", "mask", "pattern", "clipPath", "filter", "linearGradient", "radialGradient")
 NOT_CUT = ("text", "image", "foreignObject")
-SIZE = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:e[+-]?\d+)?)\s*([a-z%]*)\s*", re.IGNORECASE)
-PX = {
-    "": 1.0,
-    "px": 1.0,
-    "in": 96.0,
-    "cm": 96.0 / 2.54,
-    "mm": 96.0 / 25.4,
-    "q": 24.0 / 25.4,
-    "pt": 96.0 / 72.0,
-    "pc": 16.0,
-}
-"""Units of length in px."""
+HIDES = re.compile(rb"display\s*[:=]\s*[\"']?\s*none", re.IGNORECASE)
 
 
 def read_svg(file: File, unit: str | None, tolerance: float, layers: Sequence[str] = ()) -> Drawing:
@@ -63,13 +54,19 @@ def read_svg(file: File, unit: str | None, tolerance: float, layers: Sequence[st
         if layer not in present:
             raise NameUnknown(f"{file} has no layer {layer!r}{nearest(layer, present)}")
     said = next((u for key in ("width", "height") if (u := _size(root, key, file)[1]) not in ("", "px", "%")), None)
-    view, page = _view(root, file)
+    view, page, box = _view(root, file)
+    try:
+        broken = check(root, *box)
+    except DataError as refused:
+        raise DataError(f"{file}: {refused}") from None
     shapes, hidden = _shapes(root, file)
-    notes = left_out(Counter(t for e in root.iter() if (t := _tag(e)) in NOT_CUT))
+    notes = left_out(Counter(t for e in root.iter() if (t := _tag(e)) in NOT_CUT)) + broken
     if hidden:
         notes.append(f"hidden, not cut: {hidden}")
     if said is not None and unit is not None and unit != said:
         notes.append(f"the file gives its size in {said}: the unit {unit} is not used")
+    if said is None and unit is None:
+        notes.append("the file names no physical unit: taken as 96 px an inch")
     size = UNITS_MM["px" if said is not None or unit is None else unit]
     machine = np.array([[size, 0.0, 0.0], [0.0, -size, size * page]]) @ view
     pieces = []
@@ -134,12 +131,18 @@ def _size(root: ElementTree.Element, key: str, file: File) -> tuple[float, str]:
     found = SIZE.fullmatch(text)
     unit = found[2].lower() if found else ""
     if found is None or (unit not in PX and unit != "%"):
-        raise DataError(f"{file}: {key}={text!r} is no length that is understood")
+        raise DataError(f"{file}: {key}={_short(text)} is no length that is understood: expected {LENGTHS}")
+    if not 0.0 < float(found[1]) < math.inf:
+        raise DataError(f"{file}: {key}={_short(text)}: the size of a page is expected above 0")
     return (math.nan, "%") if unit == "%" else (float(found[1]) * PX[unit], unit)
 
 
-def _view(root: ElementTree.Element, file: File) -> tuple[Any, float]:
-    """The map from the coordinates of the drawing to px (3 x 3), and the height of the page in px.
+def _short(text: str) -> str:
+    return repr(text if len(text) <= 40 else f"{text[:37]}...")
+
+
+def _view(root: ElementTree.Element, file: File) -> tuple[Any, float, tuple[float, float]]:
+    """The map from the coordinates of the drawing to px (3 x 3), the page's height in px, its size in the drawing.
 
     The view box is taken off the root: svgelements would round its scale.
     """
@@ -148,7 +151,7 @@ def _view(root: ElementTree.Element, file: File) -> tuple[Any, float]:
     for key in ("width", "height"):
         root.attrib.pop(key, None)
     if text is None:
-        return np.eye(3), 0.0 if math.isnan(height) else height
+        return np.eye(3), 0.0 if math.isnan(height) else height, (width, height)
     try:
         x, y, wide, high = (float(v) for v in text.replace(",", " ").split())
     except ValueError:
@@ -165,7 +168,7 @@ def _view(root: ElementTree.Element, file: File) -> tuple[Any, float]:
     share = {"Min": 0.0, "Mid": 0.5, "Max": 1.0}
     across = next((v for k, v in share.items() if f"x{k}" in fit), 0.5) * (width - sx * wide)
     down = next((v for k, v in share.items() if f"Y{k}" in fit), 0.5) * (height - sy * high)
-    return np.array([[sx, 0.0, across - sx * x], [0.0, sy, down - sy * y], [0.0, 0.0, 1.0]]), height
+    return np.array([[sx, 0.0, across - sx * x], [0.0, sy, down - sy * y], [0.0, 0.0, 1.0]]), height, (wide, high)
 
 
 def _shapes(root: ElementTree.Element, file: File) -> tuple[list[Any], int]:
@@ -174,19 +177,21 @@ def _shapes(root: ElementTree.Element, file: File) -> tuple[list[Any], int]:
 
     text = ElementTree.tostring(root)
     found: list[list[Any]] = []
-    for everything in (False, True):
+    # The second time for what is hidden, to count it.
+    for everything in (False, True) if HIDES.search(text) else (False,):
         try:
             whole = svg.SVG.parse(
                 io.BytesIO(text), reify=False, ppi=96.0, parse_display_none=everything, on_error="raise"
             )
         except RecursionError:
-            raise DataError(f"{file}: a <use> refers to itself") from None
+            raise DataError(f"{file}: its elements lie too deep in one another") from None
         except Exception as error:
             # svgelements raises what its parts raise: the message is all there is.
-            raise DataError(f"{file} cannot be read: {type(error).__name__}: {error}") from None
+            why = f"{type(error).__name__}: {error}".rstrip(": ")
+            raise DataError(f"{file} cannot be read ({why}): save it as plain SVG") from None
         found.append([e for e in whole.elements() if isinstance(e, svg.Shape)] if isinstance(whole, svg.SVG) else [])
     seen = [e for e in found[0] if str(e.values.get("visibility", "")) not in ("hidden", "collapse")]
-    return seen, len(found[1]) - len(seen)
+    return seen, len(found[-1]) - len(seen)
 
 
 def _prepare(root: ElementTree.Element) -> list[str]:
@@ -206,10 +211,6 @@ def _prepare(root: ElementTree.Element) -> list[str]:
                 shelf.append(child)
                 parent[k] = shelf
     return layers
-
-
-def _tag(element: ElementTree.Element) -> str:
-    return element.tag.rsplit("}", 1)[-1] if isinstance(element.tag, str) else ""
 
 
 def _name(shape: Any) -> str:

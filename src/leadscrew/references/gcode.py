@@ -20,8 +20,8 @@ from leadscrew.references.gcode_reader import (  # noqa: F401  (the names of the
     WORD,
     Dialect,
     Move,
-    _centre_from_radius,
-    _RefusedError,
+    RefusedError,
+    centre_from_radius,
     moves_from_gcode,
 )
 from leadscrew.references.path import Segment, arc, line, path

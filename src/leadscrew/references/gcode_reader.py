@@ -40,6 +40,9 @@ class Dialect(NamedTuple):
     """What moves no axis (spindle, tool, coolant, offsets, ``G64``) is counted, not refused; a feed may be missing."""
     unit: float = 1.0
     """Size in mm of the unit before the first ``G20`` or ``G21``."""
+    inverse_time: bool = False
+    """``G93``: F is one by the minutes that a move takes, so it is no speed; each ``G1 G2 G3 G5`` needs one of its
+    own."""
 
 
 class Move(NamedTuple):
@@ -50,7 +53,7 @@ class Move(NamedTuple):
     start: Triple
     end: Triple
     feed: float = 0.0
-    """mm/min; 0: at the rapid rate."""
+    """mm/min; 0: at the rapid rate, or not said."""
     centre: tuple[float, float] | None = None
     """Of an arc."""
     controls: tuple[tuple[float, float], tuple[float, float]] | None = None
@@ -61,6 +64,8 @@ class Move(NamedTuple):
     dwell: float = 0.0
     """Seconds."""
     line: int = 0
+    per_minute: float = 0.0
+    """``G93``: one by the minutes that the move takes; 0: the feed holds."""
 
 
 def moves_from_gcode(
@@ -80,15 +85,15 @@ def moves_from_gcode(
         reader.line = number
         try:
             reader.read(text)
-        except _RefusedError as refused:
+        except RefusedError as refused:
             raise DataError(f"{name}, line {number}: {refused}") from None
         if reader.ended:
             break
     return reader.moves
 
 
-class _RefusedError(Exception):
-    """Why a line is refused."""
+class RefusedError(Exception):
+    """Why a line is refused; the reader adds file and line."""
 
 
 class _Reader:
@@ -105,6 +110,8 @@ class _Reader:
         self.unit = dialect.unit
         self.incremental = False
         self.feed = 0.0
+        self.inverse = False
+        self.per_minute = 0.0
         self.moves: list[Move] = []
         self.started = False
         self.ended = False
@@ -120,10 +127,17 @@ class _Reader:
             self.unit = MM_PER_INCH if 20.0 in gs else 1.0
         if 90.0 in gs or 91.0 in gs:
             self.incremental = 91.0 in gs
+        if (93.0 in gs) != self.inverse and (93.0 in gs or 94.0 in gs):
+            # An F of one kind is none of the other.
+            self.inverse, self.feed = 93.0 in gs, 0.0
+        self.per_minute = 0.0
         if "F" in words:
             if words["F"] <= 0.0:
-                raise _RefusedError(f"F{words['F']:g}: the feed must be positive")
-            self.feed = words.pop("F") * self.unit
+                raise RefusedError(f"F{words['F']:g}: the feed must be positive")
+            if self.inverse:
+                self.per_minute = words.pop("F")
+            else:
+                self.feed = words.pop("F") * self.unit
         words.pop("N", None)
         for letter in "STH" if self.dialect.passive else "":
             if letter in words:
@@ -141,20 +155,22 @@ class _Reader:
         elif any(axis in words for axis in "XYZABC") or (self.motion in (2.0, 3.0) and ("I" in words or "J" in words)):
             self._move(words)
         for letter, value in words.items():
-            raise _RefusedError(f"{letter}{value:g} has no use on this line")
+            raise RefusedError(f"{letter}{value:g} has no use on this line")
         self.ended = any(m in ENDS for m in ms)
 
     def _dwell(self, words: dict[str, float]) -> None:
         if words.get("P", -1.0) < 0.0:
-            raise _RefusedError("G4 needs P, the seconds to wait, not negative")
+            raise RefusedError("G4 needs P, the seconds to wait, not negative")
         self._append(Move(None, self.place, self.place, dwell=words.pop("P")), self.turned)
 
     def _move(self, words: dict[str, float]) -> None:
         if self.motion is None:
-            raise _RefusedError(f"{_show(words, 'XYZABCIJ')}: no G0, G1, G2 or G3 is in force")
+            raise RefusedError(f"{_show(words, 'XYZABCIJ')}: no G0, G1, G2 or G3 is in force")
         rapid = self.motion == 0.0
-        if not rapid and self.feed == 0.0 and not self.dialect.passive:
-            raise _RefusedError(f"G{self.motion:g} without a feed: F is missing")
+        if not rapid and self.inverse and self.per_minute == 0.0:
+            raise RefusedError(f"G{self.motion:g} without F in inverse time (G93): each move needs one of its own")
+        if not rapid and not self.inverse and self.feed == 0.0 and not self.dialect.passive:
+            raise RefusedError(f"G{self.motion:g} without a feed: F is missing")
         here = self.place
         there = self._axes("XYZ", here, words, self.unit)
         turned = self._axes("ABC", self.turned, words, 1.0)
@@ -166,7 +182,8 @@ class _Reader:
         elif self.motion > 1.0 and (here != there or turned == self.turned or any(c in words for c in "IJR")):
             centre = self._centre(here, there, words, self.motion == 2.0)
         motion = 1.0 if self.motion in (2.0, 3.0) and centre is None else self.motion
-        self._append(Move(motion, here, there, feed, centre, controls), turned)
+        per_minute = 0.0 if rapid else self.per_minute
+        self._append(Move(motion, here, there, feed, centre, controls, per_minute=per_minute), turned)
 
     def _append(self, move: Move, turned: Triple) -> None:
         self.moves.append(move._replace(turned_from=self.turned, turned_to=turned, line=self.line))
@@ -177,10 +194,12 @@ class _Reader:
         code = re.sub(r"\([^()]*\)", " ", text)
         code = re.sub(r"\s+", "", code.split(";", 1)[0]).upper()
         if "(" in code or ")" in code:
-            raise _RefusedError("a comment is not closed, or closed twice")
+            raise RefusedError("a comment is not closed, or closed twice")
         if code == "%":
             return [], [], {}
-        groups = (*GROUPS[1:], MOTION | {SPLINE}) if self.dialect.splines else GROUPS
+        groups: tuple[set[float], ...] = (*GROUPS[1:], MOTION | {SPLINE}) if self.dialect.splines else GROUPS
+        if self.dialect.inverse_time:
+            groups = tuple({93.0, 94.0} if group == {94.0} else group for group in groups)
         letters = "XYZIJRFNP" + self.dialect.rotary + ("Q" if self.dialect.splines else "")
         letters += "STH" if self.dialect.passive else ""
         gs: list[float] = []
@@ -190,9 +209,11 @@ class _Reader:
         while place < len(code):
             found = WORD.match(code, place)
             if not found:
-                raise _RefusedError(f"cannot read {code[place : place + 12]!r}")
+                raise RefusedError(f"cannot read {code[place : place + 12]!r}")
             letter, number = found[1], float(found[2])
             word = found[0]
+            if not math.isfinite(number):
+                raise RefusedError(f"{word[:12]}... is beyond any number")
             if self.dialect.passive and number in {"G": PASSIVE_G, "M": PASSIVE_M}.get(letter, set()):
                 self.passed[f"{letter}{number:g}"] += 1
                 if letter == "G":
@@ -200,20 +221,20 @@ class _Reader:
             elif letter == "G":
                 group = next((g for g in groups if number in g), None)
                 if group is None:
-                    raise _RefusedError(f"{word} is not understood; known: {_known(groups)}")
+                    raise RefusedError(f"{word} is not understood; known: {_known(groups)}")
                 if any(g in group for g in gs):
-                    raise _RefusedError(f"{word} contradicts an earlier G word of this line")
+                    raise RefusedError(f"{word} contradicts an earlier G word of this line")
                 gs.append(number)
             elif letter == "M":
                 if number not in ENDS:
-                    raise _RefusedError(f"{word} is not understood; known: M2, M30")
+                    raise RefusedError(f"{word} is not understood; known: M2, M30")
                 ms.append(number)
             elif letter in letters:
                 if letter in words:
-                    raise _RefusedError(f"{word}: a second {letter} on this line")
+                    raise RefusedError(f"{word}: a second {letter} on this line")
                 words[letter] = number
             else:
-                raise _RefusedError(f"{word} is not understood")
+                raise RefusedError(f"{word} is not understood")
             place = found.end()
         return gs, ms, words
 
@@ -229,15 +250,15 @@ class _Reader:
     ) -> tuple[tuple[float, float], tuple[float, float]]:
         """The two control points of ``G5``; without ``I J`` it goes on as the ``G5`` before it ended."""
         if "P" not in words or "Q" not in words:
-            raise _RefusedError("G5 needs P and Q, from the end to the second control point")
+            raise RefusedError("G5 needs P and Q, from the end to the second control point")
         if there[2] != here[2]:
-            raise _RefusedError("G5 stays in XY: Z cannot move with it")
+            raise RefusedError("G5 stays in XY: Z cannot move with it")
         if "I" in words or "J" in words:
             i, j = words.pop("I", 0.0) * self.unit, words.pop("J", 0.0) * self.unit
         elif leaving is not None:
             i, j = leaving
         else:
-            raise _RefusedError("the first G5 needs I and J, from the start to the first control point")
+            raise RefusedError("the first G5 needs I and J, from the start to the first control point")
         p, q = words.pop("P") * self.unit, words.pop("Q") * self.unit
         self.leaving = (-p, -q)
         return (here[0] + i, here[1] + j), (there[0] + p, there[1] + q)
@@ -246,31 +267,31 @@ class _Reader:
         code = "G2" if clockwise else "G3"
         if "R" in words:
             if "I" in words or "J" in words:
-                raise _RefusedError(f"{code} with R and with {_show(words, 'IJ')}: give one of them")
-            return _centre_from_radius(here, there, words.pop("R") * self.unit, clockwise, code)
+                raise RefusedError(f"{code} with R and with {_show(words, 'IJ')}: give one of them")
+            return centre_from_radius(here, there, words.pop("R") * self.unit, clockwise, code)
         if "I" not in words and "J" not in words:
-            raise _RefusedError(f"{code} needs the centre, I and J, or the radius, R")
+            raise RefusedError(f"{code} needs the centre, I and J, or the radius, R")
         i, j = words.pop("I", 0.0) * self.unit, words.pop("J", 0.0) * self.unit
         centre = (here[0] + i, here[1] + j)
         first, last = math.dist(here[:2], centre), math.dist(there[:2], centre)
         if first == 0.0:
-            raise _RefusedError(f"{code}: the radius is zero")
+            raise RefusedError(f"{code}: the radius is zero")
         if abs(first - last) > max(RADIUS_TOLERANCE_MM, 1e-3 * first):
-            raise _RefusedError(
+            raise RefusedError(
                 f"{code}: the radius is {first:.6g} mm at the start of the arc and {last:.6g} mm at its end "
                 f"(I{i:g} J{j:g} in mm)"
             )
         return centre
 
 
-def _centre_from_radius(here: Any, there: Any, r: float, clockwise: bool, code: str) -> tuple[float, float]:
+def centre_from_radius(here: Any, there: Any, r: float, clockwise: bool, code: str) -> tuple[float, float]:
     """The centre from ``R``: positive for an arc of at most half a turn, negative for more."""
     dx, dy = there[0] - here[0], there[1] - here[1]
     chord = math.hypot(dx, dy)
     if chord == 0.0:
-        raise _RefusedError(f"{code} with R: start and end are the same, so the centre is not defined; use I and J")
+        raise RefusedError(f"{code} with R: start and end are the same, so the centre is not defined; use I and J")
     if abs(r) < 0.5 * chord - RADIUS_TOLERANCE_MM:
-        raise _RefusedError(f"{code} R{r:g}: the radius is less than half the chord, {0.5 * chord:.6g} mm")
+        raise RefusedError(f"{code} R{r:g}: the radius is less than half the chord, {0.5 * chord:.6g} mm")
     height = math.sqrt(max(r * r - 0.25 * chord * chord, 0.0))
     # Seen along the chord, the centre of a short counter-clockwise arc lies to the left.
     side = height if (r > 0.0) != clockwise else -height

@@ -16,7 +16,7 @@ Source: digest of the study ``sofnn_tangent``, section 8.5; the paper has no suc
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -26,7 +26,7 @@ from leadscrew.kernel import door
 from leadscrew.kernel.errors import ValueRefused
 from leadscrew.paths.curve import Array
 from leadscrew.tangent.deviation import Deviation, deviation_of, errors_along
-from leadscrew.tangent.matching import matched
+from leadscrew.tangent.matching import SPAN_MM, matched
 from leadscrew.tangent.measured import Trace
 from leadscrew.tangent.placing import Placing
 from leadscrew.tangent.settings import MOST_OFFSET_DEG, Settings
@@ -105,6 +105,7 @@ def compensated(
     learning: Learning = Learning(),  # noqa: B008
     align: str = "none",
     marks: Sequence[tuple[float, float, float, float]] = (),
+    progress: Callable[[float], None] = lambda done: None,
 ) -> Compensation:
     """The strokes of the next piece.
 
@@ -113,14 +114,17 @@ def compensated(
         ValueRefused: a setting out of range.
     """
     _checked(learning)
-    matching = matched(strokes, traces, align, marks)
+    span = SPAN_MM if learning.cutoff_mm is None else learning.cutoff_mm / 40.0
+    matching = matched(strokes, traces, align, marks, min(span, 5.0 * SPAN_MM))
     notes = list(matching.notes)
     after = list(strokes)
     found = []
-    for m in matching.found:
+    for k, m in enumerate(matching.found):
+        progress(k / len(matching.found))
         stroke = strokes[m.number - 1]
         if m.trace.points:
             seen = deviation_of(stroke, m.x, m.y, learning.cutoff_mm, m.trace.where)
+            seen = seen._replace(noise=seen.noise * math.sqrt(m.each), spacing=seen.spacing / m.each)
         else:
             seen = errors_along(stroke, m.trace.travel, m.trace.error, m.trace.where)
         learned = _learned(m.number, stroke, settings, seen, learning)
@@ -144,12 +148,7 @@ def compensated(
 
 
 def _checked(learning: Learning) -> None:
-    for name, low, high in (
-        ("learning", 0.05, 1.5),
-        ("gain", 0.1, 10.0),
-        ("axis_lag_s", 0.0, 1.0),
-        ("width_mm", 0, 50),
-    ):
+    for name, low, high in RANGES:
         value = door.number(name, getattr(learning, name), "")
         if not low <= value <= high:
             raise ValueRefused(f"{name} = {value:g}: allowed range is {low:g} to {high:g}")

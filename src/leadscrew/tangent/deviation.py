@@ -160,8 +160,10 @@ def errors_along(stroke: Stroke, travel: Array, error: Array, where: str) -> Dev
     Raises:
         DataError: places that do not rise or do not cover the stroke, or angles too large.
     """
-    if travel.size < 2 or not (np.diff(travel) > 0.0).all():
-        k = int(np.argmin(np.diff(travel))) + 1 if travel.size > 1 else 0
+    if travel.size < 2:
+        raise DataError(f"{where}: {travel.size} row is too few: expected travel from 0 to {stroke.length:.1f} mm")
+    if not (np.diff(travel) > 0.0).all():
+        k = int(np.argmin(np.diff(travel))) + 1
         raise DataError(f"{where}: travel does not rise after its entry {k}; expected the order of the cut")
     span = float(travel[-1] - travel[0])
     if (

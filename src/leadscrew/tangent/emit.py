@@ -2,7 +2,7 @@
 
     G0 X Y C        above the start of a stroke, the blade turned by the shorter way
     G1 Z            plunge
-    G1 X Y C        a line or a chord;    G2 G3 X Y I J C: an arc, on which the axis turns evenly: exactly tangent
+    G1 X Y C        a line;    G2 G3 X Y I J C: an arc, on which the axis turns evenly: exactly tangent
     G0 Z            lift
 
 **F.** In G94, LinuxCNC takes F as the speed of X, Y and Z where any of them moves; the turning axis comes along and
@@ -23,8 +23,9 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
+from leadscrew.references.gcode_reader import MM_PER_INCH
 from leadscrew.tangent.moves import Move, moves_of
-from leadscrew.tangent.settings import MM_PER_INCH, Settings, nearest_turn
+from leadscrew.tangent.settings import ANGLE_DIGITS, Settings, nearest_turn
 from leadscrew.tangent.stroke import Stroke
 
 FIRST_LINE = "(leadscrew tangent 1)"
@@ -46,7 +47,7 @@ def program(
         *settings.lines(),
         f"(offsets: {shift})",
         f"{'G20' if settings.inch else 'G21'} G90 G17 G40 G49 G80 G94",
-        f"G64 P{_number(settings.tolerance, settings)}",
+        f"G64 P{_small(settings.tolerance, settings)}",
         f"G0 Z{_number(settings.lift, settings)}",
         *_pricks(settings),
     ]
@@ -101,7 +102,7 @@ class _Writer:
             if move.arc is not None:
                 code = "G3" if move.arc.sweep > 0.0 else "G2"
                 # From the start as it is written, so that the two radii agree.
-                i, j = (c - _rounded(h, s) for c, h in zip(move.arc.centre, here, strict=True))
+                i, j = (c - s.rounded(h) for c, h in zip(move.arc.centre, here, strict=True))
                 words.append(f"I{_number(i, s)} J{_number(j, s)}")
             words.append(f"{s.axis}{_angle(word)}")
             asked = self._feed(move)
@@ -124,17 +125,17 @@ class _Writer:
         return f" {OFFSET}{_zero(f'{offset:.4f}')})" if self.offsets else ""
 
 
-def _rounded(mm: float, settings: Settings) -> float:
-    """A length as it is written, in mm."""
-    return round(mm / MM_PER_INCH, 5) * MM_PER_INCH if settings.inch else round(mm, 4)
-
-
 def _number(mm: float, settings: Settings) -> str:
     return _zero(f"{mm / MM_PER_INCH:.5f}" if settings.inch else f"{mm:.4f}")
 
 
+def _small(mm: float, settings: Settings) -> str:
+    """A length of which the smallest allowed has four digits in either unit."""
+    return _zero(f"{mm / MM_PER_INCH:.9f}" if settings.inch else f"{mm:.7f}")
+
+
 def _angle(deg: float) -> str:
-    return _zero(f"{deg:.4f}")
+    return _zero(f"{deg:.{ANGLE_DIGITS}f}")
 
 
 def _feed(mm_min: float, settings: Settings) -> str:

@@ -13,6 +13,7 @@ from leadscrew.paths.curve import Array
 from leadscrew.tangent.deviation import STRETCH
 from leadscrew.tangent.measured import Trace
 from leadscrew.tangent.placing import AS_IT_IS, Placing, by_marks, fitted
+from leadscrew.tangent.points import FEW, strays, thinned
 from leadscrew.tangent.settings import MM_PER_INCH
 from leadscrew.tangent.stroke import Stroke
 
@@ -31,6 +32,8 @@ TANGLED = 3.0
 COARSE = 0.3
 """Distance of points, of the smallest radius."""
 COARSE_MM = (0.5, 5.0)
+SPAN_MM = 0.1
+"""Points closer than this tell nothing more: a fortieth of the shortest automatic cut-off."""
 JUMP = 12.0
 """A step that is so many times the usual one."""
 
@@ -43,6 +46,8 @@ class Matched(NamedTuple):
     trace: Trace
     x: Array
     y: Array
+    each: int = 1
+    """Scanned points of which each of these is the mean."""
 
 
 class Matching(NamedTuple):
@@ -58,8 +63,9 @@ def matched(
     traces: Sequence[Trace],
     align: str = "none",
     marks: Sequence[tuple[float, float, float, float]] = (),
+    span: float = SPAN_MM,
 ) -> Matching:
-    """Measured lines by stroke.
+    """Measured lines by stroke; points closer than ``span`` (mm) are put together.
 
     Raises:
         DataError: lines that are none of these strokes, too coarse, not in order, in another unit.
@@ -88,7 +94,7 @@ def matched(
             raise DataError(f"{trace.where}: {trace.x.size} points are too few: expected {LEAST_POINTS} or more")
     if not pairs:
         raise DataError(f"{points[0].where}: no stroke is {SHORT_MM:g} mm long or longer, so none can be told")
-    found = [_turned(n, strokes[n - 1], t, placing, align, notes) for n, t in pairs]
+    found = [_turned(n, strokes[n - 1], t, placing, align, notes, span) for n, t in pairs]
     if align == "shape":
         placing = _by_shape(strokes, found)
     placed = []
@@ -121,7 +127,10 @@ def _paired(strokes: Sequence[Stroke], traces: Sequence[Trace], placing: Placing
     if len(traces) == 1 and len(strokes) == 1:
         return [(1, traces[0])]
     if len(traces) != len(strokes):
-        raise DataError(f"{traces[0].where}: {len(traces)} lines were measured, the program has {len(strokes)} strokes")
+        raise DataError(
+            f"{traces[0].where}: {_several(len(traces), 'line')} measured, the program has "
+            f"{_several(len(strokes), 'stroke')}"
+        )
     centres = []
     for stroke in strokes:
         at = stroke.at(np.linspace(0.0, stroke.length, LOOKS))
@@ -132,6 +141,10 @@ def _paired(strokes: Sequence[Stroke], traces: Sequence[Trace], placing: Placing
         seen.append((x.mean(), y.mean(), 0.1 * float(np.hypot(np.diff(x), np.diff(y)).sum())))
     cost = [[math.dist(a, b) for b in seen] for a in centres]
     return [(int(a) + 1, traces[int(b)]) for a, b in zip(*linear_sum_assignment(np.array(cost)), strict=True)]
+
+
+def _several(count: int, what: str) -> str:
+    return f"{count} {what}{'s' * (count != 1)}"
 
 
 def _size(x: Array, y: Array) -> float:
@@ -148,6 +161,9 @@ def _same_unit(strokes: Sequence[Stroke], traces: Sequence[Trace]) -> None:
     whole = _all(strokes)
     size = _size(whole[:, 0], whole[:, 1])
     seen = _size(np.concatenate([t.x for t in traces]), np.concatenate([t.y for t in traces]))
+    count = sum(t.x.size for t in traces)
+    if count == 1:
+        raise DataError(f"{traces[0].where}: 1 point is too few: expected {LEAST_POINTS} or more")
     if seen == 0.0:
         raise DataError(f"{traces[0].where}: all points are the same")
     for factor, what in ((MM_PER_INCH, "mm read as inches"), (1.0 / MM_PER_INCH, "inches read as mm")):
@@ -179,11 +195,40 @@ def _by_centre(strokes: Sequence[Stroke], traces: Sequence[Trace]) -> Placing:
     return Placing(0.0, float(a[0] - seen[0]), float(a[1] - seen[1]))
 
 
-def _turned(number: int, stroke: Stroke, trace: Trace, placing: Placing, align: str, notes: list[str]) -> Matched:
-    """The points as scanned, begun at the plunge and in the direction of the cut."""
+def _cleaned(number: int, stroke: Stroke, trace: Trace, notes: list[str], span: float) -> tuple[Array, Array, int]:
+    """The points without strays, and put together where they are dense."""
     keep = np.append(True, np.hypot(np.diff(trace.x), np.diff(trace.y)) > 0.0)
     x, y = trace.x[keep], trace.y[keep]
+    if x.size < LEAST_POINTS:
+        return x, y, 1
+    astray, far = strays(x, y)
+    if astray.size:
+        clean = np.delete(x, astray), np.delete(y, astray)
+        if _jump(*clean) is not None:
+            return x, y, 1
+        few = astray.size <= max(FEW * x.size, 1.0)
+        who = f"{_several(astray.size, 'point')} of stroke {number} (near {x[astray[0]]:.1f}, {y[astray[0]]:.1f})"
+        notes.append(
+            f"{trace.where}: {who} up to {far:.2g} mm off the line of the others"
+            + (": left out" if few else "; so many are not left out: the error is uncertain there")
+        )
+        if few:
+            x, y = clean
+    return thinned(x, y, stroke.length, span)
+
+
+def _turned(
+    number: int, stroke: Stroke, trace: Trace, placing: Placing, align: str, notes: list[str], span: float
+) -> Matched:
+    """The points as scanned, begun at the plunge and in the direction of the cut."""
+    x, y, each = _cleaned(number, stroke, trace, notes, span)
     length = float(np.hypot(np.diff(x), np.diff(y)).sum())
+    grown = _size(x, y) / max(_size(*_at(stroke).T), 1e-9)
+    if length > TANGLED * stroke.length and grown > 0.7 * length / stroke.length:
+        raise DataError(
+            f"{trace.where}: is {grown:.3g} times as large as stroke {number}: another unit or scale? Say the unit in "
+            "the header (x_cm, x_mm) or with --unit"
+        )
     if length > TANGLED * stroke.length:
         raise DataError(
             f"{trace.where}: the way along its points is {length:.0f} mm, the path's {stroke.length:.0f} mm: its "
@@ -217,7 +262,7 @@ def _turned(number: int, stroke: Stroke, trace: Trace, placing: Placing, align: 
         x, y = x[::-1], y[::-1]
     if closed:
         x, y = _begun(x, y, start, stroke, placing, align)
-    return Matched(number, trace, x, y)
+    return Matched(number, trace, x, y, each)
 
 
 def _begun(x: Array, y: Array, start: int, stroke: Stroke, placing: Placing, align: str) -> tuple[Array, Array]:
@@ -236,11 +281,18 @@ def _begun(x: Array, y: Array, start: int, stroke: Stroke, placing: Placing, ali
     return np.append(x, x[0]), np.append(y, y[0])
 
 
-def _no_jump(x: Array, y: Array, trace: Trace) -> None:
+def _jump(x: Array, y: Array) -> int | None:
+    """The point after which the line jumps."""
     steps = np.hypot(np.diff(x), np.diff(y))
-    usual = float(np.median(steps))
     k = int(np.argmax(steps))
-    if steps[k] > max(JUMP * usual, 3.0):
+    return k if steps[k] > max(JUMP * float(np.median(steps)), 3.0) else None
+
+
+def _no_jump(x: Array, y: Array, trace: Trace) -> None:
+    k = _jump(x, y)
+    if k is not None:
+        steps = np.hypot(np.diff(x), np.diff(y))
+        usual = float(np.median(steps))
         raise DataError(
             f"{trace.where}: from point {k + 1} to point {k + 2} it jumps by {steps[k]:.3g} mm, {usual:.3g} mm being "
             "usual: a part is missing, or the points are not in order"

@@ -27,6 +27,9 @@ UNITS = {"mm": 1.0, "cm": 10.0, "m": 1000.0, "inch": MM_PER_INCH, "in": MM_PER_I
 DRAWN = (".svg", ".dxf")
 STEP_MM = 0.2
 """Distance at which a traced line is read."""
+MOST_ROWS = 2_000_000
+MOST_MM = 1e6
+"""No point is further away."""
 NAMES = {
     "x": "x", "y": "y", "travel": "travel", "s": "travel", "way": "travel", "error": "error", "angle_error": "error",
     "deviation": "error", "e": "error", "stroke": "stroke", "path": "stroke",
@@ -70,6 +73,7 @@ def read_measured(file: File, unit: str | None = None) -> list[Trace]:
     if file.suffix.lower() in DRAWN:
         return _drawn(file, unit)
     lines = read_lines(file, "x_mm, y_mm or travel_mm, error_deg")
+    _told_apart(file, lines)
     found: dict[str, tuple[int, float]] = {}
     for place, cell in enumerate(lines[0][1]):
         match = HEADER.match(cell.lower())
@@ -96,6 +100,21 @@ def read_measured(file: File, unit: str | None = None) -> list[Trace]:
     return _traces(file, lines, found, wanted)
 
 
+def _told_apart(file: File, lines: Sequence[tuple[int, list[str]]]) -> None:
+    """Refuses other dividers than commas, decimal commas, and more rows than there can be."""
+    row, header = lines[0]
+    if len(lines) > MOST_ROWS:
+        raise DataError(f"{file}: has {len(lines) - 1} rows: expected {MOST_ROWS - 1} or fewer; thin the points out")
+    if len(header) == 1 and (divider := next((c for c in ";\t" if c in header[0]), "")):
+        what = "semicolons" if divider == ";" else "tabs"
+        raise DataError(f"{file}, row {row}: cells are divided by {what}; expected commas, and a decimal point")
+    for n, cells in lines[1:]:
+        if any(cells[len(header) :]):
+            raise DataError(
+                f"{file}, row {n}: has {len(cells)} cells, the header {len(header)}; a decimal comma? expected a point"
+            )
+
+
 def _traces(
     file: File, lines: Sequence[tuple[int, list[str]]], found: dict[str, tuple[int, float]], wanted: tuple[str, str]
 ) -> list[Trace]:
@@ -109,8 +128,11 @@ def _traces(
                 raise DataError(f"{file}, row {n}: has {len(cells)} cells; column {header[place]!r} is missing")
             values.append(number(file, n, header[place], cells[place]) * scale)
         stroke = values[2] if len(values) == 3 else 0.0
-        if len(values) == 3 and (stroke != int(stroke) or stroke < 1.0):
-            raise DataError(f"{file}, row {n}: stroke {stroke:g}: expected a whole number, 1 for the first stroke")
+        if len(values) == 3 and (not 1.0 <= stroke <= MOST_ROWS or stroke != int(stroke)):
+            raise DataError(f"{file}, row {n}: stroke {stroke:.4g}: expected a whole number, 1 for the first stroke")
+        if wanted[0] == "x" and not max(abs(v) for v in values[:2]) <= MOST_MM:
+            far = max(values[:2], key=abs)
+            raise DataError(f"{file}, row {n}: lies {far:.4g} mm away; expected up to {MOST_MM:g} mm")
         rows.setdefault(int(stroke), []).append((values[0], values[1]))
     none = np.empty(0)
     traces = []

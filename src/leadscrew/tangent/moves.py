@@ -1,14 +1,20 @@
-"""From strokes to moves: lines stay lines, arcs stay arcs, other curves become chords; every move has its words.
+"""From strokes to moves: lines stay lines, arcs stay arcs, other curves become arcs; every move has its words.
 
 A move from ``a`` to ``b`` (arc lengths) turns the axis linearly, as LinuxCNC does on lines and arcs alike. It is halved
 until
 
-- a chord of a curve is nowhere more than ``tolerance`` from it,
-- the blade is nowhere more than ``angle_tolerance`` from ``phi(s) + d(s)``, heading and offset,
+- the arc in place of a curve (:mod:`leadscrew.tangent.fitting`) is nowhere more than ``tolerance`` from it,
+- its tangent is nowhere more than ``angle_tolerance`` from the curve's,
+- the blade is nowhere more than ``angle_tolerance`` from ``phi(s) + d(s)``, heading and offset, and half of that from
+  ``d(s)`` alone: it is what a program is read back with,
 
-both looked at in seven places of each move. The heading is the tangent of the curve itself, never that of a chord.
+looked at in seven places of each move, the tangent at its ends too. The heading is the tangent of the curve itself.
 
-**Feed limit.** A move whose axis would have to turn faster than ``swivel`` gets the feed ``swivel length / turn``.
+**What remains.** A move shorter than ``LEAST_ARC_MM`` is a line, since four decimals do not tell its centre: the blade
+is off such a line by up to half of what the curve turns there. Tangents are not asked for below twice that length.
+
+**Feed limit.** A move whose axis would have to turn faster than ``swivel`` gets the feed ``swivel length / turn``, with
+length and turn as they are written: rounded.
 """
 
 from __future__ import annotations
@@ -19,21 +25,18 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from leadscrew.paths.curve import Array
+from leadscrew.paths.curve import Array, Places
 from leadscrew.paths.segments import Arc, Line
-from leadscrew.tangent.settings import Settings
+from leadscrew.tangent.fitting import LEAST_ARC_MM, MOST_RADIUS_MM, MOST_SWEEP_DEG, Fits, fitted
+from leadscrew.tangent.settings import ANGLE_DIGITS, Settings
 from leadscrew.tangent.stroke import Stroke
 
 LEAST_MM = 0.005
 """No move is made shorter than this."""
-MOST_SWEEP = math.radians(120.0)
-"""An arc that turns by more is cut in parts: close to a full turn its centre is badly told by its ends."""
-LEAST_ARC_MM = 0.05
-"""A shorter arc is written as a line: its centre would be lost in the decimals."""
-MOST_RADIUS_MM = 1e4
-"""An arc of a larger radius is written as chords."""
 LOOKS = np.arange(1, 8) / 8.0
 """Where a move is looked at."""
+SHARES = np.arange(9) / 8.0
+"""The same, and its ends."""
 
 
 class Move(NamedTuple):
@@ -52,9 +55,9 @@ class Move(NamedTuple):
     offset: float
     """Of the axis at its end, deg."""
     length: float
-    """In mm."""
+    """In mm, as written: along the line or the arc through rounded ends."""
     turn: float
-    """Of the blade, deg."""
+    """Of the blade, deg, as written."""
     feed: float
     """mm/min, lowered where the blade could not follow."""
 
@@ -81,18 +84,48 @@ def moves_of(stroke: Stroke, settings: Settings) -> list[Move]:
     before = float(begins.heading[0] + stroke.offset(rows[:1, 0])[0])
     found = []
     feeds = _feeds(stroke, settings, 0.5 * (rows[:, 0] + rows[:, 1]))
+    fits = _fits(stroke, rows[:, 0], rows[:, 1])
+    here, before = (float(begins.x[0]), float(begins.y[0])), round(before, ANGLE_DIGITS)
     for k, (a, b, index) in enumerate(rows):
         segment = stroke.path.segments[int(index)]
-        arc = segment if isinstance(segment, Arc) and _as_arc(segment) and b - a >= LEAST_ARC_MM else None
-        angle, length = float(angles[k]), float(b - a)
-        turn = abs(angle - before)
-        feed = min(feeds[k], 60.0 * settings.swivel * length / turn) if turn else feeds[k]
-        found.append(
-            Move(float(a), float(b), arc, float(ends.x[k]), float(ends.y[k]), angle, float(offsets[k]), length,
-                 angle - before, float(feed))
-        )  # fmt: skip
-        before = angle
+        arc = None
+        if isinstance(segment, Arc) and _as_arc(segment):
+            arc = segment if b - a >= LEAST_ARC_MM else None
+        elif not isinstance(segment, Line):
+            arc = fits.arc(k, *here)
+        there = (float(ends.x[k]), float(ends.y[k]))
+        length = _written(here, there, arc, settings)
+        angle = float(angles[k])
+        turn = round(angle, ANGLE_DIGITS) - before
+        feed = min(feeds[k], 60.0 * settings.swivel * length / abs(turn)) if turn else feeds[k]
+        found.append(Move(float(a), float(b), arc, *there, angle, float(offsets[k]), length, turn, float(feed)))
+        here, before = there, round(angle, ANGLE_DIGITS)
     return found
+
+
+def _written(here: tuple[float, float], there: tuple[float, float], arc: Arc | None, settings: Settings) -> float:
+    """Length of a move between the places that the program says, mm."""
+    (x, y), (u, v) = ([settings.rounded(q) for q in p] for p in (here, there))
+    chord = math.hypot(u - x, v - y)
+    if arc is None:
+        return chord
+    i, j = (settings.rounded(c - q) for c, q in zip(arc.centre, (x, y), strict=True))
+    radius = math.hypot(i, j)
+    turn = math.atan2(v - y - j, u - x - i) - math.atan2(-j, -i)
+    return radius * (turn * math.copysign(1.0, arc.sweep) % (2.0 * math.pi))
+
+
+def _fits(stroke: Stroke, low: Array, high: Array) -> Fits:
+    """The arcs of moves, by the tangents of the path itself: a bend turns the blade, not the line."""
+    first = _on_path(stroke, low)
+    last = _on_path(stroke, high)
+    # At a corner, the tangent of what comes before.
+    before = _on_path(stroke, np.maximum(high - 1e-7, 0.0)).heading
+    return fitted(first, last._replace(heading=np.where(np.abs(last.heading - before) > 1e-3, before, last.heading)))
+
+
+def _on_path(stroke: Stroke, s: Array) -> Places:
+    return stroke.path.at(s if stroke.path.closed else np.clip(s, 0.0, stroke.path.length))
 
 
 def _feeds(stroke: Stroke, settings: Settings, places: Array) -> Array:
@@ -130,17 +163,22 @@ def _good(stroke: Stroke, settings: Settings, low: Array, high: Array, kind: Arr
     asked = inside.heading + stroke.offset(looks)
     given = begin[:, None] + (end - begin)[:, None] * LOOKS
     good = (np.abs(asked - given) <= settings.angle_tolerance).all(axis=1)
+    shift, slope = stroke.offset(low)[:, None], (stroke.offset(high) - stroke.offset(low))[:, None]
+    good &= (np.abs(stroke.offset(looks) - shift - slope * LOOKS) <= 0.5 * settings.angle_tolerance).all(axis=1)
     segments = stroke.path.segments
     straight = np.array([isinstance(segments[int(k)], Line) for k in kind])
     round_ = np.array([isinstance(s := segments[int(k)], Arc) and _as_arc(s) for k in kind])
     radius = np.array([s.radius if isinstance(s := segments[int(k)], Arc) else 1.0 for k in kind])
-    good &= ~round_ | (high - low <= MOST_SWEEP * radius)
-    chord = ~(straight | round_)
-    if chord.any():
-        dx, dy = last.x - first.x, last.y - first.y
-        size = np.maximum(np.hypot(dx, dy), 1e-12)
-        across = (inside.x - first.x[:, None]) * (-dy / size)[:, None] + (inside.y - first.y[:, None]) * (dx / size)[
-            :, None
-        ]
-        good &= ~chord | (np.abs(across) <= settings.tolerance).all(axis=1)
+    good &= ~round_ | (high - low <= math.radians(MOST_SWEEP_DEG) * radius)
+    curved = np.flatnonzero(~(straight | round_))
+    if curved.size:
+        a, b = low[curved], high[curved]
+        fits = _fits(stroke, a, b)
+        at = _on_path(stroke, a[:, None] + (b - a)[:, None] * SHARES)
+        near = (fits.across(at, Places(*(v[:, 0] for v in at))) <= settings.tolerance).all(axis=1)
+        # The last tangent of a curve may be that of the segment behind its corner.
+        off = np.abs((fits.tangent(SHARES) - at.heading + 180.0) % 360.0 - 180.0)[:, :-1]
+        close = (off <= settings.angle_tolerance).all(axis=1) | (b - a < 2.0 * LEAST_ARC_MM)
+        wide = np.abs(at.heading[:, -2] - at.heading[:, 0]) > MOST_SWEEP_DEG
+        good[curved] &= near & close & ~wide
     return good

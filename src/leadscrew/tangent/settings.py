@@ -15,10 +15,14 @@ import math
 from dataclasses import dataclass, fields
 
 from leadscrew.kernel.errors import DataError, ValueRefused
+from leadscrew.references.gcode_reader import MM_PER_INCH
 
-MM_PER_INCH = 25.4
 MOST_OFFSET_DEG = 15.0
 """Range of the offset angle, on either side."""
+ROUNDING_DEG = 1e-6
+"""Angles that differ by less are equal."""
+ANGLE_DIGITS = 4
+"""Decimals of a word of the axis, deg."""
 MARK = "(leadscrew tangent: "
 """How the lines begin that keep the settings in a program."""
 
@@ -50,9 +54,13 @@ class Settings:
     swivel: float = 720.0
     """Fastest turn of the axis, deg/s; the feed is lowered where a line asks for more."""
     tolerance: float = 0.01
-    """How far a chord may lie from the line, mm."""
-    angle_tolerance: float = 0.1
-    """How far the blade may be from its angle between two words, deg."""
+    """How far a move may lie from the line, mm."""
+    angle_tolerance: float = 0.2
+    """How far the blade may be from its angle between two words, and a move's tangent from the line's, deg.
+
+    The offsets alone keep half of it. With 0.2 the whole LinuxCNC cuts the flower of the study in 1.17 times the time
+    at the programmed feed, with 0.1 in 1.29.
+    """
     overcut: float = 0.0
     """Length in mm by which a closed line is cut beyond its start."""
     inverse_time: bool = False
@@ -90,6 +98,26 @@ class Settings:
                 raise ValueRefused(f"prick {part}: expected X,Y, two numbers in mm")
             found.append((x, y))
         return found
+
+    def rounded(self, mm: float) -> float:
+        """A length as it is written, in mm: to 0.1 um, or 0.00001 inch."""
+        return round(mm / MM_PER_INCH, 5) * MM_PER_INCH if self.inch else round(mm, 4)
+
+    def lifts(self, turn_deg: float) -> bool:
+        """Whether the knife is lifted to turn by this much; at the corner angle itself, to rounding, it is not."""
+        return abs(turn_deg) > self.corner_angle + ROUNDING_DEG
+
+    def over_the_sheet(self) -> Settings:
+        """The same, where the sheet's top is Z = 0: the knife lifts above it and does not cut above it.
+
+        Raises:
+            ValueRefused: not ``lift > 0 >= depth``.
+        """
+        if not self.lift > 0.0:
+            raise ValueRefused(f"lift = {self.lift:g}: expected above 0 mm, the top of the sheet")
+        if not self.depth <= 0.0:
+            raise ValueRefused(f"depth = {self.depth:g}: expected 0 mm, the top of the sheet, or below")
+        return self
 
     def word(self, angle: float) -> float:
         """What the axis reads at an angle of the blade (heading and offset, deg)."""

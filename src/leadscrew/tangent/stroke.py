@@ -1,7 +1,8 @@
 """What a knife does from its plunge to its lift: a line, the heading that is programmed along it, and offsets.
 
 **Corner rule.** Where the tangent of a path jumps by more than the corner angle the knife is lifted, turned and
-plunged: a stroke ends and another begins. A smaller jump is turned in the material: over the length ``blend``, half
+plunged: a stroke ends and another begins; a rounding that is one to the tolerance counts as a corner
+(:mod:`leadscrew.tangent.fillets`). A smaller jump is turned in the material: over the length ``blend``, half
 of it on either side (less where the next corner or an end is near), the programmed heading goes linearly from the one
 to the other. A closed path without a corner of the first kind is one closed stroke, and may be cut on beyond its start
 (overcut) so that the ends meet; any other starts at such a corner.
@@ -137,7 +138,9 @@ def strokes_of(paths: Sequence[Path], settings: Settings) -> list[Stroke]:
     Raises:
         DataError: nothing is left to cut.
     """
-    found = [s for path in paths for s in _of_path(path, settings)]
+    from leadscrew.tangent.fillets import sharpened
+
+    found = [s for path in paths for s in _of_path(sharpened(path, settings), settings)]
     kept = [s for s in found if s.length >= LEAST_MM]
     if not kept:
         raise DataError("the drawing has no line to cut")
@@ -145,7 +148,7 @@ def strokes_of(paths: Sequence[Path], settings: Settings) -> list[Stroke]:
 
 
 def _of_path(path: Path, settings: Settings) -> list[Stroke]:
-    sharp = [c.travel for c in path.corners if abs(c.turn_deg) > settings.corner_angle]
+    sharp = [c.travel for c in path.corners if settings.lifts(c.turn_deg)]
     if not sharp:
         length = path.length + (settings.overcut if path.closed else 0.0)
         return [Stroke(path, length, _bends(path, length, settings))]

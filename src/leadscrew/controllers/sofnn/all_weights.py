@@ -39,20 +39,23 @@ from leadscrew.controllers.sofnn.levels import (
     KE,
     KEC,
     ROOM,
+    Aligned,
     FadeS,
     FilterS,
     Most,
     PerSecond,
     Scales,
+    Short,
     Watch,
     held,
+    lacking,
     scales,
     sent,
+    taken_over,
     watched,
 )
 from leadscrew.controllers.sofnn.organising import (
     NOTHING,
-    Aligned,
     At,
     Clamp,
     DeadZone,
@@ -108,7 +111,7 @@ class AllWeightsParams(NamedTuple):
     net: Performance = GOLDEN
     target: Annotated[int, Ge(0), Le(1), Doc("0 stored, the paper's (3); 1 accumulate")] = 0
     delay: Delay = 6
-    r: Annotated[float, Gt(0), Le(1e6), Doc("variance of a target, levels squared, R")] = 0.01
+    r: Annotated[float, Ge(1e-9), Le(1e6), Doc("variance of a target, levels squared, R")] = 0.01
     q: Annotated[float, Ge(0), Le(1e3), Doc("random walk of a consequent, levels squared a sample, Q")] = 0.05
     cap: Annotated[float, Gt(0), Le(1e300), Doc("largest variance of a parameter")] = 4.0
     q_centre: Walk = 0.0
@@ -165,6 +168,7 @@ class AllWeightsState(NamedTuple):
     at: At = 0
     offset: Annotated[float, Unit("deg"), Doc("offset sent, d")] = 0.0
     aligned: Aligned = 0
+    short: Short = 0.0
 
 
 def ready(params: AllWeightsParams, dt: float) -> AllWeightsPlan:
@@ -191,10 +195,10 @@ def learn(p, s, e, ec, stored, g):
 
 
 def align(params, command, feedback, output):
-    """The state from which the next output is ``output``: the prior; the step shifts the rules that fire."""
-    watch = Watch(feedback.deviation - command.deviation, 0.0, 0)
+    """The state from which the next output is ``output``: the prior; a step that sees shifts the rules that fire."""
+    watch = taken_over(command, feedback)
     return AllWeightsState(
-        watch, params.prior, CERTAIN, EVEN, EVEN, UNSURE, NOTHING, NOTHING, NOTHING, 0, output, 1
+        watch, params.prior, CERTAIN, EVEN, EVEN, UNSURE, NOTHING, NOTHING, NOTHING, 0, output, 1, 0.0
     )  # fmt: skip
 
 
@@ -205,7 +209,7 @@ def sofnn_all_weights(p, s, command, feedback, dt):
     e = p.scales.k_e * watch.error
     ec = p.scales.k_ec * watch.rate
     g = rectified(p.measure, watch.error, e, ec)
-    if s.aligned == 1:
+    if s.aligned == 1 and watch.blind == 0:
         here = said_by(s.weights, s.certainties, s.centres_e, s.centres_ec, e, ec).fired
         shifted(s.weights, here, held(s.offset / p.scales.k_d, 6.0), p.measure.clamp)
     if learns(p.measure, p.scales.most, watch.known, s.offset, g):
@@ -215,13 +219,14 @@ def sofnn_all_weights(p, s, command, feedback, dt):
             leak(s.weights, p.prior, p.measure.leak)
     said = said_by(s.weights, s.certainties, s.centres_e, s.centres_ec, e, ec)
     level = held(said.level, 6.0)
-    offset = sent(p.scales, watch, level, s.offset)
+    short = lacking(p.scales, s.watch.blind, s.aligned, s.short, level, s.offset)
+    offset = sent(p.scales, watch, level, short, s.offset)
     s.past_e[s.at] = e
     s.past_ec[s.at] = ec
     s.past_d[s.at] = level
     return AllWeightsState(
         watch, s.weights, s.certainties, s.centres_e, s.centres_ec, s.covariance, s.past_e, s.past_ec, s.past_d,
-        place_after(s.at), offset, 0,
+        place_after(s.at), offset, 0, short,
     ), offset  # fmt: skip
 
 

@@ -9,7 +9,7 @@ untrained ones (:func:`~leadscrew.neural.inference_net.initial_rules`) make it a
 **What it can do**: the rules are a map without memory, of slope about -1 at the origin, so of a slow deviation it takes
 away ``1 - 1 / (1 + g k_d k_e)`` for a cut that turns ``g`` times the offset: 14 % at the paper's scales, g = 1.
 
-No bumpless start: a map without memory has nothing to preset.
+Bumpless start: it goes on from the last output and fades from there to what the rules say, with ``fade_s``.
 
 Source: equations (1) and (2) of the paper of the study ``sofnn_tangent`` (Deng, Liu, Wu, Zhang). Scales from its
 ranges; memberships and rules are the study's reconstruction.
@@ -26,15 +26,19 @@ from leadscrew.controllers.sofnn.levels import (
     KE,
     KEC,
     MOST_LEVEL,
+    Aligned,
     FadeS,
     FilterS,
     Most,
     PerSecond,
     Scales,
+    Short,
     Watch,
     held,
+    lacking,
     scales,
     sent,
+    taken_over,
     watched,
 )
 from leadscrew.fuzzy.partition import Axis
@@ -71,6 +75,8 @@ class FnnState(NamedTuple):
 
     watch: Watch = Watch()
     offset: Annotated[float, Unit("deg"), Doc("offset sent, d")] = 0.0
+    aligned: Aligned = 0
+    short: Short = 0.0
 
 
 def ready(params: FnnParams, dt: float) -> FnnPlan:
@@ -78,14 +84,20 @@ def ready(params: FnnParams, dt: float) -> FnnPlan:
     return FnnPlan(scales(params, dt), AXIS, np.array(params.rules, dtype=float))
 
 
-@controller(FnnParams(), FnnState(), prepare=ready, unit="deg", drive="position")
+def align(params, command, feedback, output):
+    """The state from which the next output is ``output``."""
+    return FnnState(taken_over(command, feedback), output, 1, 0.0)
+
+
+@controller(FnnParams(), FnnState(), prepare=ready, align=align, unit="deg", drive="position")
 def fnn(p, s, command, feedback, dt):
     """Fixed fuzzy network of 49 rules on the deviation of the cut and its change; an offset angle."""
     watch = watched(p.scales, s.watch, command, feedback)
     here = fired(p.axis, p.axis, p.scales.k_e * watch.error, p.scales.k_ec * watch.rate)
     level = held(network_output(p.rules, here), 6.0)
-    offset = sent(p.scales, watch, level, s.offset)
-    return FnnState(watch, offset), offset
+    short = lacking(p.scales, s.watch.blind, s.aligned, s.short, level, s.offset)
+    offset = sent(p.scales, watch, level, short, s.offset)
+    return FnnState(watch, offset, 0, short), offset
 
 
 cast(Any, fnn.step).takes_cut_line = True

@@ -22,7 +22,9 @@ a PID does.
 are an integrator, not a memory: frozen, they keep about a third of what learning gave.
 
 When nothing is learned: :mod:`leadscrew.controllers.sofnn.organising`. Bumpless start: the rules that fire are
-shifted so that the next output is the last one; what was learned before is lost. Learned rules are given to a new start
+shifted so that the next output is the last one; what was learned before is lost. Where the cut is not seen at the
+start nothing is known of which rules fire: none is shifted, the offset fades from the last output, and from there to
+the rules' one when the cut is seen (:mod:`leadscrew.controllers.sofnn.levels`). Learned rules are given to a new start
 by :func:`~leadscrew.controllers.sofnn.rules.with_rules`.
 
 Source: the seven steps of the paper of the study ``sofnn_tangent`` (Deng, Liu, Wu, Zhang); where it is silent, the
@@ -41,20 +43,23 @@ from leadscrew.controllers.sofnn.levels import (
     KE,
     KEC,
     ROOM,
+    Aligned,
     FadeS,
     FilterS,
     Most,
     PerSecond,
     Scales,
+    Short,
     Watch,
     held,
+    lacking,
     scales,
     sent,
+    taken_over,
     watched,
 )
 from leadscrew.controllers.sofnn.organising import (
     NOTHING,
-    Aligned,
     At,
     Clamp,
     DeadZone,
@@ -110,7 +115,7 @@ class SofnnParams(NamedTuple):
     target: Annotated[int, Ge(0), Le(1), Doc("0 stored, the paper's (3); 1 accumulate")] = 0
     delay: Delay = 6
     learner: Annotated[int, Ge(0), Le(1), Doc("0 Kalman filter, 1 normalised LMS on the four rules")] = 0
-    r: Annotated[float, Gt(0), Le(1e6), Doc("variance of a target, levels squared, R")] = 0.01
+    r: Annotated[float, Ge(1e-9), Le(1e6), Doc("variance of a target, levels squared, R")] = 0.01
     q: Annotated[float, Ge(0), Le(1e3), Doc("random walk of a consequent, levels squared a sample, Q")] = 0.05
     cap: Annotated[float, Gt(0), Le(1e6), Doc("largest variance of a consequent, levels squared")] = 4.0
     mu: Annotated[float, Ge(0), Lt(2), Doc("step of the normalised LMS")] = 0.8
@@ -160,6 +165,7 @@ class SofnnState(NamedTuple):
     updates: Annotated[int, Doc("updates in the last sample")] = 0
     offset: Annotated[float, Unit("deg"), Doc("offset sent, d")] = 0.0
     aligned: Aligned = 0
+    short: Short = 0.0
 
 
 def ready(params: SofnnParams, dt: float) -> SofnnPlan:
@@ -202,9 +208,9 @@ def learn(p, clamp, weights, covariance, past, stored, g):
 
 
 def align(params, command, feedback, output):
-    """The state from which the next output is ``output``: the prior; the step shifts the rules that fire."""
-    watch = Watch(feedback.deviation - command.deviation, 0.0, 0)
-    return SofnnState(watch, params.prior, UNSURE, NOTHING, NOTHING, NOTHING, 0, 0, output, 1)
+    """The state from which the next output is ``output``: the prior; a step that sees shifts the rules that fire."""
+    watch = taken_over(command, feedback)
+    return SofnnState(watch, params.prior, UNSURE, NOTHING, NOTHING, NOTHING, 0, 0, output, 1, 0.0)
 
 
 @controller(SofnnParams(), SofnnState(), prepare=ready, align=align, unit="deg", drive="position")
@@ -214,7 +220,7 @@ def sofnn(p, s, command, feedback, dt):
     e = p.scales.k_e * watch.error
     ec = p.scales.k_ec * watch.rate
     g = rectified(p.measure, watch.error, e, ec)
-    if s.aligned == 1:
+    if s.aligned == 1 and watch.blind == 0:
         shifted(s.weights, fired(p.axis, p.axis, e, ec), held(s.offset / p.scales.k_d, 6.0), p.measure.clamp)
     updates = 0
     if learns(p.measure, p.scales.most, watch.known, s.offset, g):
@@ -224,12 +230,15 @@ def sofnn(p, s, command, feedback, dt):
         if p.measure.leak > 0.0:
             leak(s.weights, p.prior, p.measure.leak)
     level = held(network_output(s.weights, fired(p.axis, p.axis, e, ec)), 6.0)
-    offset = sent(p.scales, watch, level, s.offset)
+    short = lacking(p.scales, s.watch.blind, s.aligned, s.short, level, s.offset)
+    offset = sent(p.scales, watch, level, short, s.offset)
     s.past_e[s.at] = e
     s.past_ec[s.at] = ec
     s.past_d[s.at] = level
     at = place_after(s.at)
-    return SofnnState(watch, s.weights, s.covariance, s.past_e, s.past_ec, s.past_d, at, updates, offset, 0), offset
+    return SofnnState(
+        watch, s.weights, s.covariance, s.past_e, s.past_ec, s.past_d, at, updates, offset, 0, short
+    ), offset
 
 
 cast(Any, sofnn.step).takes_cut_line = True

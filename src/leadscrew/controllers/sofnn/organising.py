@@ -32,7 +32,7 @@ FULL = 0.99
 NOTHING = np.zeros(ROOM)
 """What is known of the past after a bumpless start."""
 
-Kg = Annotated[float, Ge(0), Le(2), Doc("strength of the correction, kg")]
+Kg = Annotated[float, Ge(0), Le(1000), Doc("strength of the correction, kg")]
 Source = Annotated[int, Ge(0), Le(3), Doc("correction: 0 table between cells, 1 nearest cell, 2 network, 3 odd table")]
 Table = Annotated[np.ndarray, Ge(-MOST), Le(MOST), Doc("performance table, 13 x 13 levels, rows EC, columns E")]
 Delay = Annotated[int, Ge(1), Le(ROOM - 1), Doc("samples by which a correction is referred back, m_c")]
@@ -48,7 +48,6 @@ PastE = Annotated[np.ndarray, Doc("E of the last samples, levels")]
 PastEC = Annotated[np.ndarray, Doc("EC of the last samples, levels")]
 PastD = Annotated[np.ndarray, Doc("level D of the rules in the last samples")]
 At = Annotated[int, Doc("place of the next of them")]
-Aligned = Annotated[int, Doc("1 in the first sample after a bumpless start, else 0")]
 
 
 class Measure(NamedTuple):

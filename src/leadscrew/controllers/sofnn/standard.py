@@ -30,20 +30,23 @@ from leadscrew.controllers.sofnn.levels import (
     KE,
     KEC,
     ROOM,
+    Aligned,
     FadeS,
     FilterS,
     Most,
     PerSecond,
     Scales,
+    Short,
     Watch,
     held,
+    lacking,
     scales,
     sent,
+    taken_over,
     watched,
 )
 from leadscrew.controllers.sofnn.organising import (
     NOTHING,
-    Aligned,
     At,
     Clamp,
     DeadZone,
@@ -122,6 +125,7 @@ class SofcState(NamedTuple):
     at: At = 0
     offset: Annotated[float, Unit("deg"), Doc("offset sent, d")] = 0.0
     aligned: Aligned = 0
+    short: Short = 0.0
 
 
 def ready(params: SofcParams, dt: float) -> SofcPlan:
@@ -140,9 +144,9 @@ def credit(weights, past, g, clamp):
 
 
 def align(params, command, feedback, output):
-    """The state from which the next output is ``output``: the prior; the step shifts the rules that fire."""
-    watch = Watch(feedback.deviation - command.deviation, 0.0, 0)
-    return SofcState(watch, params.prior, NOTHING, NOTHING, NOTHING, 0, output, 1)
+    """The state from which the next output is ``output``: the prior; a step that sees shifts the rules that fire."""
+    watch = taken_over(command, feedback)
+    return SofcState(watch, params.prior, NOTHING, NOTHING, NOTHING, 0, output, 1, 0.0)
 
 
 @controller(SofcParams(), SofcState(), prepare=ready, align=align, unit="deg", drive="position")
@@ -152,7 +156,7 @@ def sofc(p, s, command, feedback, dt):
     e = p.scales.k_e * watch.error
     ec = p.scales.k_ec * watch.rate
     g = rectified(p.measure, watch.error, e, ec)
-    if s.aligned == 1:
+    if s.aligned == 1 and watch.blind == 0:
         shifted(s.weights, fired(p.axis, p.axis, e, ec), held(s.offset / p.scales.k_d, 6.0), p.measure.clamp)
     if learns(p.measure, p.scales.most, watch.known, s.offset, g):
         then = place_before(s.at, p.measure.delay)
@@ -162,11 +166,12 @@ def sofc(p, s, command, feedback, dt):
         if p.measure.leak > 0.0:
             leak(s.weights, p.prior, p.measure.leak)
     level = held(network_output(s.weights, fired(p.axis, p.axis, e, ec)), 6.0)
-    offset = sent(p.scales, watch, level, s.offset)
+    short = lacking(p.scales, s.watch.blind, s.aligned, s.short, level, s.offset)
+    offset = sent(p.scales, watch, level, short, s.offset)
     s.past_e[s.at] = e
     s.past_ec[s.at] = ec
     s.past_d[s.at] = level
-    return SofcState(watch, s.weights, s.past_e, s.past_ec, s.past_d, place_after(s.at), offset, 0), offset
+    return SofcState(watch, s.weights, s.past_e, s.past_ec, s.past_d, place_after(s.at), offset, 0, short), offset
 
 
 cast(Any, sofc.step).takes_cut_line = True

@@ -29,6 +29,7 @@ SensorDelay = Annotated[float, Unit("s"), Ge(0), Le(1), Doc("believed delay of t
 Most = Annotated[float, Unit("deg"), Gt(0), Le(90), Doc("largest offset, either way")]
 ObserverGain = Annotated[float, Ge(0), Le(2), Doc("share of what was found that is taken off")]
 FilterS = Annotated[float, Unit("s"), Gt(0), Le(10), Doc("time constant of the observer's filter")]
+ReturnS = Annotated[float, Unit("s"), Gt(0), Le(10), Doc("time in which learning is back after the cut was not seen")]
 Preview = Annotated[int, Ge(0), Le(20), Doc("samples that the command looks ahead: that of the reference")]
 
 
@@ -53,6 +54,11 @@ def back(ring, at, late):
 def next_place(at):
     """The place after ``at``."""
     return at + 1 if at + 1 < RING else 0
+
+
+def trusted(sight, seen, returns):
+    """Share of a reading that is taken: 0 while the cut is not seen, then up to 1 by ``returns`` a sample."""
+    return min(sight + returns, 1.0) if seen > 0.5 else 0.0
 
 
 def quiet(x):

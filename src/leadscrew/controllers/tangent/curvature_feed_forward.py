@@ -17,7 +17,9 @@ lets the first noise in), the weights and covariance of the piece before, or wha
 (:mod:`leadscrew.studies.sofnn_tangent.pieces`). The shape is exact only while the material is linear in the curvature.
 
 Safe form: ``P`` stays symmetric to the bit, and its trace bounded where nothing excites it. Weights stay within
-``weight_limit``. Learning and ``z`` stand still while the cut is not seen and while the last offset was at its limit.
+``weight_limit``. Learning and ``z`` stand still while the cut is not seen and while the last offset was at its limit;
+what is read then, even NaN, is not used. Seen again, learning and ``z`` take a share of each reading that grows to all
+of it within ``return_s``: what the loss has left over is no jump of the offset.
 Before the line there is no curvature; with ``before = 1`` it is taken to have been that of the first sample.
 
 Takes the command of :mod:`leadscrew.references.cut_line` and the reading of
@@ -44,11 +46,13 @@ from leadscrew.controllers.tangent.believed import (
     ObserverGain,
     PlantGain,
     Preview,
+    ReturnS,
     SensorDelay,
     back,
     next_place,
     quiet,
     samples,
+    trusted,
     within,
 )
 from leadscrew.kernel.block import Block, controller
@@ -82,6 +86,7 @@ class CurvatureFeedForwardParams(NamedTuple):
     learning: Annotated[int, Ge(0), Le(1), Doc("1 learns; 0 keeps the prior")] = 1
     gain: ObserverGain = 0.8
     filter_s: FilterS = 0.02
+    return_s: ReturnS = 0.1
     preview: Preview = 1
     before: Annotated[int, Ge(0), Le(1), Doc("curvature before the line: 0 none, 1 that of the first sample")] = 0
     plant_gain: PlantGain = 0.9
@@ -103,6 +108,7 @@ class CurvatureFeedForwardPlan(NamedTuple):
     learning: float
     gain: float
     filtered: float
+    returns: float
     old: int
     fill: int
     before: float
@@ -126,6 +132,7 @@ class CurvatureFeedForwardState(NamedTuple):
     axis: Annotated[float, Unit("deg"), Doc("angle of the axis, as believed")] = 0.0
     found: Annotated[float, Unit("deg"), Doc("what the weights do not explain, z")] = 0.0
     sent: Annotated[float, Unit("deg"), Doc("offset of the last period")] = 0.0
+    sight: Annotated[float, Doc("share of a reading that is taken")] = 1.0
 
 
 def plan(params: CurvatureFeedForwardParams, dt: float) -> CurvatureFeedForwardPlan:
@@ -151,9 +158,9 @@ def plan(params: CurvatureFeedForwardParams, dt: float) -> CurvatureFeedForwardP
     late = samples(params.delay_s, dt, old + int(lags[-1]), "curvature_feed_forward")
     return CurvatureFeedForwardPlan(
         prior, 0.5 * (covariance + covariance.T), lags, params.forgetting, params.noise, params.trace_cap,
-        params.weight_limit, float(params.learning), params.gain, -math.expm1(-dt / params.filter_s), late + old,
-        late + old + int(lags[-1]), float(params.before), params.plant_gain, -math.expm1(-dt / params.axis_lag_s), late,
-        params.most, np.zeros(RING),
+        params.weight_limit, float(params.learning), params.gain, -math.expm1(-dt / params.filter_s),
+        dt / params.return_s, late + old, late + old + int(lags[-1]), float(params.before), params.plant_gain,
+        -math.expm1(-dt / params.axis_lag_s), late, params.most, np.zeros(RING),
     )  # fmt: skip
 
 
@@ -206,8 +213,10 @@ def curvature_feed_forward(p, s, command, feedback, dt):
     for i in range(COUNT):
         here[i] = regressor(p, s, s.at, p.old, i)
         told = told + s.weights[i] * here[i]
-    inn = feedback.deviation - command.deviation - p.plant_gain * back(s.places, s.at, p.late) - told
-    acts = (1.0 if wait == 0 else 0.0) * (1.0 if feedback.seen > 0.5 else 0.0) * (1.0 if abs(s.sent) < p.most else 0.0)
+    sight = trusted(s.sight, feedback.seen, p.returns)
+    reading = feedback.deviation if feedback.seen > 0.5 else 0.0
+    inn = reading - command.deviation - p.plant_gain * back(s.places, s.at, p.late) - told
+    acts = (1.0 if wait == 0 else 0.0) * sight * (1.0 if abs(s.sent) < p.most else 0.0)
     learns = acts * p.learning
     q = p.keep * p.noise
     for i in range(COUNT):
@@ -234,7 +243,7 @@ def curvature_feed_forward(p, s, command, feedback, dt):
     d = within(-(ahead + p.gain * found) / p.plant_gain, p.most)
     return CurvatureFeedForwardState(
         s.weights, s.covariance, s.curvatures, s.headings, s.places, next_place(s.at), max(wait - 1, 0),
-        quiet(s.axis + p.axis * (d - s.axis)), quiet(found), d,
+        quiet(s.axis + p.axis * (d - s.axis)), quiet(found), d, sight,
     ), d  # fmt: skip
 
 

@@ -7,8 +7,11 @@
 ``gain = 1`` and everything as believed the slow part of the deviation goes to zero; a smaller gain leaves ``1 - gain``
 of it, and bounds what a wrong belief can do.
 
-The reading is a number; the command's deviation, 0, is taken off it. Bumpless start: the axis is believed at the
-output, and the observer settled at it.
+The reading is a number; the command's deviation, 0, is taken off it. So it cannot be told that the cut is not seen: a
+reading that stands still winds ``z`` up, and the offset jumps when the cut is seen again (8 deg in one sample after a
+second in the study, claim ``resight_observer``). Where the camera loses the cut, take a controller that is told.
+
+Bumpless start: the axis is believed at the output, and the observer settled at it.
 
 Source: the observer of section 7 of the digest of the study ``sofnn_tangent`` (g 0.9, gain 0.9, 0.02 s), not the
 paper's; structure as in :mod:`leadscrew.controllers.input_dob`.

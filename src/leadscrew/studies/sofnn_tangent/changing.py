@@ -109,14 +109,23 @@ def at_feed(loops: Loops, feed: float, line: str = "flower", material: str = "fa
     return replace(scenario, params=scenario.params._replace(feed=feed), duration_s=seconds)
 
 
+def feed_values(controller: str) -> Mapping[str, float]:
+    """What a controller of :data:`FEED_ROWS` has differently when the feed changes."""
+    return {"delay": 6} if controller == BILINEAR else {}
+
+
+def with_values(words: str, values: Mapping[str, float]) -> str:
+    """Words for a controller, and behind them the parameters that it has differently here."""
+    return ", ".join([words, *(f"{key} {float(x):g}" for key, x in values.items())])
+
+
 def fed(loops: Loops, controller: str, feed: float, by_sample: bool = False) -> np.ndarray:
     """RMS deviation of the flower in fabric at a feed, deg, :data:`RUNS` runs; m_c = 6 where the table corrects.
 
     ``by_sample``: the texture changes from sample to sample as at 50 mm/s, whatever the feed; else along the way.
     """
     scenario = at_feed(loops, feed)
-    block = loops.controllers[controller]
-    block = block(delay=6) if controller == BILINEAR else block
+    block = loops.controllers[controller](**feed_values(controller))
     loop = loops.get(block, scenario).using(seed=SEED)
     length = scenario.params.texture_mm * (feed / FEED if by_sample else 1.0)
     batch = loop.batch(scenario.duration_s, {"disturbance.length": np.full(RUNS, length)})
@@ -137,16 +146,18 @@ class Changes:
     """The tuned network at the lowest feed in a texture by the sample."""
 
 
+STEP_CONTROLLERS = {"fixed": FIXED, "table": BILINEAR, "net": PAPER, "tuned": TUNED, "pid": PID}
+"""Controllers that meet the step, by a short name."""
+STEP_VALUES: Mapping[str, Mapping[str, float]] = {
+    "table": {"delay": 6}, "net": {"delay": 6}, "tuned": {"leak": 0.0, "freeze": False},
+}  # fmt: skip
+"""What they have differently there: the literal networks refer back by the camera's delay and the axis's, six samples,
+and the tuned one neither leaks nor freezes, as in the digest."""
+
+
 def step_blocks(loops: Loops) -> dict[str, Block]:
-    """Controllers that meet the step; the networks refer back by their delay and the axis's, six samples."""
-    at = loops.controllers
-    return {
-        "fixed": at[FIXED],
-        "table": at[BILINEAR](delay=6),
-        "net": at[PAPER](delay=6),
-        "tuned": at[TUNED](leak=0.0, freeze=False),
-        "pid": at[PID],
-    }
+    """Controllers that meet the step."""
+    return {short: loops.controllers[name](**STEP_VALUES.get(short, {})) for short, name in STEP_CONTROLLERS.items()}
 
 
 _MADE: WeakKeyDictionary[Loops, Changes] = WeakKeyDictionary()

@@ -20,6 +20,7 @@ from leadscrew.studies.sofnn_tangent.claims_performance_training import performa
 from leadscrew.studies.sofnn_tangent.claims_pieces import pieces_claims
 from leadscrew.studies.sofnn_tangent.claims_plant import plant_claims
 from leadscrew.studies.sofnn_tangent.claims_recall import recall_claims
+from leadscrew.studies.sofnn_tangent.claims_sight import sight_claims
 from leadscrew.studies.sofnn_tangent.claims_signals import signals_claims
 from leadscrew.studies.sofnn_tangent.claims_workflow import workflow_claims
 from leadscrew.studies.sofnn_tangent.results import Results
@@ -42,6 +43,7 @@ def topics(found: Results, progress: Callable[[str, float], None]) -> Topics:
         ("The material changes", change_claims),
         ("Delay", delay_claims),
         ("Learning that goes on", online_claims),
+        ("The camera loses the cut", sight_claims),
         ("What learned rules are worth", recall_claims),
         ("What the paper has wrong", errata_claims),
         ("Feed-forward and observer", feed_forward_claims),

@@ -5,28 +5,25 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 
-import numpy as np
-
 from leadscrew.plants.flexible_cut import MATERIALS
 from leadscrew.report.claim import Claim
+from leadscrew.studies.sofnn_tangent.chance import HALF_DIGIT, by_chance
 from leadscrew.studies.sofnn_tangent.comparison import (
     DIGEST,
     FIXED,
     FLOOR,
-    HALF_DIGIT,
     NONE,
     PAPER,
     PID,
     TUNED,
-    WIDE,
     Comparison,
-    Standing,
     comparison_of,
     texture_floor,
 )
 from leadscrew.studies.sofnn_tangent.lines import FEED, MATERIAL_NAMES
-from leadscrew.studies.sofnn_tangent.runs import CELLS, Loops
+from leadscrew.studies.sofnn_tangent.runs import Loops
 from leadscrew.studies.sofnn_tangent.saying import said
+from leadscrew.studies.sofnn_tangent.tuning import best
 
 SOURCE = "digest, section 7"
 ASIDE: dict[str, tuple[float, float]] = {
@@ -47,24 +44,20 @@ def contour_claims(loops: Loops) -> list[Claim]:
     return [*_rows(made), *_gains(made), *_zero(loops), *_floor(loops)]
 
 
-def by_chance(standing: Standing, half_digit: float = HALF_DIGIT) -> np.ndarray:
-    """By how much a mean of three runs and one of five may differ, a cell each, mm."""
-    return standing.deviation("lateral") * WIDE * math.sqrt(1.0 / CELLS + 1.0 / DIGEST_RUNS) + half_digit
-
-
 def _rows(made: Comparison) -> Iterator[Claim]:
     for name, (mean, worst) in ASIDE.items():
         standing, short, words = made.standing(name), name.split(".")[-1], DIGEST[name].words
         by_cell = standing.cells.lateral.mean(axis=-1)
-        allowed, at = by_chance(standing, 0.05 if worst > 10.0 else HALF_DIGIT), int(by_cell.argmax())
+        allowed = standing.allowed("lateral", 0.05 if worst > 10.0 else HALF_DIGIT, DIGEST_RUNS)
+        chance = standing.allowed_mean("lateral", HALF_DIGIT, DIGEST_RUNS)
         yield said(
             f"contour_{short}_mean", SOURCE, f"largest distance of the cut from its line, mean of nine cells: {words}",
-            standing.aside, "mm", mean, f"{standing.aside:.2f} mm; the digest {mean:g}",
-            tolerance=float(allowed.mean()),
+            standing.aside, "mm", mean, f"{standing.aside:.2f} mm; the digest, on three "
+            f"textures of its own, {mean:g}; by chance they differ by up to {chance:.2f}", tolerance=chance,
         )  # fmt: skip
         yield said(
             f"contour_{short}_worst", SOURCE, f"the same of the worst cell: {words}", standing.aside_worst, "mm", worst,
-            f"{standing.aside_worst:.2f} mm; the digest {worst:g}", tolerance=float(allowed.ravel()[at]),
+            f"{standing.aside_worst:.2f} mm; the digest {worst:g}", tolerance=float(allowed.ravel()[by_cell.argmax()]),
         )  # fmt: skip
 
 
@@ -89,13 +82,14 @@ def _gains(made: Comparison) -> Iterator[Claim]:
             f"{made.cells['equal.pid'].lateral.mean():.2f}, SOFNN {made.cells['equal.sofnn'].lateral.mean():.2f}",
             sense="<=",
         )  # fmt: skip
-    observer = made.cells["equal.observer"]
+    observer, gain = made.cells["equal.observer"], best("observer").values["gain"]
     yield said(
         "contour_observer", "digest A11", "distance from the line of the observer tuned for RMS, over that of the PID",
         float(observer.lateral.mean() / made.cells["equal.pid"].lateral.mean()), "", None,
         f"{observer.lateral.mean():.2f} mm at an RMS of {observer.rms.mean():.3f} deg, PID "
-        f"{made.cells['equal.pid'].lateral.mean():.2f} mm at {made.cells['equal.pid'].rms.mean():.3f} deg: the best "
-        "RMS is not the best contour; an observer that takes off less than all leaves a mean angle", kind="report",
+        f"{made.cells['equal.pid'].lateral.mean():.2f} mm at {made.cells['equal.pid'].rms.mean():.3f} deg; the search "
+        f"judged the RMS alone and takes off {100.0 * gain:.0f} % of what the observer finds: the rest stays as a mean "
+        "angle, and that moves the cut aside", kind="report",
     )  # fmt: skip
 
 
@@ -131,5 +125,5 @@ def _floor(loops: Loops) -> Iterator[Claim]:
             mean, "deg", FLOOR[material], f"{mean:.3f} deg without shear, fibre and bevel, {deviation:.3f} from run to "
             f"run; by the formula for a texture behind the lag {expected:.3f}, the digest {FLOOR[material]:g}. No "
             "feedback removes it, because the texture changes within the camera's delay",
-            tolerance=WIDE * math.sqrt(2.0 / CELLS) * deviation + HALF_DIGIT,
+            tolerance=by_chance(deviation),
         )  # fmt: skip

@@ -6,10 +6,14 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from leadscrew.controllers.tangent.curvature_feed_forward import curvature_feed_forward
+from leadscrew.controllers.tangent.curvature_network import curvature_network
 from leadscrew.controllers.tangent.tangent_dob import tangent_dob
 from leadscrew.report.claim import Claim
 from leadscrew.studies.sofnn_tangent.changing import halves
+from leadscrew.studies.sofnn_tangent.lines import PERIOD_S
 from leadscrew.studies.sofnn_tangent.pieces import Pieces, pieces
+from leadscrew.studies.sofnn_tangent.resight import LOST_FROM_S, moved, resight
 from leadscrew.studies.sofnn_tangent.runs import Loops
 from leadscrew.studies.sofnn_tangent.saying import said, word
 from leadscrew.studies.sofnn_tangent.taught import DIGEST, FEEDS, STARTS, series
@@ -22,12 +26,13 @@ PIECE_3 = (0.18, 0.20, 0.12, 0.23, 0.22, 0.44, 0.24, 0.23, 0.27)
 CHANGED = {"wave": (0.23, 0.30, 0.9), "flower": (0.97, 0.95, 3.6), "rrect": (0.48, 0.74, 2.6)}
 """By line: RMS before and after the change, largest after it."""
 AT_FEEDS = (0.20, 0.24, 0.36)
-AT_20 = ". Below the digest's, which is not explained"
+AT_20 = ". Below the digest's, which a texture by the sample would give: feed_forward_at_20_by_sample"
 
 
 def feed_forward_claims(loops: Loops) -> list[Claim]:
-    """Rows of section 7, and section 8.2."""
-    return [*_observer(loops), *_rows(loops), *_start(loops), *_settings(loops), *_changed(loops), *_fed(loops)]
+    """Rows of section 7, section 8.2, and what a lost cut does."""
+    parts = (_observer, _rows, _start, _settings, _changed, _fed, _resight)
+    return [claim for part in parts for claim in part(loops)]
 
 
 def cells_of(found: Pieces, piece: int) -> str:
@@ -117,4 +122,26 @@ def _fed(loops: Loops) -> Iterator[Claim]:
                    found.mean(2), "deg", target, f"+-{found.spread(2):.3f}. The lags stay in samples, the texture in "
                    "mm; preview does not fade with the feed as feedback does" + AT_20 * (feed == 20.0),
                    tolerance=found.chance(2), kind="required" if feed == 50.0 else "report")
+    found = series(loops, "feed_forward_slow_by_sample")
+    yield said("feed_forward_at_20_by_sample", ROWS, "the same at 20 mm/s in a texture that changes from sample to "
+               "sample as at 50 mm/s", found.mean(2), "deg", AT_FEEDS[0], f"+-{found.spread(2):.3f}. As of the tuned "
+               "network (feed_sofnn_tuned_20_by_sample): the digest seems to have kept its texture in samples",
+               tolerance=found.chance(2))
+
+
+def _resight(loops: Loops) -> Iterator[Claim]:
+    count = len(LOST_FROM_S)
+    for key, words, block in (("feed_forward", "adaptive feed-forward", curvature_feed_forward),
+                              ("rules", "rules of the curvature", curvature_network)):
+        found = resight(loops, block)
+        once = moved(loops, block(return_s=PERIOD_S))
+        yield said(f"resight_{key}", "not in the paper", f"{words}: largest change of the offset from one sample to "
+                   f"the next when the cut is seen again, {count} losses of a second, flower in foam",
+                   found.seen_again, "deg", found.plain, f"{found.plain:.2f} deg at most where nothing is lost. What "
+                   f"is read comes back in {block.params.return_s:g} s; with all of it at once "
+                   f"{once:.1f} deg", sense="<=")
+    found = resight(loops, tangent_dob)
+    yield said("resight_observer", "not in the paper", "the same, disturbance observer", found.seen_again, "deg", None,
+               f"{found.plain:.2f} deg where nothing is lost. It takes a number and is not told: it goes on from a "
+               "reading that stands still, and winds up as a PID does", kind="report")
 # fmt: on

@@ -26,7 +26,7 @@ from leadscrew.studies.sofnn_tangent.online import (
     rules,
 )
 from leadscrew.studies.sofnn_tangent.runs import Loops
-from leadscrew.studies.sofnn_tangent.saying import said, verdict_of, word
+from leadscrew.studies.sofnn_tangent.saying import said, word
 
 SHORT = {TABLE: "table", PNN: "pnn", TUNED: "tuned"}
 STEP_7 = "step (7) of the paper"
@@ -58,6 +58,10 @@ class Passes(NamedTuple):
     most: float
     none: float
     """Share of samples without one, %."""
+    second: float
+    """Share of samples with more than one, %."""
+    first: float
+    """Most in the first cell, the wave in fabric."""
 
 
 def passes(loops: Loops, controller: str, r: float, tolerance: float = 1e-3) -> Passes:
@@ -70,9 +74,10 @@ def passes(loops: Loops, controller: str, r: float, tolerance: float = 1e-3) -> 
             live = loop.using(in_material(material)).start(run=j)
             samples = live.loop.periods(loops.scenarios[name].duration_s)
             done = live.advance(samples, record=("controller.updates",))["controller.updates"][1:]
-            found.append((done.mean(), done.max(), 100.0 * np.mean(done == 0)))
+            found.append((done.mean(), done.max(), 100.0 * np.mean(done == 0), 100.0 * np.mean(done > 1)))
     rows = np.array(found)
-    return Passes(float(rows[:, 0].mean()), float(rows[:, 1].max()), float(rows[:, 2].mean()))
+    mean, _, none, second = rows.mean(axis=0)
+    return Passes(float(mean), float(rows[:, 1].max()), float(none), float(second), float(rows[0, 1]))
 
 
 def _inner(loops: Loops) -> Iterator[Claim]:
@@ -86,20 +91,20 @@ def _inner(loops: Loops) -> Iterator[Claim]:
         why, tolerance=0.05, kind="report",
     )  # fmt: skip
     yield said(
-        "inner_loops_max", STEP_7, "largest number of updates in a sample, of five allowed, R = 0.01", small.most, "",
-        2.0, "one update brings the network to its target but for a seventh (R over the innovation's variance), so a "
-        "second is needed only where the innovation is large; the digest has 1", sense="<=",
+        "inner_loops_max", STEP_7, "largest number of updates in a sample, of five allowed, R = 0.01, nine cells",
+        small.most, "", 1.0, f"the digest's one run has 1, and so has the wave in fabric here: "
+        f"{small.first:.0f}. In the nine cells {small.second:.2f} % of the samples need a second: an update brings the "
+        "network to its target but for a seventh (R over the innovation's variance)", sense="<=", kind="report",
     )  # fmt: skip
     yield said(
         "inner_loops_none", STEP_7, "share of samples without an update, R = 0.01", small.none, "%", 72.0,
         "J is below 1e-3 from the start where the innovation is below 0.045 level", tolerance=5.5, kind="report",
     )  # fmt: skip
     yield said(
-        "inner_loops_redundant_until", STEP_7, "the inner loop runs more than twice only from R = 0.1 on",
-        word(small.most <= 2.0 < medium.most <= large.most), "", "yes",
-        f"most passes {small.most:.0f}, {medium.most:.0f} and {large.most:.0f} and means {small.mean:.2f}, "
-        f"{medium.mean:.2f} and {large.mean:.2f} for R = 0.01, 0.1 and 1", sense="yes/no",
-        paper="repeat step (6) until J < e", verdict=verdict_of(small.most > 2.0),
+        "inner_loops_second", STEP_7, "share of samples that need more than one update, R = 0.01", small.second, "%",
+        None, f"{medium.second:.1f} and {large.second:.0f} % for R = 0.1 and 1, with up to {medium.most:.0f} and "
+        f"{large.most:.0f} updates, {small.most:.0f} here. The digest calls the inner loop redundant below R = 0.1; "
+        "what it changes in the deviation says erratum_15_threshold", kind="report",
     )  # fmt: skip
 
 

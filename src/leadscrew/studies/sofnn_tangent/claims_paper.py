@@ -11,24 +11,28 @@ from leadscrew.fuzzy.partition import Partition
 from leadscrew.neural.inference_net import CENTRES, LABELS
 from leadscrew.neural.performance import GOLDEN, TABLE, looked_up, measured
 from leadscrew.report.claim import Claim
+from leadscrew.studies.sofnn_tangent.comparison import MAMDANI, comparison_of
 from leadscrew.studies.sofnn_tangent.lines import PERIOD_S
-from leadscrew.studies.sofnn_tangent.online import LINES, PNN, TUNED, deviations, listed, loop_of, rms
+from leadscrew.studies.sofnn_tangent.online import PNN, TUNED, deviations, loop_of, rms
 from leadscrew.studies.sofnn_tangent.runs import Loops
 from leadscrew.studies.sofnn_tangent.saying import said, verdict_of, word
 
-NONE, FIXED, PID = "paper.uncompensated", "corrected.fnn", "ours.pid"
+NONE, FIXED = "paper.uncompensated", "corrected.fnn"
 SETS = Partition(tuple(CENTRES.tolist()), LABELS)
 AREAS = {1: ("I", -4.0, 2.0, "PS"), 2: ("II", 2.0, 2.0, "NS"), 3: ("III", 2.0, -2.0, "ZO")}
 """Number, E, EC at the peaks of the sets that the paper names, and its P."""
 QUIET = "wave_fabric_quiet"
-TEXTURES = 3
 
 printed = partial(said, group="as printed")
 
 
 def paper_claims(loops: Loops) -> list[Claim]:
-    """Verdicts are computed; where the paper gives no number its statement stands in its place."""
-    return [*_areas(loops), *_responds(loops), *_better(loops), *_adapts(loops), *_conclusions(loops)]
+    """Verdicts are computed; where the paper gives no number its statement stands in its place.
+
+    'Better effect' is judged by literal_lower_than_none and literal_lower_than_fixed, 'adaptive' by
+    change_literal_gain.
+    """
+    return [*_areas(loops), *_responds(loops), *_conclusions(loops)]
 
 
 def sets_of(value: float) -> str:
@@ -88,7 +92,7 @@ def _responds(loops: Loops) -> Iterator[Claim]:
         "paper_responds", "section 4: 'the controller responds to the deviation'", "time from the step to an answer of "
         "the offset", moved, "s", 0.1, f"two periods of the loop and the camera's 40 ms; the offset goes against the "
         f"deviation, to {d[-1]:+.2f} deg at {none[-1]:+.2f} deg of shear", sense="<=", paper="responds",
-        verdict=verdict_of(moved <= 0.1 and d[-1] * none[-1] < 0.0),
+        verdict=verdict_of(d[-1] * none[-1] < 0.0),
     )  # fmt: skip
     share = 100.0 * (1.0 - abs(e[-1]) / abs(none[-1]))
     yield printed(
@@ -105,75 +109,23 @@ def _responds(loops: Loops) -> Iterator[Claim]:
     yield printed(
         "paper_compensated_share", "Figures 6 and 7", "share of the deviation (RMS) that is compensated on the wave in "
         "fabric without noise", 100.0 * (1.0 - rms(left) / rms(bare)), "%", None, f"{rms(bare):.3f} to {rms(left):.3f} "
-        f"deg; the offset follows what is needed with a correlation of {match:.2f}: it is late in every bend",
-        kind="report", paper="compensated", verdict=verdict_of(match > 0.5),
-    )  # fmt: skip
-
-
-def _better(loops: Loops) -> Iterator[Claim]:
-    cells = {name: loops.cells(name).rms.mean(axis=2) for name in (NONE, FIXED, PNN, TUNED, PID)}
-    ours = cells[PNN]
-    for name, other, words in (
-        ("none", NONE, "no compensation"),
-        ("fixed", FIXED, "fixed rules"),
-        ("pid", PID, "a PID"),
-    ):
-        better = int((ours < cells[other]).sum())
-        gain = 100.0 * (1.0 - ours.mean() / cells[other].mean())
-        claimed = name != "pid"
-        yield printed(
-            f"paper_better_than_{name}", "abstract: 'better effect'", f"cells in which the paper's network has a lower "
-            f"RMS than {words}, of nine", better, "", 9.0 if claimed else None, f"mean {ours.mean():.2f} against "
-            f"{cells[other].mean():.2f} deg, {gain:+.0f} %; the tuned network has {cells[TUNED].mean():.2f} deg",
-            kind="required" if claimed else "report", paper="better effect",
-            verdict=verdict_of(better == 9, change=True),
-        )  # fmt: skip
-
-
-def after_the_change(loops: Loops, controller: str, line: str) -> float:
-    """RMS behind the change from fabric to foam, mean of a few textures, deg."""
-    scenario = loops.scenarios[f"{line}_change"]
-    loop = loop_of(loops, controller, scenario.name)
-    samples = loop.periods(scenario.duration_s) - 1
-    rows = [deviations(loop.start(run=k), samples) for k in range(TEXTURES)]
-    return float(np.mean([rms(row[samples // 2 :]) for row in rows]))
-
-
-def _adapts(loops: Loops) -> Iterator[Claim]:
-    found = {(c, line): after_the_change(loops, c, line) for c in (FIXED, PNN, TUNED, PID) for line in LINES}
-    gains = []
-    for line in LINES:
-        fixed = found[FIXED, line]
-        gain = 100.0 * (1.0 - found[PNN, line] / fixed)
-        gains.append(gain)
-        yield printed(
-            f"adapts_{line}", "section 4: 'when the external environment changes'", "what the paper's network takes "
-            f"from the RMS of fixed rules behind a change from fabric to foam, {line}", gain, "%", 18.0,
-            f"{fixed:.2f} to {found[PNN, line]:.2f} deg; tuned {found[TUNED, line]:.2f}", sense=">=",
-        )  # fmt: skip
-    yield printed(
-        "paper_adapts", "section 4: 'still good adaptive control'", "the network has the lower RMS behind the change "
-        "on every line", word(min(gains) > 0.0), "", "yes", f"{listed(gains, 0)} % below fixed rules", sense="yes/no",
-        paper="yes", verdict=verdict_of(min(gains) > 0.0, change=True),
-    )  # fmt: skip
-    against = [100.0 * (1.0 - found[PNN, line] / found[PID, line]) for line in LINES]
-    tuned = [100.0 * (1.0 - found[TUNED, line] / found[PID, line]) for line in LINES]
-    yield printed(
-        "adapts_against_pid", "section 4: 'still good adaptive control'", "the same against a tuned PID, mean of three "
-        "lines", float(np.mean(against)), "%", None, f"{listed(against, 0)} % with the paper's network, "
-        f"{listed(tuned, 0)} with the tuned one: what adapts is the integral action, and a PID has it too",
-        kind="report", paper="good adaptive control", verdict=verdict_of(float(np.mean(against)) > 0.0),
+        f"deg; the offset follows what is needed with a correlation of {match:.2f}: it is late in every bend. The "
+        "paper has no number to it", kind="report", paper="compensated",
     )  # fmt: skip
 
 
 def _conclusions(loops: Loops) -> Iterator[Claim]:
-    plain, trained = (float(loops.cells(c).rms.mean()) for c in ("corrected.fuzzy", FIXED))
-    gain = 100.0 * (1.0 - trained / plain)
+    made = comparison_of(loops)
+    plain, reasoning, trained = (made.cells[c].rms.mean(axis=2) for c in ("corrected.fuzzy", MAMDANI, FIXED))
+    better = [int((trained < other).sum()) for other in (plain, reasoning)]
+    alike = (better[0] == trained.size) == (better[1] == trained.size)
     yield printed(
         "paper_offline_training", "conclusion 1: 'the control effect is further improved'", "what training offline "
-        "takes from the mean RMS of the plain fuzzy controller", gain, "%", None, f"{plain:.3f} to {trained:.3f} deg: "
-        "the trained network is the fuzzy controller that it was trained on; learning on line is what helps",
-        kind="report", paper="further improved", verdict=verdict_of(gain >= 5.0),
+        "takes from the mean RMS of the same rules untrained", 100.0 * (1.0 - trained.mean() / plain.mean()), "%", None,
+        f"{plain.mean():.3f} to {trained.mean():.3f} deg, lower in {better[0]} of {trained.size} cells; the fuzzy "
+        f"reasoning that it is trained on has {reasoning.mean():.3f} deg, the trained network is lower in {better[1]}. "
+        "The paper does not say than what the effect is better", kind="report", paper="further improved",
+        verdict=verdict_of(better[0] == trained.size) if alike else "cannot be checked",
     )  # fmt: skip
     rows = [loops.cells(c).rms.mean(axis=2) for c in (FIXED, PNN)]
     worst = 100.0 * (1.0 - float((rows[1] / rows[0]).max()))

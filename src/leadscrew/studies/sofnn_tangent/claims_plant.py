@@ -1,4 +1,4 @@
-"""Claims about the process that was reconstructed: its constants, its integration, its texture, the camera's noise."""
+"""Claims about the process that was reconstructed: its constants, its integration, its texture."""
 
 from __future__ import annotations
 
@@ -9,7 +9,8 @@ import numpy as np
 
 from leadscrew.plants.flexible_cut import MATERIALS, FlexibleCutParams
 from leadscrew.report.claim import Claim
-from leadscrew.studies.sofnn_tangent.comparison import HALF_DIGIT, NONE, comparison_of
+from leadscrew.studies.sofnn_tangent.chance import HALF_DIGIT
+from leadscrew.studies.sofnn_tangent.comparison import NONE, comparison_of
 from leadscrew.studies.sofnn_tangent.lines import FEED, PERIOD_S
 from leadscrew.studies.sofnn_tangent.runs import Loops
 from leadscrew.studies.sofnn_tangent.saying import said, word
@@ -28,7 +29,6 @@ RATIO = 0.52
 CHECKED = 60
 """Samples that are integrated a second time."""
 TEXTURE_DEG, TEXTURE_MM = 0.25, 3.0
-NOISE_DEG = 0.15
 
 
 def plant_claims(loops: Loops) -> list[Claim]:
@@ -96,8 +96,7 @@ def _integration(loops: Loops) -> Iterator[Claim]:
 
 
 def _texture(loops: Loops) -> Iterator[Claim]:
-    run = loops.run(NONE, "straight", record=("disturbance.texture", "feedback", "actual.deviation"))
-    texture, feedback, e = run["disturbance.texture"], run["feedback"], run["actual.deviation"]
+    texture = loops.run(NONE, "straight", record=("disturbance.texture",))["disturbance.texture"]
     ds, count = FEED * PERIOD_S, len(texture)
     keep = math.exp(-ds / TEXTURE_MM)
     deviation = float(np.std(texture))
@@ -113,13 +112,6 @@ def _texture(loops: Loops) -> Iterator[Claim]:
         "texture_length", SOURCE, "its correlation length, from samples next to each other", length, "mm", TEXTURE_MM,
         f"{length:.2f} mm from a correlation of {seen:.4f}",
         tolerance=3.0 * math.sqrt((1.0 - keep**2) / count) * ds / (keep * math.log(keep) ** 2),
-    )  # fmt: skip
-    noise = feedback[4:] - e[:-4]
-    rate = float(np.std(np.diff(noise)) / PERIOD_S)
-    yield said(
-        "camera_rate_noise", "digest, section 1", "standard deviation of the camera's noise, differenced over a period",
-        rate, "deg/s", 21.0, f"{np.std(noise):.3f} deg of noise are {rate:.1f} deg/s; the change of the deviation "
-        "cannot be used without a filter", tolerance=0.5,
     )  # fmt: skip
 
 

@@ -9,6 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from leadscrew.kernel.loop import DivergenceWarning
+from leadscrew.neural.inference_net import regressors
 from leadscrew.neural.performance import GOLDEN, Performance, measured
 from leadscrew.neural.safety import safety
 from leadscrew.report.claim import Claim
@@ -48,7 +49,7 @@ TEXTURES = 3
 ONE_TEXTURE = 0.06
 """By how much the RMS of one texture differs from the mean of textures, deg: three times its scatter on the wave."""
 UNLIKE = {(TABLE, "flower", "held"), (TUNED, "flower", "held"), (TUNED, "rrect", "held")}
-"""Where ours is further away; what is left then depends on where the last piece ended."""
+"""Where ours is further away; why is not known."""
 
 printed = partial(said, group="as printed")
 
@@ -71,16 +72,16 @@ def _recall(loops: Loops) -> Iterator[Claim]:
                 f"recall_{NAMES[controller]}_{line}{'' if column == 'held' else '_' + column}", RECALL,
                 f"RMS {words}, {NAMES[controller]} network, {line} in fabric", getattr(seen, column), "deg", target,
                 f"mean of {TEXTURES} histories; held rules keep {seen.kept:.0f} % of what learning gains over the "
-                "prior" + ("" if known else ". Further from the digest's than other textures explain: the rules that "
-                "are held are those of the last bend"), tolerance=ONE_TEXTURE, kind="required" if known else "report",
+                "prior" + ("" if known else ". Further from the digest's than other textures explain, and not "
+                "explained"), tolerance=ONE_TEXTURE, kind="required" if known else "report",
             )  # fmt: skip
     values = np.array(list(kept.values()))
     median = float(np.median(values))
     yield said(
         "recall_share_median", RECALL, "share of the gain that held rules keep, median of three lines and two networks",
         median, "%", 50.0, f"{listed(values, 0)} %; the digest has a median of 32 and 17 to 68 %. A memory would keep "
-        "all of it: rules over (e, ec) act as an integrator", sense="<=",
-        paper="rules are acquired", verdict=verdict_of(median > 50.0),
+        "all of it: rules over (e, ec) act as an integrator. The paper does not say what is to be left", sense="<=",
+        paper="rules are acquired",
     )  # fmt: skip
     leaking = float(np.mean([recall(loops, TUNED, line, leak=1e-3, textures=TEXTURES).kept for line in LINES]))
     plain = np.mean([kept[TUNED, line] for line in LINES])
@@ -91,14 +92,25 @@ def _recall(loops: Loops) -> Iterator[Claim]:
     )  # fmt: skip
     found = pieces(loops, TABLE, "flower_fabric", 5)
     moved = np.abs(found.weights[-1] - found.weights[-2])
-    fired = int((np.abs(found.weights[-1] - first_rules(loops, TABLE)) > 0.05).sum())
+    changed = int((np.abs(found.weights[-1] - first_rules(loops, TABLE)) > 0.05).sum())
+    fire, strong, most = firing(loops, TABLE, "flower_fabric")
     yield said(
         "recall_few_rules", "section 1: 'small and widely representative' rules", "rules that five pieces of the "
-        "flower change by more than 0.05 level, of 49", fired, "", None, "read per sample, EC stays at zero, so "
-        f"three rules of the row EC = ZO fire and their neighbours drift along; the last piece moves one by "
-        f"{moved.max():.1f} levels", paper="small and widely representative", verdict=verdict_of(fired >= 25),
-        kind="report",
+        "flower change by more than 0.05 level, of 49", changed, "", None, f"{fire} rules fire at all on it, {strong} "
+        f"of them ever by more than a tenth: read per sample, EC stays within {most:.3f} level of zero. The last piece "
+        f"moves a rule by {moved.max():.1f} levels. The paper does not say how many are few", kind="report",
+        paper="small and widely representative",
     )  # fmt: skip
+
+
+def firing(loops: Loops, controller: str, scenario: str) -> tuple[int, int, float]:
+    """Rules that fire in a scenario, those that ever do by more than a tenth, and the largest EC in levels."""
+    loop = loop_of(loops, controller, scenario)
+    run = loop.run(loops.scenarios[scenario].duration_s, record=("controller.watch.error", "controller.watch.rate"))
+    scales = loops.controllers[controller].params
+    ec = scales.k_ec * run["controller.watch.rate"]
+    most = regressors(scales.k_e * run["controller.watch.error"], ec).max(axis=0)
+    return int((most > 0.0).sum()), int((most > 0.1).sum()), float(np.abs(ec).max())
 
 
 def _prior(loops: Loops) -> Iterator[Claim]:
@@ -114,7 +126,7 @@ def _prior(loops: Loops) -> Iterator[Claim]:
         "prior_rules_matter", "conclusion 1", "share of what the paper's network takes away that needs no trained "
         "rules", 100.0 * learned, "%", 50.0, f"fixed rules {fixed:.2f} deg, rules that learn {mean:.2f}, rules that "
         f"learn from nothing {without:.2f}: rules from experts are not needed, as the paper has it", sense=">=",
-        paper="experts' rules are not needed", verdict=verdict_of(learned >= 0.5, change=True),
+        paper="experts' rules are not needed", verdict=verdict_of(without < fixed, change=True),
     )  # fmt: skip
 
 

@@ -1,7 +1,8 @@
 """Every controller of the study on three lines in three materials, under the same five textures and noises.
 
 Beside each row stands the digest's (section 7), from five textures and noises of its own. Two means of five runs differ
-by chance: :func:`Standing.allowed` says by how much, from runs that are not judged.
+by chance: :meth:`Standing.allowed` says by how much for a cell, :meth:`Standing.allowed_mean` for the mean of all nine,
+from these runs and :data:`OTHER_RUNS` that are not judged.
 """
 
 from __future__ import annotations
@@ -16,6 +17,7 @@ from weakref import WeakKeyDictionary
 import numpy as np
 
 from leadscrew.kernel.block import Block
+from leadscrew.studies.sofnn_tangent.chance import HALF_DIGIT, WIDE, by_chance
 from leadscrew.studies.sofnn_tangent.fixed_fuzzy import fixed_fuzzy
 from leadscrew.studies.sofnn_tangent.lines import LAPS, MATERIAL_NAMES
 from leadscrew.studies.sofnn_tangent.runs import CELLS, SEED, Cells, Loops, material_columns
@@ -30,9 +32,7 @@ PID = "ours.pid"
 
 OTHER_SEED = SEED + 1000
 """Of the runs that say how much a run differs from the next."""
-WIDE = 3.0
-"""Standard deviations of the difference of two means."""
-HALF_DIGIT = 0.005
+OTHER_RUNS = 20
 
 
 class Row(NamedTuple):
@@ -79,16 +79,29 @@ class Standing:
 
     cells: Cells
     other: Cells
-    """As many runs with other textures and noises."""
+    """Runs with other textures and noises."""
 
-    def deviation(self, what: str = "rms") -> np.ndarray:
-        """Standard deviation from run to run, a cell each; from all runs."""
-        parts = [getattr(cells, what).var(axis=-1, ddof=1) for cells in (self.cells, self.other)]
-        return np.asarray(np.sqrt(0.5 * (parts[0] + parts[1])))
+    def deviation(self, what: str = "rms", lines: bool = True) -> np.ndarray:
+        """Standard deviation from run to run, from all runs: of a cell, or without ``lines`` of a material's mean."""
+        parts = [getattr(cells, what) for cells in (self.cells, self.other)]
+        parts = parts if lines else [part.mean(axis=0) for part in parts]
+        free = [part.shape[-1] - 1 for part in parts]
+        pooled = sum(n * part.var(axis=-1, ddof=1) for n, part in zip(free, parts, strict=True)) / sum(free)
+        return np.asarray(np.sqrt(pooled))
 
-    def allowed(self, what: str = "rms", half_digit: float = HALF_DIGIT) -> np.ndarray:
-        """By how much two means of five runs may differ, a cell each."""
-        return WIDE * math.sqrt(2.0 / CELLS) * self.deviation(what) + half_digit
+    def allowed(self, what: str = "rms", half_digit: float = HALF_DIGIT, others: int = CELLS) -> np.ndarray:
+        """By how much a mean of five runs and one of ``others`` may differ, a cell each."""
+        return by_chance(self.deviation(what), half_digit, others)
+
+    def allowed_mean(self, what: str = "rms", half_digit: float = HALF_DIGIT, others: int = CELLS) -> float:
+        """The same of the mean of all cells.
+
+        A run of ours has one texture on all lines and another in each material; the digest's runs, by their seeds, have
+        one in all nine cells, so that less of it goes in the mean.
+        """
+        each = self.deviation(what, lines=False)
+        ours, theirs = float(np.square(each).sum()) / len(each) ** 2, float(each.mean()) ** 2
+        return WIDE * math.sqrt(ours / CELLS + theirs / others) + half_digit
 
     @property
     def mean(self) -> float:
@@ -126,7 +139,7 @@ class Comparison:
 
     loops: Loops
     seconds: float = 0.0
-    """For the cells of every controller, programs compiled where they were not."""
+    """For the cells of every controller, none of them made before; programs are compiled where they were not."""
     cells: dict[str, Cells] = field(default_factory=dict)
     _standings: dict[str, Standing] = field(default_factory=dict)
 
@@ -139,7 +152,7 @@ class Comparison:
     def standing(self, name: str) -> Standing:
         """A controller's row with the runs that say how far to trust it; made once."""
         if name not in self._standings:
-            other = self.loops.cells(self.block(name), seed=OTHER_SEED)
+            other = self.loops.cells(self.block(name), runs=OTHER_RUNS, seed=OTHER_SEED)
             self._standings[name] = Standing(self.cells[name], other)
         return self._standings[name]
 
@@ -165,11 +178,11 @@ def names_of(loops: Loops) -> list[str]:
 
 
 def compared(loops: Loops) -> Comparison:
-    """The table, made now."""
-    made = Comparison(loops)
+    """The table, made now: on loops of its own, so that no cell was made before."""
+    made, own = Comparison(loops), Loops()
     began = time.perf_counter()
     for name in names_of(loops):
-        made.cells[name] = loops.cells(name if name in loops.controllers else made.block(name))
+        made.cells[name] = own.cells(made.block(name))
     made.seconds = time.perf_counter() - began
     return made
 
@@ -194,6 +207,22 @@ def period_us(loops: Loops, name: str, times: int = 5) -> float:
         loop.run(scenario.duration_s, record=(), every=0)
         least = min(least, time.perf_counter() - began)
     return 1e6 * least / loop.periods(scenario.duration_s)
+
+
+def learning_step_us(rounds: int = 7) -> float:
+    """What a step of the self-organising network adds to a period of a compiled loop, us.
+
+    As ``leadscrew bench`` measures its row "Kalman, four rules, marginal cost of a step in the loop": a loop with it
+    less the same loop without, in turn, process time, medians.
+    """
+    from leadscrew.bench import entries, probes
+    from leadscrew.bench.sofnn import BLOCKS as LEARNERS
+    from leadscrew.bench.sofnn import KALMAN, POINTS
+    from leadscrew.bench.timing import interleaved
+
+    both = {"with": LEARNERS[KALMAN], "without": probes.adds}
+    found = interleaved({key: entries.single(probes.probe(block), POINTS) for key, block in both.items()}, rounds)
+    return 1e6 * (found["with"] - found["without"]) / POINTS
 
 
 class Floor(NamedTuple):

@@ -7,11 +7,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from leadscrew.report.style import BLACK, BLUE, GREEN, VERMILION, pen
-from leadscrew.studies.sofnn_tangent.changing import FEED_ROWS, FEEDS, REPEATS, STEP_AT_S, changes_of
+from leadscrew.studies.sofnn_tangent.changing import FEED_ROWS, FEEDS, REPEATS, STEP_AT_S, STEP_CONTROLLERS, changes_of
 from leadscrew.studies.sofnn_tangent.claims_change import FED
 from leadscrew.studies.sofnn_tangent.claims_contour import ASIDE
 from leadscrew.studies.sofnn_tangent.comparison import (
-    BILINEAR,
     DIGEST,
     FIXED,
     MAMDANI,
@@ -31,7 +30,6 @@ if TYPE_CHECKING:
 
 MARKS = {"wave": "o", "flower": "^", "rrect": "s"}
 HUES = {"fabric": BLUE, "leather": GREEN, "foam": VERMILION}
-SHORT = {"fixed": FIXED, "table": BILINEAR, "net": PAPER, "tuned": TUNED, "pid": PID}
 
 
 def comparison_pictures(loops: Loops) -> list[Picture]:
@@ -158,7 +156,10 @@ def _equal(loops: Loops) -> Figure:
             (costs, "x", BLACK, 6, "cost of a search"), ([rms[:, 0].mean()], "s", VERMILION, 6, "fabric, unseen"),
             ([rms.mean()], "o", BLUE, 8, "nine cells, unseen"),
         ):  # fmt: skip
-            axes.plot(x, [row] * len(x), mark, color=hue, markersize=size, label=words if row == 0 else None)
+            axes.plot(
+                x, [row] * len(x), mark, color=hue, markersize=size, zorder=4 if mark == "x" else 3,
+                label=words if row == 0 else None,
+            )  # fmt: skip
     axes.set_yticks(range(len(laws)), [LAWS[law].words for law in laws])
     axes.set_xlabel("RMS deviation (deg)")
     axes.grid(alpha=0.3)
@@ -197,7 +198,7 @@ def _step(loops: Loops) -> Figure:
     for axes, which, words in zip(
         figure.subplots(1, 2, sharey=True), (0, REPEATS - 1), ("first time", "fourth time"), strict=True
     ):
-        for short, name in SHORT.items():
+        for short, name in STEP_CONTROLLERS.items():
             e = made[short][which].e
             axes.plot(PERIOD_S * np.arange(1, len(e) + 1) - STEP_AT_S, e, linewidth=1.4, **pen(name))
         axes.set_xlim(-STEP_AT_S, 3.0)

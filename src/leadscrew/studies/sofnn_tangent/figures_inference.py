@@ -13,15 +13,8 @@ from matplotlib.figure import Figure
 from leadscrew.neural.inference_net import CENTRES, LABELS, RULES, W0, initial_rules, regressors
 from leadscrew.neural.samples import LEVELS, copied_rmse, reasoning_samples, rms
 from leadscrew.report.style import BLACK, BLUE, GREEN, ORANGE, PURPLE, SKY, VERMILION
-from leadscrew.studies.sofnn_tangent.inference_runs import (
-    FORGETTING,
-    LITERAL,
-    TUNED,
-    centres_on_the_way,
-    forms_kept,
-    laps_with,
-    trace_of_learner,
-)
+from leadscrew.studies.sofnn_tangent.inference_filter import FORGETTING, forms_kept, trace_of_learner
+from leadscrew.studies.sofnn_tangent.inference_runs import LITERAL, TUNED, centres_on_the_way, laps_with
 from leadscrew.studies.sofnn_tangent.runs import Loops
 from leadscrew.studies.study import Picture
 

@@ -24,7 +24,7 @@ def workflow_pictures(loops: Loops) -> list[Picture]:
                 "is cut of it, without compensation and with the program that the scan of that piece made; right, the "
                 "error of the tangent, and the offsets that were learned. Dotted: the knife is lifted and plunged.",
                 pieces_picture),
-        Picture("workflow_ratios", "Error of the second piece by that of the first, mean of three runs. Filled: the "
+        Picture("workflow_ratios", "Error of the second piece by that of the first, mean of nine runs. Filled: the "
                 f"cut line is known; open: a scan with {w.NOISE_MM:g} mm of noise of a piece that lay elsewhere, "
                 "brought back by two marks. Dashed: a third, the target.", ratios_picture),
     ]  # fmt: skip

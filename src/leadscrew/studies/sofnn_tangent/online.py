@@ -5,7 +5,7 @@ A run alone is faster than a lane of a batch here: the 49 x 49 covariance of six
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, cast
 from weakref import WeakKeyDictionary
@@ -192,17 +192,6 @@ def nine(
                 e = to_the_end(loops, live, f"{line}_fabric")
                 found[i, j, k] = rms(rules(live).weights - first_rules(loops, controller)) if learned else rms(e)
     return found
-
-
-def together(loop: Loop, columns: Mapping[str, Sequence[float]], samples: int, number: int = 0) -> np.ndarray:
-    """Deviations ``[run, sample]`` of runs that differ in parameters, all in one texture, deg."""
-    rows = len(next(iter(columns.values())))
-    return np.array(
-        [
-            deviations(loop.using({key: values[k] for key, values in columns.items()}).start(run=number), samples)
-            for k in range(rows)
-        ]
-    )
 
 
 # ---- readings

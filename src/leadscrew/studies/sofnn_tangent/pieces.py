@@ -106,6 +106,7 @@ def pieces(
     first: int = 0,
     changes: Mapping[str, Any] | None = None,
     feed: float | None = None,
+    seed: int = SEED,
 ) -> Pieces:
     """Cuts ``count`` pieces of every line in every material, ``runs`` times each.
 
@@ -124,6 +125,7 @@ def pieces(
         first: how many pieces of noise were used up before.
         changes: of the loop, by dotted key.
         feed: mm/s, if it is not the scenario's; only without a table.
+        seed: of textures and noises.
     """
     block = loops.controllers[controller] if isinstance(controller, str) else controller
     inner = "controller.inner." if teaching is not None and block is not None else "controller."
@@ -138,7 +140,7 @@ def pieces(
     for line in lines:
         scenario = loops.asked(f"{line}_fabric{suffix}")
         scenario = scenario if feed is None else at_feed(loops, feed, line)
-        loop = loops.get(block, scenario, changes=changes).using(seed=SEED)
+        loop = loops.get(block, scenario, changes=changes).using(seed=seed)
         loop.program  # noqa: B018
         jobs.append((loop, scenario.duration_s, {} if start is None else start.of(line)))
     with ThreadPoolExecutor(os.cpu_count()) as side_by_side:

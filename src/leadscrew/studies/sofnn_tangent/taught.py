@@ -11,7 +11,7 @@ import numpy as np
 from leadscrew.controllers.sofnn.tunings import TUNINGS as SOFNN
 from leadscrew.controllers.tangent.curvature_feed_forward import COUNT, START, curvature_feed_forward
 from leadscrew.kernel.block import Block
-from leadscrew.studies.sofnn_tangent.lines import LAPS, MATERIAL_NAMES
+from leadscrew.studies.sofnn_tangent.lines import FEED, LAPS, MATERIAL_NAMES
 from leadscrew.studies.sofnn_tangent.pieces import MISMATCH, Learned, Pieces, Teaching, pieces
 from leadscrew.studies.sofnn_tangent.runs import Loops
 
@@ -39,9 +39,11 @@ STARTS = (0.03, 10.0)
 """deg^2"""
 
 
-def at_the_feed(feed: float, loops: Loops) -> Pieces:
-    """Two pieces of the flower in fabric by feed-forward at a feed."""
-    return pieces(loops, DIGEST, 2, carry=True, lines=("flower",), materials=("fabric",), feed=feed)
+def at_the_feed(feed: float, loops: Loops, by_sample: bool = False) -> Pieces:
+    """Two pieces of the flower in fabric by feed-forward at a feed; ``by_sample`` as in ``changing.fed``."""
+    length = loops.asked("flower_fabric").params.texture_mm * (feed / FEED if by_sample else 1.0)
+    return pieces(loops, DIGEST, 2, carry=True, lines=("flower",), materials=("fabric",), feed=feed,
+                  changes={"disturbance.length": length})  # fmt: skip
 
 
 def started_with(variance: float, loops: Loops) -> Pieces:
@@ -62,6 +64,7 @@ SERIES: dict[str, Callable[[Loops], Pieces]] = {
     "feed_forward_preview_3": lambda k: pieces(k, ahead(2), 3, carry=True, runs=2, changes={"reference.preview": 2}),
     "feed_forward_preview_4": lambda k: pieces(k, ahead(3), 3, carry=True, runs=2, changes={"reference.preview": 3}),
     **{f"feed_forward_at_{feed:g}": partial(at_the_feed, feed) for feed in FEEDS},
+    "feed_forward_slow_by_sample": partial(at_the_feed, FEEDS[0], by_sample=True),
     **{f"feed_forward_start_{p0:g}": partial(started_with, p0) for p0 in STARTS},
     "table_wide": lambda k: pieces(k, None, 6, WIDE),
     "table": lambda k: pieces(k, None, 6, PLAIN),
@@ -73,9 +76,7 @@ SERIES: dict[str, Callable[[Loops], Pieces]] = {
     "swap_table": lambda k: flower(k, None, 8, PLAIN, False),
     "swap_tuned_table": lambda k: flower(k, SOFNN[TUNED], 8, PLAIN, False),
     "swap_feed_forward": lambda k: flower(k, HELD, 8, None, True),
-    "mismatch_none": lambda k: pieces(k, "paper.uncompensated", 1, changes=MISMATCH),
     "mismatch_fixed": lambda k: pieces(k, SOFNN["corrected.fnn"], 1, changes=MISMATCH),
-    "mismatch_net": lambda k: pieces(k, SOFNN[NET], 1, changes=MISMATCH),
     "mismatch_tuned": lambda k: pieces(k, SOFNN[TUNED], 1, changes=MISMATCH),
     "mismatch_pid": lambda k: pieces(k, "ours.pid", 1, changes=MISMATCH),
     "mismatch_feed_forward": lambda k: pieces(k, HELD, 3, carry=True, changes=MISMATCH),
@@ -102,13 +103,13 @@ def ahead(preview: int) -> Block:
     return DIGEST(preview=preview)
 
 
-def others_say(loops: Loops, material: str, changes: dict[str, float] | None) -> np.ndarray:
-    """Mean of the weights that two pieces of each line have taught in the other two materials, deg."""
+def others_say(loops: Loops, material: str, line: str, changes: dict[str, float] | None) -> np.ndarray:
+    """Mean of the weights that two pieces of each of the other two lines have taught in the other two materials."""
     found = []
     for other in MATERIAL_NAMES:
         if other != material:
             learned = known_of(loops, other, changes)
-            found.append(np.mean([learned.prior[line].mean(axis=0) for line in LAPS], axis=0))
+            found.append(np.mean([learned.prior[o].mean(axis=0) for o in LAPS if o != line], axis=0))
     return np.asarray(np.mean(found, axis=0))
 
 
@@ -127,9 +128,11 @@ def known_of(loops: Loops, material: str, changes: dict[str, float] | None) -> L
 
 
 def with_prior(loops: Loops, changes: dict[str, float] | None) -> Pieces:
-    """The first piece in each material, by a feed-forward that starts from what the other two have in common."""
+    """The first piece of each line in each material, by a feed-forward that has seen neither line nor material."""
     runs = 5
-    weights = np.repeat([others_say(loops, m, changes) for m in MATERIAL_NAMES], runs, axis=0)
-    start = Learned(dict.fromkeys(LAPS, weights), {})
+    weights = {
+        line: np.repeat([others_say(loops, m, line, changes) for m in MATERIAL_NAMES], runs, axis=0) for line in LAPS
+    }
+    start = Learned(weights, {})
     block = curvature_feed_forward(prior_covariance=START * np.eye(COUNT))
     return pieces(loops, block, 1, runs=runs, start=start, changes=changes)

@@ -5,6 +5,9 @@ Every law of :data:`LAWS` is searched by CMA-ES in the logarithm of its paramete
 the three lines under two textures and noises that are the same for every candidate (:data:`TUNED_ON`). The setting with
 the smallest cost of a law's searches is judged on all nine cells, on textures and noises that no search has seen.
 
+The ranges are so wide that none holds a law back: no search ends at one, but where a filter is a small part of a period
+and so none (:func:`at_ends`). A small ``k_e`` with a large ``kg`` is the same loop gain on fewer rules: both are wide.
+
 What was found is kept in ``data/tuning.csv``; :func:`found_anew` finds it again.
 """
 
@@ -50,9 +53,9 @@ class Law(NamedTuple):
     words: str
 
 
-RULES: Box = {"k_e": (0.02, 2.0), "k_ec": (0.002, 20.0), "filter_s": (0.001, 0.5)}
-LEARNED: Box = RULES | {"kg": (0.05, 2.0)}
-WALKED: Box = LEARNED | {"q": (1e-4, 10.0)}
+RULES: Box = {"k_e": (2e-4, 2.0), "k_ec": (2e-4, 20.0), "filter_s": (1e-4, 0.5)}
+LEARNED: Box = RULES | {"kg": (0.05, 1000.0)}
+WALKED: Box = LEARNED | {"q": (1e-6, 10.0)}
 
 LAWS: dict[str, Law] = {
     "pid": Law(
@@ -62,7 +65,7 @@ LAWS: dict[str, Law] = {
     ),
     "observer": Law(
         tangent_dob,
-        {"plant_gain": (0.3, 3.0), "gain": (0.1, 2.0), "filter_s": (0.001, 0.5), "delay_s": (0.01, 0.12)},
+        {"plant_gain": (0.3, 3.0), "gain": (0.1, 2.0), "filter_s": (1e-4, 0.5), "delay_s": (0.01, 0.12)},
         "disturbance observer",
     ),
     "fixed": Law(fnn, RULES, "fixed network"),
@@ -100,8 +103,9 @@ def at_ends(found: Tuned, share: float = 0.02) -> list[str]:
 
 def spread(points: np.ndarray, box: Box) -> dict[str, np.ndarray]:
     """Points of the unit cube as values, a column a parameter; even in the logarithm."""
-    low, high = np.log(np.array(list(box.values()))).T
-    return dict(zip(box, np.exp(low + (high - low) * points).T, strict=True))
+    ends = np.array(list(box.values())).T
+    low, high = np.log(ends)
+    return dict(zip(box, np.clip(np.exp(low + (high - low) * points), *ends).T, strict=True))
 
 
 def costs(loops: Loops, law: str, values: Mapping[str, np.ndarray]) -> np.ndarray:
