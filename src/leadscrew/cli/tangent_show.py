@@ -64,7 +64,7 @@ def show(
             from leadscrew.tangent.picture import drawn_figure, picture
 
             written(picture(drawn_figure(strokes, settings), plot.suffix), plot)
-    lifted = [c for c in corners if abs(c.turn_deg) > corner_angle]
+    lifted = [c for c in corners if settings.lifts(c.turn_deg)]
     if as_json:
         emit({"schema_version": SCHEMA_VERSION, "file": str(file), "unit": drawn.unit, "paths": len(drawn.paths),
               "length_mm": sum(p.length for p in drawn.paths), "feed_mm_min": feed, "swivel_deg_s": max_swivel_rate,

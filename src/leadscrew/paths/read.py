@@ -8,9 +8,7 @@ from pathlib import Path as File
 from leadscrew.kernel.errors import DataError, ValueRefused
 from leadscrew.paths.drawing import Drawing, unit_named
 from leadscrew.paths.path import JOIN_MM
-
-GCODE = (".ngc", ".nc", ".gcode", ".tap", ".cnc")
-SUFFIXES = (".svg", ".dxf", *GCODE)
+from leadscrew.paths.suffixes import SUFFIXES
 
 
 def read_drawing(
