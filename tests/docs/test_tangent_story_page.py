@@ -24,7 +24,7 @@ PAPER = {
 """Rows beside the paper by how they begin: claims in the text, and numbers that say where."""
 EQUAL = ("observer", "paper", "pid", "sofnn", "sofc", "fixed")
 BEYOND = ("feed_forward_piece_1", "feed_forward_piece_3", "m1_piece_3", "m1_piece_6", "texture_floor_fabric")
-NUMBER = re.compile(r"(?<![\w.-])\d[\d,]*(?:\.\d+)?(?![\w-])")
+NUMBER = re.compile(r"(?<![\w.-])\d+(?:\.\d+)?(?![\w-])")
 
 
 def cells(first: str) -> list[list[str]]:
