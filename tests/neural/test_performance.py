@@ -1,7 +1,6 @@
 """The performance measurement: the paper's table and what is read from it, the network, inside a block too."""
 
 import math
-from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
@@ -27,6 +26,7 @@ from leadscrew.neural.performance import (
 )
 from leadscrew.neural.performance_file import net_text, read_net, read_table, write_net
 from leadscrew.references.step import step
+from tests.fuzzy.formats_systems import shared
 from tests.tools import runnable
 
 PAPER = """
@@ -45,7 +45,6 @@ PAPER = """
 6 0 0 0 0 0 0 0 -5 -6 -6 -6 -6 -6
 """
 """Table 1, typed off the paper: EC, then P at E = -6 ... 6."""
-TEXT = Path("/work/shared/papers/text/sofnn_tangent.txt")
 POINTS = [(e, ec) for e in np.linspace(-7.3, 7.1, 19) for ec in np.linspace(-8.0, 6.9, 17)]
 
 
@@ -56,9 +55,8 @@ def test_the_table_is_the_papers_cell_by_cell():
 
 
 def test_the_table_is_that_of_the_papers_text():
-    if not TEXT.exists():
-        pytest.skip("the paper's text is not on this machine")
-    lines = [line.split("\t") for line in TEXT.read_text(encoding="utf-8").splitlines()]
+    text = shared("papers/text/sofnn_tangent.txt").read_text(encoding="utf-8")
+    lines = [line.split("\t") for line in text.splitlines()]
     rows = [row for row in lines if len(row) == 14 and row[0].lstrip("-").isdigit()]
     assert np.array_equal(TABLE, [[float(cell) for cell in row[1:]] for row in rows])
 
