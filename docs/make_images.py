@@ -9,11 +9,18 @@ from pathlib import Path
 
 import numpy as np
 
-from leadscrew import catalogue, experiment, fuzzy
+from leadscrew import Loop, catalogue, experiment, fuzzy
 from leadscrew.bench import stage_picture
+from leadscrew.controllers.axis_cascade import axis_cascade
 from leadscrew.experiment import Experiment
+from leadscrew.identify.axis.fit import identify_axis
+from leadscrew.logs import axis_log
+from leadscrew.plants.servo_axis import servo_axis
+from leadscrew.references.waypoints import waypoints
 from leadscrew.report import backlash, friction
 from leadscrew.report import fuzzy as pictures
+from leadscrew.report.identified_axis_picture import friction_figure, position_figure
+from leadscrew.sensors.axis_reading import axis_reading
 from leadscrew.studies.fsmc_ballscrew.figures_beaten import beaten_pictures
 from leadscrew.studies.fsmc_ballscrew.figures_selftuned import selftuned_pictures
 from leadscrew.studies.fsmc_ballscrew.runs import Loops
@@ -90,6 +97,26 @@ def tangent_images(folder: Path) -> None:
             picture.draw().savefig(folder / f"{picture.name}.png", dpi=85)
 
 
+def identification_images(folder: Path) -> None:
+    """The pictures of the page on an axis from its log: friction that rises towards rest, fitted without that."""
+    friction = {"coulomb": 20.0, "static": 35.0, "stribeck_speed": 0.02, "viscous": 150.0}
+    stage = servo_axis(
+        mass=60.0, force_per_drive=20.0, offset=0.0,
+        **{f"friction.{way}.{name}": value for way in ("forward", "backward") for name, value in friction.items()},
+    )  # fmt: skip
+    places = [0, 200, 20, 120, 80, 100, 90, 95, 94, 96, 60, 61, 20, 180, 100, 101, 90, 40, 42, 0, 150, 50, 53, 0]
+    loop = Loop(
+        reference=waypoints(places, dwell=0.15, max_velocity=150.0, max_acceleration=1500.0, max_jerk=5e4),
+        controller=axis_cascade(kpos=40.0, kvp=0.4, kvi=0.0, max_output=10.0), plant=stage,
+        sensor=axis_reading(resolution=1e-4, noise=1e-4), period=1e-3, seed=3, metrics={},
+    )  # fmt: skip
+    run = loop.run(16.0, record=("output", "feedback"))
+    log = axis_log(run.time, run["output"], run["feedback"], position_unit="mm", drive_unit="V", force_per_drive=20.0)
+    fit = identify_axis(log, model="coulomb", symmetric=True, refine="none")
+    for name, draw in (("position", position_figure), ("friction", friction_figure)):
+        draw(fit).savefig(folder / f"identify_axis_{name}.png", dpi=90)
+
+
 def main(folder: Path = Path(__file__).parent / "images") -> None:
     """Draws every image."""
     folder.mkdir(exist_ok=True)
@@ -103,6 +130,7 @@ def main(folder: Path = Path(__file__).parent / "images") -> None:
     integration_image(folder)
     friction_of_the_stage_images(folder)
     tangent_images(folder)
+    identification_images(folder)
 
 
 if __name__ == "__main__":

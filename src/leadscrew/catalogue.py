@@ -40,6 +40,7 @@ BLOCKS: dict[str, str] = {
     "trapezoid": "leadscrew.references.trapezoid:trapezoid",
     # sensors
     "axis_encoder": "leadscrew.sensors.axis_encoder:axis_encoder",
+    "axis_reading": "leadscrew.sensors.axis_reading:axis_reading",
     "cut_camera": "leadscrew.sensors.cut_camera:cut_camera",
     "cut_reading": "leadscrew.sensors.cut_camera:cut_reading",
     "dual_encoder": "leadscrew.sensors.dual_encoder:dual_encoder",
@@ -54,10 +55,15 @@ BLOCKS: dict[str, str] = {
     "lathe_reading": "leadscrew.sensors.load_cell:lathe_reading",
     "lathe_sensors": "leadscrew.sensors.lathe_sensors:lathe_sensors",
     "load_cell": "leadscrew.sensors.load_cell:load_cell",
+    "noisy": "leadscrew.sensors.noisy:noisy",
+    "noisy_encoder": "leadscrew.sensors.noisy_count:noisy_encoder",
+    "noisy_grating": "leadscrew.sensors.noisy_count:noisy_grating",
+    "noisy_position": "leadscrew.sensors.noisy:noisy_position",
     "noisy_ruler": "leadscrew.sensors.noisy_ruler:noisy_ruler",
     "ruler": "leadscrew.sensors.ruler:ruler",
     "screw_encoder": "leadscrew.sensors.screw_encoder:screw_encoder",
     # controllers
+    "axis_cascade": "leadscrew.controllers.axis_cascade:axis_cascade",
     "cascade_ppi": "leadscrew.controllers.cascade_ppi:cascade_ppi",
     "constant_force": "leadscrew.controllers.force.constant_force:constant_force",
     "csmc": "leadscrew.controllers.sliding.complementary:csmc",
@@ -109,6 +115,7 @@ BLOCKS: dict[str, str] = {
     "offset": "leadscrew.actuators.offset:offset",
     "pwm": "leadscrew.actuators.pwm:pwm",
     "saturation": "leadscrew.actuators.saturation:saturation",
+    "stiction": "leadscrew.actuators.stiction:stiction",
     "torque_drive": "leadscrew.actuators.torque_drive:torque_drive",
     # plants
     "backlash_axis": "leadscrew.plants.backlash:backlash_axis",
@@ -127,6 +134,8 @@ BLOCKS: dict[str, str] = {
     "mass_lugre": "leadscrew.plants.mass_lugre:mass_lugre",
     "mass_maxwell_slip": "leadscrew.plants.mass_maxwell_slip:mass_maxwell_slip",
     "mass_stribeck": "leadscrew.plants.mass_stribeck:mass_stribeck",
+    "servo_axis": "leadscrew.plants.servo_axis:servo_axis",
+    "servo_axis_lugre": "leadscrew.plants.servo_axis_lugre:servo_axis_lugre",
     "turning": "leadscrew.plants.turning.process:turning",
     "turning_lathe": "leadscrew.plants.turning_lathe:turning_lathe",
     "xy_table": "leadscrew.plants.xy_table:xy_table",
@@ -136,6 +145,7 @@ BLOCKS: dict[str, str] = {
     # disturbances
     "cut_load": "leadscrew.disturbances.cut_load:cut_load",
     "five_sines": "leadscrew.disturbances.five_sines:five_sines",
+    "five_sines_pulse": "leadscrew.disturbances.five_sines_pulse:five_sines_pulse",
     "hard_spot": "leadscrew.disturbances.hard_spot:hard_spot",
     "kicked_load": "leadscrew.disturbances.kicked_load:kicked_load",
     "pulse_load": "leadscrew.disturbances.pulse_load:pulse_load",
@@ -176,6 +186,7 @@ MAKERS: dict[str, str] = {
     "lathe_loops": "leadscrew.controllers.lathe_loops:lathe_loops",
     "learned_feed_forward": "leadscrew.controllers.learned_feed_forward:learned_feed_forward",
     "look_ahead": "leadscrew.controllers.look_ahead:look_ahead",
+    "logged_command": "leadscrew.references.logged:logged_command",
     "path": "leadscrew.references.path:path",
     "path_from_gcode": "leadscrew.references.gcode:path_from_gcode",
     "repetitive": "leadscrew.controllers.repetitive:repetitive",
@@ -261,7 +272,7 @@ def block(name: str, kind: str | None = None) -> Block:
 
 
 def study(name: str) -> Study:
-    """The study of a name: from the table, an installed plug-in, or ``path/file.py:name``.
+    """The study of a name: from the table, an installed plug-in, a machine file (``.toml``), or ``path/file.py:name``.
 
     Raises:
         NameUnknown: no such study; names the nearest.
@@ -270,6 +281,10 @@ def study(name: str) -> Study:
     """
     from leadscrew.studies.study import Study
 
+    if name.endswith(".toml"):
+        from leadscrew.machine.axis_study import study as machine
+
+        return machine(name)
     found = _find(name, STUDIES, STUDY_GROUP, "study")
     if not isinstance(found, Study):
         raise BlockError(f"{name} is not a study but an object of type {type(found).__name__}")

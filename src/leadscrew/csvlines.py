@@ -9,6 +9,20 @@ from pathlib import Path
 from leadscrew.kernel.errors import DataError
 
 
+def text_of(path: Path) -> str:
+    """The text of a file, without a byte order mark.
+
+    Raises:
+        DataError: no such file, or not UTF-8.
+    """
+    try:
+        return path.read_text(encoding="utf-8-sig")
+    except OSError as problem:
+        raise DataError(f"{path}: cannot be read ({problem.strerror or problem})") from None
+    except UnicodeDecodeError as problem:
+        raise DataError(f"{path}: is not UTF-8 text (byte {problem.start})") from None
+
+
 def read_lines(path: Path, expected: str) -> list[tuple[int, list[str]]]:
     """Row number and stripped cells of the header and of every row; empty lines and comments (#) are left out.
 
@@ -17,12 +31,7 @@ def read_lines(path: Path, expected: str) -> list[tuple[int, list[str]]]:
     Raises:
         DataError: no such file, not UTF-8, not CSV, empty, or nothing below its header.
     """
-    try:
-        text = path.read_text(encoding="utf-8-sig")
-    except OSError as problem:
-        raise DataError(f"{path}: cannot be read ({problem.strerror or problem})") from None
-    except UnicodeDecodeError as problem:
-        raise DataError(f"{path}: is not UTF-8 text (byte {problem.start})") from None
+    text = text_of(path)
     reader = csv.reader(text.splitlines(), strict=True)
     try:
         lines = [(reader.line_num, [cell.strip() for cell in row]) for row in reader]

@@ -42,7 +42,8 @@ class Experiment:
     """One loop: of a study by controller and scenario, or from a file, with parameters changed by dotted key."""
 
     study: str
-    """A study's name, or ``path/file.py:name`` of a study, a loop, or a function that returns a loop."""
+    """A study's name, a machine file (``.toml``), or ``path/file.py:name`` of a study, a loop, or a function that
+    returns a loop."""
     controller: str | None = None
     """A controller of the study, a block of the catalogue, ``path/file.py:name``, a fuzzy system's file, or a
     controller file (``.toml``)."""
@@ -56,7 +57,7 @@ class Experiment:
     run: int = 0
     """Number of the run in the noise: run ``k`` of a batch is the experiment with ``run=k``."""
     files: Mapping[str, str] = field(default_factory=dict)
-    """SHA-256, by path, of controller files that must be as they were; of others nothing is asked."""
+    """SHA-256, by path, of controller and machine files that must be as they were; of others nothing is asked."""
     source: str = ""
     """The file that it was read from, for error texts."""
 
@@ -102,7 +103,7 @@ class Experiment:
         return loop
 
     def _check_files(self) -> None:
-        for path, now in userfile.digests(self.controller).items():
+        for path, now in userfile.digests(self.controller, self.study).items():
             if now and self.files.get(path, now) != now:
                 raise ValueRefused(
                     f"{path} has changed since these numbers were computed: put the old file back, or remove its line "
@@ -112,7 +113,7 @@ class Experiment:
     @property
     def origin(self) -> dict[str, Any]:
         """How to build the loop again; part of a run's manifest."""
-        files = userfile.digests(self.controller)
+        files = userfile.digests(self.controller, self.study)
         return {
             "study": userfile.absolute(self.study),
             "controller": None if self.controller is None else userfile.absolute(self.controller),
@@ -266,7 +267,7 @@ def is_file(name: str) -> bool:
 def read(path: str | Path) -> Experiment:
     """An experiment from its TOML file; files that it names are looked for beside it.
 
-    A controller file gives its study with this controller.
+    A controller file gives its study with this controller, a machine file the machine.
 
     Raises:
         DataError: no such file, bad TOML, an unknown key or a value of the wrong type; names file and key.
@@ -276,6 +277,8 @@ def read(path: str | Path) -> Experiment:
 
     where = Path(path)
     table = controller_file.table_of(where)
+    if table.get("kind") == "machine":
+        return Experiment(userfile.absolute(str(where)), source=str(where))
     if table.get("kind") == controller_file.KIND:
         subject = controller_file.validated(table, where).study
         return Experiment(subject, userfile.absolute(str(where)), source=str(where))

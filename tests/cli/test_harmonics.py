@@ -94,7 +94,7 @@ def test_a_run_s_folder_is_a_log(call, study, tmp_path):
             ("--lines", "700"),
             "a line at 700 Hz is not below half the sampling rate (500 Hz): sampled at 1000 Hz it folds",
         ),
-        (("--signal", "eror", "--lines", "5"), "the column 'eror' is missing; did you mean error?"),
+        (("--signal", "eror", "--lines", "5"), "has no column 'eror'; did you mean error?"),
         ((), "no line to measure"),
         (("--orders", "3;5", "--base", "1"), "expected numbers with commas"),
         (("--base", "1", "--orders", "2.5"), "whole orders"),
@@ -150,7 +150,7 @@ def test_response_files_hold_every_frequency(call, swept, tmp_path):
         (("--segment", "30"), "half of the record"),
         (("--period", "1", "--segment", "1"), "leave out --segment"),
         (("--method", "H9"), "method = 'H9'"),
-        (("--output", "position"), "the column 'position' is missing"),
+        (("--output", "position"), "has no column 'position'"),
         (("--low", "0.01", "--high", "0.02"), "none of them there"),
     ],
 )

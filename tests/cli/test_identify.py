@@ -50,7 +50,7 @@ def test_simulate_takes_the_file(call, log, tmp_path):
     ("more", "says"),
     [
         (["--torque", "feedback", "--position", "output"], "backwards|swapped|Coulomb"),
-        (["--torque", "torqe"], "the column 'torqe' is missing"),
+        (["--torque", "torqe"], "has no column 'torqe'"),
         (["--torque", "feedback"], "expected three columns"),
         (["--travel-per-rad", 0], "travel_per_rad = 0"),
         (["--inertia", -1], "inertia = -1"),

@@ -84,6 +84,7 @@ def test_json_is_strict_and_the_same_for_any_crew(call, asked):
     assert one["report"] == "report/STUDY_montecarlo/report.html"
 
 
+@pytest.mark.slow
 def test_runs_that_are_one_run_are_said_to_be(call, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     quiet = ("montecarlo", NAME, "-c", "p", "-s", "small", "--set", "sensor.noise_mm=0", "--runs", "20")

@@ -62,7 +62,7 @@ def test_the_file_of_predictions_holds_what_was_said_of_each_row(call, log, tmp_
 @pytest.mark.parametrize(
     ("options", "says"),
     [
-        (("--column", "forc"), "the column 'forc' is missing; did you mean force?"),
+        (("--column", "forc"), "has no column 'forc'; did you mean force?"),
         (("--window", 3), "--window 3: expected 4 samples or more"),
         (("--horizon", 0), "--horizon 0: expected 1 sample or more"),
         (("--model", "gm1"), "--model 'gm1': there is no such predictor; did you mean gm11"),
@@ -89,3 +89,11 @@ def test_a_constant_signal_has_no_error_and_no_ratio(call, tmp_path):
     (tmp_path / "flat.csv").write_text("force\n" + "150.0\n" * 40)
     shown = call("predict", tmp_path / "flat.csv").stdout
     assert "gm11 has the RMSE of the last value" in shown and "nan" not in shown
+
+
+def test_a_log_with_semicolons_and_decimal_commas_is_read_like_any_other(call, tmp_path, log):
+    y = force_of(log)[:40]
+    plain, odd = tmp_path / "plain.csv", tmp_path / "odd.csv"
+    plain.write_text("force,t\n" + "".join(f"{v},{k}\n" for k, v in enumerate(y)))
+    odd.write_text("force;t\n" + "".join(f"{v};{k}\n".replace(".", ",") for k, v in enumerate(y)))
+    assert call("predict", odd).stdout.replace("odd.csv", "plain.csv") == call("predict", plain).stdout

@@ -158,6 +158,7 @@ def entry(block, **changes):
     return loop.run(3.0, record=["actual"])["actual.force"] / 150.0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("hardness", [0.6, 1.0, 1.6])
 def test_any_material_is_cut_at_the_force_without_overshoot(hardness):
     force = entry(TUNINGS["ours.constant_force"], **{"plant.law.kf": hardness * 2256.3})

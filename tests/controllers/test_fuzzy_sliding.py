@@ -232,6 +232,7 @@ def test_at_4_khz_with_the_papers_lam_it_leaves_the_known_errors(name, rms):
     assert errors_um(run)[1] == pytest.approx(rms, rel=0.02)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("tuning", "largest", "rms"),
     [("ours.fsmc_4khz", 0.24, 0.078), ("ours.fsmc_printed_4khz", 0.20, 0.034)],

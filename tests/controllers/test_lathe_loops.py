@@ -45,6 +45,7 @@ def test_a_gpfc_that_predicts_the_last_sample_is_the_tfc():
     assert law("spindle", "tfc") == {"controller.spindle.predictor": 0, "controller.spindle.reading": 0}
 
 
+@pytest.mark.slow
 def test_speed_force_and_depth_are_held_together():
     run = lathe(noise_n=0.0, runout=0.0).run(8.0)
     late = run.time > 7.5

@@ -107,6 +107,7 @@ def test_and_so_do_the_slower_sines(command, name, largest):
     assert errors_um(run)[0] == pytest.approx(largest, rel=0.02, abs=1e-3)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("name", "largest"), [("corrected.smc", 0.51), ("paper.csmc", 0.329)])
 def test_friction_from_the_measured_speed_without_its_damping_works_when_sampled_fast(name, largest):
     block = READINGS[name](friction_from=2, pieces=0)
@@ -147,6 +148,7 @@ def test_a_layer_made_for_4_khz_leaves_the_known_errors(block, command, known):
     assert errors_um(run) == (pytest.approx(known[0], rel=0.02), pytest.approx(known[1], rel=0.025))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("block", "largest"), [(smc, 22.6), (csmc, 16.3), (smc_integral, 1.03)], ids=["smc", "csmc", "smc_integral"]
 )

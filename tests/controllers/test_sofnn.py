@@ -227,6 +227,7 @@ def test_a_bumpless_start_gives_the_last_output(block):
         assert sent == pytest.approx(output, abs=1e-9) and after.watch.rate == 0.0
 
 
+@pytest.mark.slow
 def test_a_live_loop_is_switched_to_it_without_a_jump():
     live = knife_loop(fnn(k_e=0.4)).using(QUIET).start()
     before = live.advance(300)["output"]

@@ -45,6 +45,7 @@ def test_the_candidates_are_the_blocks_that_they_name():
         block_of("quadratic", Gains())
 
 
+@pytest.mark.slow
 def test_a_trial_reproduces_the_calibrated_column_and_the_following_error():
     bench = Bench(TableAxis(), WORK, "slope")
     found = bench.tried(Gains(), [1.0], [1.0])

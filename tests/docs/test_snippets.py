@@ -17,10 +17,10 @@ from tests.docs.snippets import PAGES, ROOT, blocks, commands_of, python_of
 from tests.tools import missing
 
 matplotlib.use("Agg")
-LONG = ("leadscrew demo", "leadscrew run", "leadscrew bench", "leadscrew cache clear")
-"""Commands that other tests run, or that would disturb this machine."""
-ELSEWHERE = ("export.md", "fuzzy.md", "tuning.md")
-"""Pages whose Python needs what their commands wrote: tests of their own run both."""
+LONG = ("leadscrew demo", "leadscrew run", "leadscrew bench", "leadscrew cache clear", "leadscrew panel")
+"""Commands that other tests run, that never end, or that would disturb this machine."""
+ELSEWHERE = ("export.md", "fuzzy.md", "identify_linear.md", "log_to_machine.md", "tuning.md")
+"""Pages whose Python and commands need what the other wrote: tests of their own run both."""
 QUICK = ("README.md", "first_steps.md", "blocks.md", "loops.md", "engines.md", "add_controller.md", "add_plant.md")
 """Pages that run in every `make test`; the others run with the slow sweep."""
 COMMANDS = {

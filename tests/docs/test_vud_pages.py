@@ -28,6 +28,7 @@ def metrics(loops, controller, machine=None):
     return [loops.run(controller, s, seconds, machine=machine).metrics for s in STEPS]
 
 
+@pytest.mark.slow
 def test_every_variant_of_the_page_settles_when_the_table_says(loops):
     seen = 0
     for controller, cells in rows("vud.md"):

@@ -4,6 +4,7 @@ from dataclasses import replace
 
 from leadscrew.actuators.dead_zone import dead_zone
 from leadscrew.controllers.adaptive_resonant import adaptive_resonant
+from leadscrew.controllers.axis_cascade import axis_cascade
 from leadscrew.controllers.biquad import LowPass, Notch, biquad
 from leadscrew.controllers.cascade_ppi import cascade_ppi
 from leadscrew.controllers.dead_zone_inverse import dead_zone_inverse
@@ -28,10 +29,13 @@ from leadscrew.disturbances.hard_spot import hard_spot
 from leadscrew.fuzzy.block import controller
 from leadscrew.kernel.loop import Loop
 from leadscrew.plants.lathe_servo import lathe_servo
+from leadscrew.plants.servo_axis import servo_axis
 from leadscrew.plants.turning import turning
 from leadscrew.references.cutting_program import cutting_program
+from leadscrew.references.eased_sine import eased_sine_motion
 from leadscrew.references.sine import sine
 from leadscrew.references.step import step
+from leadscrew.sensors.axis_reading import axis_reading
 from leadscrew.sensors.faulty_load_cell import faulty_load_cell
 from leadscrew.sensors.grating_count import grating_count
 from tests.controllers.stage_loop import stage_loop
@@ -54,6 +58,17 @@ def npid_in_two_paths():
 
 def npid_with_the_gain_behind():
     return xy_loop(npid_after(max_output=0.03, anti_windup=2), sine(amplitude=1.0, frequency=2.0))
+
+
+def identified_axis():
+    """The cascade of an identified axis, with its model fed forward, on the axis."""
+    return Loop(
+        reference=eased_sine_motion(amplitude=20.0, frequency=2.0),
+        controller=axis_cascade(kvi=3.0, velocity_share=1.0, model_share=0.9),
+        plant=servo_axis,
+        sensor=axis_reading(noise=1e-3),
+        period=1e-3,
+    )
 
 
 def cascade():

@@ -37,6 +37,7 @@ def test_both_importers_give_the_golden_bits(version, real, tmp_path):
     assert "0.3." in found["FMPy"].note
 
 
+@pytest.mark.slow
 @VERSIONS
 def test_a_knob_one_ulp_off_is_different_in_every_importer(version, tmp_path):
     importers()
@@ -46,6 +47,7 @@ def test_a_knob_one_ulp_off_is_different_in_every_importer(version, tmp_path):
     assert all(0 < v.worst < 1e-12 for v in found.values())
 
 
+@pytest.mark.slow
 def test_a_forgotten_sign_or_limit_is_different(tmp_path):
     importers()
     of = core()

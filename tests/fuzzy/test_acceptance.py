@@ -204,6 +204,7 @@ def generated(seeds: range) -> tuple[Counter, Counter]:
     return found, plain
 
 
+@pytest.mark.slow
 def test_generated_systems_keep_their_outputs_through_files():
     found, plain = generated(range(4))
     assert found["fll", "written"] == plain["fll", "written"] == plain["fcl", "written"] == 4

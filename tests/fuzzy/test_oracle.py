@@ -98,6 +98,7 @@ def compared(first: int, end: int, monkeypatch, name: str = "python") -> tuple[i
     return systems, numbers, ties
 
 
+@pytest.mark.slow
 def test_generated_systems_agree_with_fuzzylite(monkeypatch):
     systems, numbers, ties = compared(0, 90, monkeypatch)
     print(f"{systems} systems, {numbers} numbers, {ties} ties")
@@ -105,6 +106,7 @@ def test_generated_systems_agree_with_fuzzylite(monkeypatch):
     assert ties <= 0.02 * numbers
 
 
+@pytest.mark.slow
 def test_machine_code_agrees_with_fuzzylite(monkeypatch):
     systems, numbers, ties = compared(1000, 1012, monkeypatch, "llvm")
     assert systems == 12

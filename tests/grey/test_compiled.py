@@ -54,6 +54,7 @@ def by_hand(signal, kind, horizon):
     return np.array(out)
 
 
+@pytest.mark.slow
 def test_one_batch_mixes_all_predictors(loop):
     batch = loop.batch(1.0, {"controller.kind": np.arange(len(KINDS))}, record=["command", "output"])
     for kind in KINDS.values():

@@ -36,6 +36,7 @@ def test_an_axis_with_more_friction_is_found_by_the_same_test():
     assert max(off["stiffness"], off["damping"]) < 1.0 and max(off["static"], off["stribeck_speed"]) < 5.0
 
 
+@pytest.mark.slow
 def test_sines_tell_stiffness_and_damping_and_say_that_they_do_not_tell_static_friction():
     said = []
     fit = fit_friction(*record("sines"), progress=lambda what, done: said.append((what, done)))
@@ -78,6 +79,7 @@ def test_a_piece_played_back_moves_as_scipy_says():
     assert np.abs(ours - angles).max() < 1e-3 * np.abs(angles).max()
 
 
+@pytest.mark.slow
 def test_with_the_truth_each_piece_leaves_the_rounding_of_the_scale():
     time, torque, angle = record("sines")
     log = checked(time, torque, angle)

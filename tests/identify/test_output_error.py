@@ -126,6 +126,7 @@ def test_the_same_search_gives_the_same_fit_and_finds_a_far_minimum(loop):
     assert first.parameters == pytest.approx(truth, rel=0.02)
 
 
+@pytest.mark.slow
 def test_settings_that_diverge_on_the_way_do_not_stop_a_search(loop):
     """Near an exponent of 0 the law is a relay: it overshoots the bound of 50.2 mm, and those runs are lost."""
     truth = {GAIN: 1.4, EXPONENT: 0.7}

@@ -142,6 +142,38 @@ def test_switching_the_controller_in_the_run_is_bumpless_where_it_can_align():
     assert not live.switch(zoo.observed).bumpless
 
 
+def test_several_parameters_are_set_in_the_run_together_or_not_at_all():
+    loop = Loop(reference=zoo.sine, controller=zoo.pid, plant=zoo.mass, metrics={})
+    one, both = loop.start(), loop.start()
+    for live in (one, both):
+        live.advance(20)
+    one.set("controller.kp", 0.5)
+    one.set("reference.amplitude", 2.0)
+    both.set_all({"controller.kp": 0.5, "reference.amplitude": 2.0})
+    assert np.array_equal(one.advance(30)["actual"], both.advance(30)["actual"])
+    before = dict(both.loop.parameters)
+    for refused in ({"controller.kp": 0.7, "controller.ki": -1.0}, {"controller.kp": 0.7, "controller.kq": 1.0},
+                    {"controller.kp": 0.7, "seed": 3}):  # fmt: skip
+        with pytest.raises((ValueRefused, NameUnknown)):
+            both.set_all(refused)
+        assert both.loop.parameters == before
+    assert np.array_equal(one.advance(30)["actual"], both.advance(30)["actual"])
+
+
+def test_a_switch_takes_the_compiled_program_of_a_loop_that_fits_and_gives_the_same_bits():
+    loop = Loop(reference=zoo.sine, controller=zoo.pid, plant=zoo.mass, metrics={}, engine="python")
+    like = loop.using({"controller.kp": 0.9})
+    other = Loop(reference=zoo.sine, controller=zoo.observed, plant=zoo.mass, metrics={}, engine="python")
+    live = loop.start()
+    live.advance(50)
+    alone, shared = live.switch(zoo.pid(kp=0.5)), live.switch(zoo.pid(kp=0.5), like=like)
+    unlike = live.switch(zoo.pid(kp=0.5), like=other)
+    assert shared.program is like.program
+    assert alone.program is not like.program and unlike.program is not other.program
+    rows = [x.advance(40)["actual"] for x in (alone, shared, unlike)]
+    assert np.array_equal(rows[0], rows[1]) and np.array_equal(rows[0], rows[2])
+
+
 def test_a_loop_that_diverges_stops_and_says_when_and_where():
     loop = Loop(
         reference=zoo.sine,

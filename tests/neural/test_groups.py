@@ -136,6 +136,7 @@ def test_with_no_walk_it_is_the_network_whose_consequents_learn():
     assert np.abs(theirs["output"]).max() > 1.0
 
 
+@pytest.mark.slow
 def test_all_groups_move_and_the_deviation_falls():
     live = all_groups().start()
     live.advance(850, every=0)

@@ -31,6 +31,7 @@ def ringing(plant, signal, **start):
     return x - x.mean()
 
 
+@pytest.mark.slow
 def test_free_and_held_screws_ring_at_the_frequencies_worked_by_hand():
     """sqrt(1e8 / 62.4) = 1266 1/s = 201.5 Hz; times sqrt(1 + 1.5821e-4 / 2.12e-4) = 1.3215 it is 266.3 Hz."""
     free = opened(period=1e-4, plant=ballscrew_axial(damping_ratio=0.0, **FREE).starting(table=1e-4)).run(
@@ -78,6 +79,7 @@ def equations(share):
 RIPPLED = {"ripple_low.share": 0.01, "ripple_high.share": 0.02}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("share", [0.0, 0.3])
 def test_sliding_and_reversing_it_follows_radau(share):
     run = opened(amplitude=20.0, plant=ballscrew_axial(guide_share=share, **RIPPLED)).run(0.06, record="plant")
@@ -147,6 +149,7 @@ def test_the_jacobian_is_the_one_of_finite_differences():
             assert (rows[:, column] - (up - down) / (2.0 * nudge)) / scale == pytest.approx(np.zeros(6), abs=1e-5)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("options", [TIGHT, {"method": "sdirk3", "substeps": 20}], ids=["rodas", "sdirk3"])
 def test_all_engines_give_the_same_bits(options):
     loop = opened(amplitude=60.0, options=options, plant=ballscrew_axial(guide_share=0.2, **RIPPLED))

@@ -61,6 +61,7 @@ def opened(plant, period=1e-3, options=TIGHT, **changes):
     return Loop(reference=torque(**changes), controller=through, plant=plant, period=period, metrics={}, **options)
 
 
+@pytest.mark.slow
 # ---- classic
 @pytest.mark.parametrize(
     "play",
@@ -236,6 +237,7 @@ def test_both_encoders_settle_without_denormal_numbers():
     assert found[-1] == 2.0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("on_table", "stays_um"), [(False, 1.0), (True, 0.0)], ids=["motor", "table"])
 def test_closed_on_the_motor_half_of_the_play_stays_and_closed_on_the_table_it_does_not(on_table, stays_um):
     """A sine of 1 mm at 4 kHz: error of the table far from the reversals, half of the difference of both ways."""

@@ -72,6 +72,7 @@ def test_sliding_and_reversing_it_follows_radau(options, within_rad):
     assert np.abs(run["plant.angle"] - expected[:, 0]).max() < within_rad
 
 
+@pytest.mark.slow
 def test_stuck_it_is_a_spring():
     """Below break-away the bristles carry the torque: 0.1 N m bends 1e5 N m/rad by 1 urad, and a little more."""
     run = opened(ramp=0.1).run(1.1, record=("plant", "output"))

@@ -88,6 +88,7 @@ def test_play_in_the_shear_keeps_the_side_it_came_from():
     assert found == pytest.approx([1.7, 0.3, -1.7, -0.3], abs=1e-6)
 
 
+@pytest.mark.slow
 def test_texture_has_its_size_and_length_at_every_feed():
     for feed in (20.0, 50.0):
         loop = knife(disturbance=cut_load(feed=feed, size=0.25), plant=flexible_cut(feed=feed))
@@ -131,3 +132,5 @@ def test_what_has_no_place_is_refused():
         tables(np.array([0.0, np.nan]), np.zeros(2))
     with pytest.raises(ValueRefused, match="63 or fewer"):
         knife(sensor=cut_camera(trailing_s=1.0)).run(0.1)
+    with pytest.raises(ValueRefused, match="inf samples late; expected 63 or fewer"):
+        knife(sensor=cut_camera(trailing_s=1e308)).run(0.1)

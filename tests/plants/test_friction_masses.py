@@ -178,6 +178,7 @@ def hybrid(seconds, dt):
     return np.array(rows)
 
 
+@pytest.mark.slow
 def test_maxwell_slip_follows_the_rules_solved_from_event_to_event_by_scipy():
     two = with_elements([0.6, 0.4], [4e4, 1e4], **{"friction.damping": 100.0})
     there = hybrid(0.4, 1e-3)

@@ -36,6 +36,7 @@ def lathe(**changes):
     return loop.using({f"plant.{key}": value for key, value in changes.items()})
 
 
+@pytest.mark.slow
 def test_without_droop_the_force_is_that_of_the_force_plant():
     other = Loop(reference=cutting_force, controller=feed_alone, plant=turning, sensor=load_cell(noise_n=0.0),
                  period=0.02, substeps=20, metrics={})  # fmt: skip

@@ -22,6 +22,7 @@ def loop(plant, controller=pid, **more):
                 metrics={}, **more)  # fmt: skip
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("late_us", [0, 25, 475, 500, 775, 1000, 1475, 2000])
 def test_its_dead_time_is_that_of_a_delay_line_in_small_steps(late_us):
     law = READINGS["corrected.npid_um"] if late_us < 800 else pid

@@ -26,6 +26,7 @@ def at_rest(sensor, law=standing):
     )  # fmt: skip
 
 
+@pytest.mark.slow
 def test_the_filter_keeps_a_third_of_white_noise():
     run = at_rest(load_cell(noise_n=2.0)).run(400.0)
     raw = at_rest(load_cell(noise_n=2.0, keep=0.0)).run(400.0)

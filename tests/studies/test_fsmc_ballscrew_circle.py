@@ -111,6 +111,7 @@ def test_a_circle_in_continuous_time_is_that_of_another_solver(loops):
     assert ours.mean_radial == pytest.approx(other.mean_radial, abs=2e-5)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("controller", "within"), [("corrected.smc", 1e-4), ("ours.pd_dob_robust", 0.012)])
 def test_clockwise_is_the_mirror_image_but_for_counts_of_the_scale(loops, controller, within):
     found = quantities(drawn(loops, controller, CIRCLES["r1"]))
@@ -140,6 +141,7 @@ def test_circles_are_drawn_once(loops):
     assert circles.of("ours.pd_dob", CIRCLES["r1"]) is circles.of("ours.pd_dob", CIRCLES["r1"])
 
 
+@pytest.mark.slow
 def test_a_feed_above_the_threshold_slides_and_one_below_jerks(loops):
     runs = creeps(loops, LAWS["fsmc"], (10.0, 2.0), encoder_nm=0.0)
     above, below = runs[10.0], runs[2.0]

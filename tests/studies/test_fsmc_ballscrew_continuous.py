@@ -92,6 +92,7 @@ def test_a_coarse_tolerance_is_within_a_hundredth_of_a_nanometre_of_the_vectors(
     assert NM_PER_RAD * np.abs(run["plant.angle"] - rows[:, 1]).max() < 0.01
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("law", "scenario", "name"), CLOSED, ids=[c[2] for c in CLOSED])
 def test_every_state_of_the_loop_is_that_of_the_vectors(law, scenario, name):
     rows = known(name)

@@ -57,6 +57,7 @@ def test_every_required_claim_passes_and_none_is_about_the_paper(loops):
     assert all(c.id.startswith("fsmc_ballscrew.integrator_") and c.paper is None for c in claims)
 
 
+@pytest.mark.slow
 def test_the_pictures_show_every_scheme(loops):
     (picture,) = integrator_pictures(loops)
     figure = picture.draw()

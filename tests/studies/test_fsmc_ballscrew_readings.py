@@ -340,6 +340,7 @@ def test_the_pictures_are_drawn_with_units_on_their_axes(loops):
         assert len(picture.caption) > 60
 
 
+@pytest.mark.slow
 def test_the_layer_of_the_picture_is_never_left_on_the_way_in(loops):
     """Once |s| <= phi, the motions of the bare step stay there: (12) and (15)."""
     for law, half in (("corrected.smc", 1.0), ("paper.csmc", 0.5)):

@@ -37,6 +37,7 @@ def test_on_friction_that_is_not_lugre_the_fit_says_so():
     assert abs(fit.friction.coulomb / 6.24 - 1.0) < 1e-3 and abs(fit.friction.viscous / 0.4 - 1.0) < 1e-3
 
 
+@pytest.mark.slow
 def test_three_digits_are_what_a_controller_gets():
     fit = identified(Loops(), "sines")
     short = rounded(fit)

@@ -9,15 +9,9 @@ from leadscrew.catalogue import study
 from leadscrew.kernel.errors import LeadscrewError
 from leadscrew.studies.fsmc_ballscrew.runs import Loops, tail_um
 from leadscrew.studies.fsmc_ballscrew.scenarios import SINES
-from tests.studies.contract import (
-    assert_items_exist,
-    assert_no_verdict_without_a_paper,
-    assert_required_met_and_explained,
-    plain,
-)
+from tests.studies.contract import WholeStudy, evaluated, plain
 
 STAGE = study("fsmc_ballscrew")
-SAID = []
 
 
 def test_every_controller_fits_into_every_scenario():
@@ -74,33 +68,21 @@ def test_every_item_of_the_paper_has_a_row_that_says_where_it_is_or_why_not():
 
 @pytest.fixture(scope="module")
 def result():
-    return STAGE.evaluate(lambda what, done: SAID.append(done))
+    return evaluated(STAGE)
 
 
-@pytest.mark.slow
-def test_every_required_claim_is_met_and_says_why(result):
-    assert_required_met_and_explained(result)
-    assert sorted(SAID) == SAID and SAID[-1] == 1.0
-
-
-@pytest.mark.slow
-def test_a_claim_without_a_number_in_the_paper_gives_no_verdict_on_it(result):
-    assert_no_verdict_without_a_paper(result)
-
-
-@pytest.mark.slow
-def test_items_point_at_claims_and_pictures_that_exist(result):
-    assert_items_exist(STAGE, result)
-
-
-@pytest.mark.slow
-def test_moonshots_are_reached_but_those_that_are_known_to_be_missed(result):
-    """What is missed is said in the findings and in the docs; a miss more, or one less, must be looked at."""
-    missed = {name for name, c in plain(STAGE, result.claims).items() if c.kind == "moonshot" and not c.passed}
-    assert missed == {
-        "beaten_gms_sine_slow", "beaten_gms_sine_wide", "beaten_gms_sine_fast", "circle_pd_dob_r100",
-        "drive_moonshot_late",
-    }  # fmt: skip
+class TestWhole(WholeStudy):
+    study = STAGE
+    plain_axes = frozenset({"fig16_circles", "fig16_circles_4khz", "fig18_stick_polar", "learned_circle"})
+    missed = frozenset(
+        {
+            "beaten_gms_sine_slow",
+            "beaten_gms_sine_wide",
+            "beaten_gms_sine_fast",
+            "circle_pd_dob_r100",
+            "drive_moonshot_late",
+        }
+    )
 
 
 @pytest.mark.slow

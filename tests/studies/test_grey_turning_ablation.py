@@ -109,6 +109,7 @@ def test_candidates_beside_each_other_have_the_noise_of_the_run_that_is_told(loo
     assert not np.array_equal(done[0], done[1])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["tfc", "gpfc_b", "smith"])
 def test_the_kept_factors_cost_what_the_search_said(loops, name):
     for row in ablation.tuned():
@@ -118,6 +119,7 @@ def test_the_kept_factors_cost_what_the_search_said(loops, name):
             assert np.mean([cost_by_hand(run) for run in runs]) == pytest.approx(row.cost, rel=1e-4)
 
 
+@pytest.mark.slow
 def test_without_prediction_the_variant_is_the_fuzzy_controller_of_the_paper(loops):
     row = ablation.tuned()[0]
     assert row.name == "tfc"

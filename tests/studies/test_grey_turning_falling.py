@@ -7,6 +7,8 @@ from turning_runs import reproduction
 from leadscrew.studies.grey_turning.claims_falling import falling_claims
 from leadscrew.studies.grey_turning.figures_falling import falling_pictures
 
+pytestmark = pytest.mark.slow
+
 
 @pytest.fixture(scope="module")
 def found():

@@ -1,21 +1,14 @@
 """The study as a whole: its loops, its claims, its items and its pictures."""
 
 import csv
-import re
 
 import pytest
 
 from leadscrew.catalogue import study
 from leadscrew.studies.grey_turning.runs import Loops
-from tests.studies.contract import (
-    assert_items_exist,
-    assert_no_verdict_without_a_paper,
-    assert_required_met_and_explained,
-    plain,
-)
+from tests.studies.contract import WholeStudy, evaluated, plain
 
 TABLE = study("grey_turning")
-SAID = []
 
 
 def test_some_controllers_run_at_a_fixed_depth_and_every_scenario_runs():
@@ -52,29 +45,13 @@ def test_every_item_of_the_paper_has_a_row_that_says_where_it_is_or_why_not():
 
 @pytest.fixture(scope="module")
 def result():
-    return TABLE.evaluate(lambda what, done: SAID.append(done))
+    return evaluated(TABLE)
 
 
-@pytest.mark.slow
-def test_every_required_claim_is_met_and_says_why(result):
-    assert_required_met_and_explained(result)
-    assert sorted(SAID) == SAID and SAID[-1] == 1.0
-
-
-@pytest.mark.slow
-def test_a_claim_without_a_number_in_the_paper_gives_no_verdict_on_it(result):
-    assert_no_verdict_without_a_paper(result)
-
-
-@pytest.mark.slow
-def test_items_point_at_claims_and_pictures_that_exist(result):
-    assert_items_exist(TABLE, result)
-
-
-@pytest.mark.slow
-def test_every_moonshot_is_reached(result):
-    missed = {name for name, c in plain(TABLE, result.claims).items() if c.kind == "moonshot" and not c.passed}
-    assert missed == set()
+class TestWhole(WholeStudy):
+    study = TABLE
+    plain_axes = frozenset({"ablation", "one_step_errors"})
+    least_findings = 10
 
 
 @pytest.mark.slow
@@ -84,19 +61,3 @@ def test_fitted_numbers_say_so_and_the_paper_s_rows_have_verdicts(result):
         assert claims[name].basis == "fitted to this number" and claims[name].verdict == "reproduced with change"
     for name in ("fixed_rise_b", "fixed_rise_gain", "fixed_steady_b", "literal_11_breaks", "same_first_2_s"):
         assert claims[name].verdict == "not reproduced", name
-
-
-@pytest.mark.slow
-def test_every_picture_is_drawn_and_every_finding_is_said(result):
-    import matplotlib
-
-    matplotlib.use("Agg")
-    from matplotlib import pyplot
-
-    names = [p.name for p in result.pictures]
-    assert len(names) == len(set(names))
-    for picture in result.pictures:
-        figure = picture.draw()
-        assert figure.axes and picture.caption
-        pyplot.close(figure)
-    assert len(result.notes) >= 10 and not any(re.search(r"\bnan\b", note) for note in result.notes)

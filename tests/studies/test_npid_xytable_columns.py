@@ -107,6 +107,7 @@ def test_lines_above_half_of_the_sampling_frequency_are_looked_for_where_they_fo
     assert spindle_lines_hz(loop) == (350.0, 600.0)
 
 
+@pytest.mark.slow
 def test_a_controller_on_motion_gets_a_motion():
     for name, block in TABLE.controllers.items():
         loop = TABLE.loop(name, "spindle_1000")

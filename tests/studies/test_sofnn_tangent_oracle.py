@@ -53,6 +53,7 @@ def test_a_pid_is_the_same_sample_by_sample(loops):
     assert np.abs(e[: len(expected)] - expected).max() < 1e-8
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["fixed", "table", "net", "tuned"])
 def test_networks_are_the_same_sample_by_sample(loops, name):
     """Four rules at a time against dense matrices in Joseph form; the loop's first sample is before the line."""

@@ -1,7 +1,6 @@
 """The study as a whole: its loops, its claims, its items and its pictures."""
 
 import csv
-import re
 
 import numpy as np
 import pytest
@@ -9,15 +8,9 @@ import pytest
 from leadscrew.catalogue import study
 from leadscrew.studies.sofnn_tangent import lines
 from leadscrew.studies.sofnn_tangent.runs import Loops
-from tests.studies.contract import (
-    assert_items_exist,
-    assert_no_verdict_without_a_paper,
-    assert_required_met_and_explained,
-    plain,
-)
+from tests.studies.contract import WholeStudy, evaluated
 
 TABLE = study("sofnn_tangent")
-SAID = []
 
 
 def test_every_scenario_runs_and_controllers_of_all_kinds_fit():
@@ -71,42 +64,13 @@ def test_every_item_of_the_paper_has_a_row_that_says_where_it_is_or_why_not():
 
 @pytest.fixture(scope="module")
 def result():
-    return TABLE.evaluate(lambda what, done: SAID.append(done))
+    return evaluated(TABLE)
 
 
-@pytest.mark.slow
-def test_every_required_claim_is_met_and_says_why(result):
-    assert_required_met_and_explained(result)
-    assert sorted(SAID) == SAID and SAID[-1] == 1.0
-
-
-@pytest.mark.slow
-def test_a_claim_without_a_number_in_the_paper_gives_no_verdict_on_it(result):
-    assert_no_verdict_without_a_paper(result)
-
-
-@pytest.mark.slow
-def test_items_point_at_claims_and_pictures_that_exist(result):
-    assert_items_exist(TABLE, result)
-
-
-@pytest.mark.slow
-def test_moonshots_that_are_missed_are_known(result):
-    missed = {name for name, c in plain(TABLE, result.claims).items() if c.kind == "moonshot" and not c.passed}
-    assert missed == {"m2_mismatch_prior_rms"}
-
-
-@pytest.mark.slow
-def test_every_picture_is_drawn_and_every_finding_is_said(result):
-    import matplotlib
-
-    matplotlib.use("Agg")
-    from matplotlib import pyplot
-
-    names = [p.name for p in result.pictures]
-    assert len(names) == len(set(names))
-    for picture in result.pictures:
-        figure = picture.draw()
-        assert figure.axes and picture.caption
-        pyplot.close(figure)
-    assert len(result.notes) >= 8 and not any(re.search(r"\bnan\b", note) for note in result.notes)
+class TestWhole(WholeStudy):
+    study = TABLE
+    plain_axes = frozenset(
+        {"comparison_cells", "comparison_contour", "comparison_equal", "held_rules", "workflow_ratios"}
+    )
+    least_findings = 10
+    missed = frozenset({"m2_mismatch_prior_rms"})

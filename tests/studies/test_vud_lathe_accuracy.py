@@ -39,6 +39,7 @@ def test_an_axis_behind_the_encoder_is_off_by_its_screw_which_a_hand_can_work_ou
     assert np.all(np.abs(found - by_hand) <= 0.5 * drawn["plant.backlash_mm"] + 0.001 + 2e-6)
 
 
+@pytest.mark.slow
 def test_an_axis_without_faults_keeps_within_half_a_count_of_the_grating(loops):
     clean = {k: np.zeros(2) for k in (*accuracy.RANGES, *accuracy.RULER_RANGES)}
     done = loops.batch("corrected.vud_beta_e", STEPS[0], clean, machine="screw", sensor="grating")

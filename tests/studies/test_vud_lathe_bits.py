@@ -23,6 +23,7 @@ def every_signal(controller, scenario, engine, duration):
     return loop.run(duration, record=loop.program.plan.columns, engine=engine)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("controller", "scenario"), different_loops())
 def test_python_and_machine_code_agree_on_every_signal(controller, scenario):
     a, b = (every_signal(controller, scenario, e, 0.3) for e in ("python", "llvm"))

@@ -52,6 +52,7 @@ def best_tail(state, distance, periods, hold=12):
     return found.x[-1] if found.status == 0 else 9.0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("distance", "fewest"), [(50.0, 214), (170.0, 678)])
 def test_the_axis_with_its_limits_acting_is_not_faster_than_the_bound(distance, fewest):
     """The plant itself at full duty up to a switch that is searched for, then braking, then a programme for the rest.

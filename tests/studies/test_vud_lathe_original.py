@@ -137,6 +137,7 @@ def test_the_picture_shows_table_1_and_every_law(found):
     assert all(axes.get_xlabel() for axes in figure.axes[-2:]) and all(a.get_ylabel() for a in figure.axes[::2])
 
 
+@pytest.mark.slow
 def test_the_page_of_the_docs_shows_what_its_python_prints():
     page = ROOT / "docs" / "original_servo.md"
     said = io.StringIO()

@@ -27,6 +27,7 @@ def screw_um(x, warming_k):
     return 1000.0 * (x * slope + p.cyclic_error_mm * np.sin(2.0 * np.pi * x / p.lead_mm))
 
 
+@pytest.mark.slow
 def test_behind_the_encoder_the_mean_deviation_is_the_screws_error(tests):
     passes = np.array([[0.0, 10 * ours.READ_S], [20 * ours.READ_S, 30 * ours.READ_S]])
     starts = (passes[0] + 20 * ours.READ_S * np.arange(ours.RUNS)[:, None]).ravel()

@@ -38,6 +38,7 @@ def plain(result):
     return said
 
 
+@pytest.mark.slow
 def test_ranks_on_plants_that_no_tuning_saw(found):
     assert [r.name for r in found.results][-1] == C, "it never comes within 2 um"
     assert found.results[-1].bad == 30 and found.results[0].bad <= found.results[1].bad
@@ -49,6 +50,7 @@ def test_ranks_on_plants_that_no_tuning_saw(found):
     assert found.results[-1].tuned is None
 
 
+@pytest.mark.slow
 def test_it_is_the_same_on_two_threads_and_after_an_interruption(found, tmp_path):
     with crew(threads=2) as two:
         asked = contest(JOB, (A, B, C), ["settling_2um"], ["overshoot<=0.02"], **ASKED)
@@ -60,6 +62,7 @@ def test_it_is_the_same_on_two_threads_and_after_an_interruption(found, tmp_path
         assert str(plain(done(two, Journal(tmp_path / "j", asked.question(), resume=True)))) == str(plain(found))
 
 
+@pytest.mark.slow
 def test_the_sentence_says_effort_plants_difference_and_what_is_not_shown(found):
     text = found.sentence()
     pair = found.pairs[0]

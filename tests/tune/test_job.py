@@ -46,6 +46,7 @@ def test_a_job_can_be_sent_and_is_the_same_there():
     assert j != lathe()
 
 
+@pytest.mark.slow
 def test_the_mark_tells_questions_apart():
     marks = {j.mark for j in (
         job(), job(duration=0.2), job("large"), job("small", "large"), job(controller="p_half"), job(seed=3),

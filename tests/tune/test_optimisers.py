@@ -132,6 +132,7 @@ print(seen.hexdigest())
 """
 
 
+@pytest.mark.slow
 def test_the_kernel_of_linear_algebra_does_not_matter():
     assert len(set(on_kernels(ASKED).values())) == 1
 

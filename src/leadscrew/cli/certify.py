@@ -26,7 +26,7 @@ def certify(
         typer.Argument(
             metavar="STUDY",
             help="A study's name; path/file.py:NAME of a study, a Loop or a function that returns one; "
-            "or an experiment file (.toml).",
+            "or a machine or experiment file (.toml).",
         ),
     ],
     controller: Annotated[

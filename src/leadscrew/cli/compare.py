@@ -11,6 +11,7 @@ from leadscrew.cli.door import say
 from leadscrew.cli.keeping import Keeping
 from leadscrew.cli.montecarlo_progress import counting
 from leadscrew.cli.output import Json, emit, print_table
+from leadscrew.cli.subject import spread
 from leadscrew.cli.tune import free, job_of
 from leadscrew.kernel.errors import ValueRefused
 
@@ -19,7 +20,10 @@ SCHEMA_VERSION = 1
 
 def compare(
     study: Annotated[
-        str, typer.Argument(metavar="STUDY", help="A study, path/file.py:NAME of one, or an experiment file.")
+        str,
+        typer.Argument(
+            metavar="STUDY", help="A study, a machine file, path/file.py:NAME of a study, or an experiment file."
+        ),
     ],
     controller: Annotated[
         list[str] | None,
@@ -45,7 +49,8 @@ def compare(
         list[str] | None, typer.Option("--set", metavar="KEY=VALUE", help="Change a parameter for all.")
     ] = None,
     over: Annotated[
-        list[str] | None, typer.Option(metavar="KEY=LOW:HIGH", help="What differs from plant to plant. Repeat.")
+        list[str] | None,
+        typer.Option(metavar="KEY=LOW:HIGH", help="What differs from plant to plant; intervals: of a machine file."),
     ] = None,
     plants: Annotated[int | None, typer.Option(metavar="N", help="That the tuning sees; 16 with --over.")] = None,
     unseen: Annotated[int, typer.Option(metavar="N", help="Plants of the comparison.")] = 200,
@@ -79,8 +84,8 @@ def compare(
     names = controller or []
     job = job_of(study, names[0] if names else None, scenario or [], changes or [], duration)
     asked = comparing.contest(
-        job, names, minimise or [], subject_to or [], vary=by_name(vary or [], names), over=over, plants=plants,
-        unseen=unseen, budget=budget, optimiser=optimiser, seed=seed,
+        job, names, minimise or [], subject_to or [], vary=by_name(vary or [], names), over=spread(study, over),
+        plants=plants, unseen=unseen, budget=budget, optimiser=optimiser, seed=seed,
     )  # fmt: skip
     free([report])
     keeping = Keeping(report, journal, resume, "--report")

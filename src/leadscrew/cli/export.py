@@ -22,7 +22,10 @@ SCHEMA_VERSION = 1
 def export(
     study: Annotated[
         str,
-        typer.Argument(metavar="STUDY", help="A study, path/file.py:NAME of a study or Loop, or an experiment file."),
+        typer.Argument(
+            metavar="STUDY",
+            help="A study, a machine file, path/file.py:NAME of a study or Loop, or an experiment file.",
+        ),
     ],
     target: Annotated[str, typer.Option("--target", "-t", help="c99, hal, fmu2 or fmu3.")],
     out: Annotated[Path, typer.Option(help="Folder to write; it must not exist yet.")],

@@ -1,4 +1,4 @@
-"""``leadscrew identify``: LuGre friction of an axis from one log; a cutting force law from a table of cuts."""
+"""``leadscrew identify``: an axis, its LuGre friction, or a cutting force law, from logged data."""
 
 from __future__ import annotations
 
@@ -7,7 +7,11 @@ from typing import Annotated
 
 import typer
 
+from leadscrew.cli.identify_axis import axis
 from leadscrew.cli.identify_cutting_force import cutting_force
+from leadscrew.cli.identify_friction_force import friction_force
+from leadscrew.cli.identify_linear import linear
+from leadscrew.cli.identify_servo_gain import servo_gain
 from leadscrew.cli.output import Json, emit, print_table, progress
 from leadscrew.kernel.errors import ValueRefused
 
@@ -21,7 +25,11 @@ def _identify() -> None:
     """Find a model's parameters in logged data."""
 
 
+app.command("axis")(axis)
 app.command("cutting-force")(cutting_force)
+app.command("friction-force")(friction_force)
+app.command("linear")(linear)
+app.command("servo-gain")(servo_gain)
 
 
 @app.command("friction")
@@ -52,12 +60,25 @@ def friction(
         str, typer.Option("--controller", "-c", help="Whose believed friction the file sets.")
     ] = "ours.pd_dob",
     study: Annotated[str, typer.Option(help="Whose controller that is.")] = "fsmc_ballscrew",
+    force: Annotated[
+        str | None,
+        typer.Option(metavar="COLUMN", help="Measured friction force: then as identify friction-force, -o a folder."),
+    ] = None,
+    velocity: Annotated[str | None, typer.Option(metavar="COLUMN", help="With --force: measured velocity.")] = None,
+    normal: Annotated[str | None, typer.Option(metavar="COLUMN", help="With --force: measured normal force.")] = None,
     as_json: Json = False,
 ) -> None:
     """Identify LuGre friction (and inertia) from one log, and say how well the log tells each parameter.
 
     The controller file is a name wherever a controller is named: simulate, tune, export.
     """
+    if force is not None:
+        from leadscrew.cli.identify_friction_force import of_force
+
+        of_force(log, out, force, time, position, velocity, normal, as_json)
+        return
+    if velocity is not None or normal is not None:
+        raise ValueRefused("--velocity and --normal go with --force, the column of a measured friction force")
     from leadscrew import catalogue, controller_file, userfile
     from leadscrew.cli.tune import free
     from leadscrew.identify.friction_file import controller_with, identify_file, table_rows

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from leadscrew.cli.output import Json, busy, emit
+from leadscrew.cli.pairs import texts
 from leadscrew.kernel.errors import ValueRefused
 
 if TYPE_CHECKING:
@@ -71,8 +72,8 @@ def cutting_force(
         raise ValueRefused(f"--usual-kc {usual_kc}: expected LOW,HIGH with LOW below HIGH")
     other = None if beside is None else _other(beside, kappa)
     table = read_force_table(
-        file, columns=_named("--column", column or []), units=_named("--unit", unit or []), spindle_rpm=spindle_rpm,
-        usual_kc=(low, high),
+        file, columns=texts("--column", column, "WHAT=HEADER"), units=texts("--unit", unit, "WHAT=UNIT"),
+        spindle_rpm=spindle_rpm, usual_kc=(low, high),
     )  # fmt: skip
     with busy(f"{file}: laws"):
         from leadscrew.identify.cutting_force import fit_forces
@@ -120,18 +121,6 @@ def _write_example(file: Path, more: bool) -> None:
         raise DataError(f"{file} exists already; --example overwrites nothing")
     save(EXAMPLE, file)
     typer.echo(f"{file}: published cuts; next: leadscrew identify cutting-force {file}")
-
-
-def _named(option: str, pairs: Sequence[str]) -> dict[str, str]:
-    found: dict[str, str] = {}
-    for pair in pairs:
-        what, equals, name = pair.partition("=")
-        if not equals or not what.strip() or not name.strip():
-            raise ValueRefused(f"{option} {pair!r}: expected WHAT={'HEADER' if option == '--column' else 'UNIT'}")
-        if what.strip() in found:
-            raise ValueRefused(f"{option} {what.strip()}: given twice")
-        found[what.strip()] = name.strip()
-    return found
 
 
 def _pair(option: str, text: str, expected: str) -> tuple[float, float]:

@@ -26,7 +26,7 @@ def list_(
         typer.Argument(
             metavar="[NAME]",
             help="A block, a study, path/file.py:NAME, a fuzzy system's file, "
-            "a controller file or an experiment file (.toml).",
+            "or a controller, machine or experiment file (.toml).",
         ),
     ] = None,
     as_json: Json = False,

@@ -11,14 +11,11 @@ from leadscrew.kernel.errors import DataError, ValueRefused
 if TYPE_CHECKING:
     import numpy as np
 
-SIGNALS = "signals.parquet"
-"""What ``leadscrew simulate --out`` writes into its folder."""
-
 
 def part_of(
     log: Path, time: str, names: Sequence[str], start: float | None = None, end: float | None = None
 ) -> tuple[np.ndarray, dict[str, np.ndarray]]:
-    """Times and the named columns of a CSV or Parquet file, or of a folder of ``simulate --out``, from start to end.
+    """Times and the named columns of a log, or of a folder of ``simulate --out``, from start to end.
 
     Raises:
         DataError: the file cannot be read, or nothing lies between ``start`` and ``end``.
@@ -28,7 +25,7 @@ def part_of(
 
     if time in names:
         raise ValueRefused(f"{time!r} is the column of times: expected another one as a signal")
-    read = read_columns(log / SIGNALS if log.is_dir() else log, [time, *dict.fromkeys(names)])
+    read = read_columns(log, [time, *dict.fromkeys(names)])
     t = read[time]
     kept = (t >= (t[0] if start is None else start)) & (t <= (t[-1] if end is None else end))
     if not kept.any():

@@ -31,7 +31,7 @@ def montecarlo(
         typer.Option(
             metavar="KEY=DIST",
             help="What varies: LOW:HIGH, LOW:HIGH:log, LOW:HIGH:int, normal:MEAN:DEVIATION, lognormal:MEDIAN:FACTOR "
-            "or A|B|C; may be repeated. Noise differs from run to run in any case.",
+            "A|B|C, or intervals: of a machine file. Noise differs from run to run in any case.",
         ),
     ] = None,
     runs: Annotated[int, typer.Option(metavar="N", help="Runs in every scenario.")] = 1000,

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from leadscrew.cli.keeping import Keeping
 from leadscrew.cli.montecarlo_progress import Report, Stage, counting
-from leadscrew.cli.subject import experiment_of
+from leadscrew.cli.subject import experiment_of, spread
 from leadscrew.cli.values import parse
 from leadscrew.kernel import door
 from leadscrew.kernel.errors import ValueRefused
@@ -104,7 +104,7 @@ class Work:
         self.count = Counted()
         experiment = self._experiment()
         self.job = Job(experiment, asked.scenarios, asked.duration)
-        self.space = Space.of(asked.over)
+        self.space = Space.of(spread(asked.study, asked.over))
         self.seed = experiment.seed or 0
         self.method = check_method(asked.sampling)
         self.tolerances = montecarlo.check(self.job, self.space, asked.runs, asked.tolerances)

@@ -35,7 +35,6 @@ def predict(
     Each prediction uses the samples up to one row and is compared with the row --horizon later. Near a set-point
     GM(1,1) is a fixed filter that amplifies noise: there the last value is usually better.
     """
-    from leadscrew.cli.logs import SIGNALS
     from leadscrew.grey.predictors import KINDS
     from leadscrew.grey.score import BESIDE, compare
     from leadscrew.identify.log import read_columns
@@ -49,7 +48,7 @@ def predict(
 
         suffix_of(csv, (".csv",), "--csv")
     column = column or ("feedback" if log.is_dir() else "force")
-    y = read_columns(log / SIGNALS if log.is_dir() else log, [column])[column]
+    y = read_columns(log, [column])[column]
     rows = len(y)
     final = rows if final is None else final
     if not 1 <= first < final <= rows:

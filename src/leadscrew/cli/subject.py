@@ -7,12 +7,19 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from leadscrew.experiment import Experiment
     from leadscrew.studies.study import Study
 
 StudyName = Annotated[
-    str, typer.Argument(metavar="STUDY", help="A study's name, path/file.py:NAME, or an experiment file (.toml).")
+    str,
+    typer.Argument(
+        metavar="STUDY", help="A study's name, path/file.py:NAME, or an experiment or machine file (.toml)."
+    ),
 ]
+INTERVALS = "intervals"
+"""``--over intervals``: all that the log of a machine file leaves open."""
 
 
 def experiment_of(name: str) -> Experiment:
@@ -46,3 +53,25 @@ def whole_study(name: str) -> tuple[str, Study]:
     if found.controller or found.scenario or found.changes:
         raise ValueRefused(f"{name} describes one loop: use leadscrew simulate {name}; run judges a whole study")
     return userfile.absolute(found.study), catalogue.study(found.study)
+
+
+def spread(name: str, over: Sequence[str] | None) -> list[str]:
+    """What differs from plant to plant; ``intervals`` stands for all that a machine file's log leaves open.
+
+    Raises:
+        ValueRefused: intervals of something that is no machine file.
+    """
+    from leadscrew.kernel.errors import ValueRefused
+
+    found: list[str] = []
+    for text in over or ():
+        if text != INTERVALS:
+            found.append(text)
+            continue
+        where = experiment_of(name).study
+        if not where.endswith(".toml"):
+            raise ValueRefused(f"--over {INTERVALS}: {name} is no machine file; name the keys, as KEY=LOW:HIGH")
+        from leadscrew.machine.axis_study import left_open
+
+        found += left_open(where)
+    return found

@@ -12,7 +12,7 @@ from leadscrew.cli.door import MISSED, say
 from leadscrew.cli.keeping import Keeping, undone
 from leadscrew.cli.montecarlo_progress import counting
 from leadscrew.cli.output import Json, emit, print_table
-from leadscrew.cli.subject import experiment_of
+from leadscrew.cli.subject import experiment_of, spread
 from leadscrew.cli.values import parse
 from leadscrew.kernel.errors import LeadscrewError, ValueRefused
 
@@ -26,7 +26,10 @@ SCHEMA_VERSION = 1
 def tune(
     study: Annotated[
         str,
-        typer.Argument(metavar="STUDY", help="A study, path/file.py:NAME of a study or Loop, or an experiment file."),
+        typer.Argument(
+            metavar="STUDY",
+            help="A study, a machine file, path/file.py:NAME of a study or Loop, or an experiment file.",
+        ),
     ],
     controller: Annotated[
         str | None,
@@ -56,7 +59,10 @@ def tune(
     ] = None,
     over: Annotated[
         list[str] | None,
-        typer.Option(metavar="KEY=LOW:HIGH", help="What differs from plant to plant; distributions as --vary. Repeat."),
+        typer.Option(
+            metavar="KEY=LOW:HIGH",
+            help="What differs from plant to plant; distributions as --vary; intervals: of a machine file.",
+        ),
     ] = None,
     plants: Annotated[int | None, typer.Option(metavar="N", help="That the search sees; 16 with --over.")] = None,
     held_out: Annotated[
@@ -96,8 +102,8 @@ def tune(
 
     job = job_of(study, controller, scenario or [], changes or [], duration)
     asked = tuner_plan.plan(
-        job, vary or [], minimise or [], subject_to or [], over=over, plants=plants, held_out=held_out, budget=budget,
-        optimiser=optimiser, seed=seed,
+        job, vary or [], minimise or [], subject_to or [], over=spread(study, over), plants=plants, held_out=held_out,
+        budget=budget, optimiser=optimiser, seed=seed,
     )  # fmt: skip
     free([out, report] + ([tuned_files.beside(out)] if out and tuned_files.needs_experiment(
         job.experiment, dict(asked.vary.items)) else []))  # fmt: skip

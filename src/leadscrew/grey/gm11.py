@@ -24,7 +24,7 @@ from typing import Annotated, NamedTuple
 from leadscrew.kernel.sheet import Doc, Unit
 
 SINGULAR = 1e-12
-"""Spread of z, of the sum of z^2, below which no line has a slope: zeros and alternating samples."""
+"""Spread of z, of the sum of z^2, below which no line has a slope (zeros and alternating samples)."""
 MOST = 300.0
 """Exponents are held within this, so that a window out of all reason gives a huge number and not infinity."""
 NEAR = 1e-8

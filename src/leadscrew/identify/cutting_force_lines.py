@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 from pathlib import Path
 
+from leadscrew.csvlines import text_of
 from leadscrew.identify.log import PARQUET
 from leadscrew.kernel.errors import DataError
 
@@ -21,12 +22,7 @@ def read_cells(path: Path) -> Lines:
 
 
 def _text(path: Path) -> Lines:
-    try:
-        text = path.read_text(encoding="utf-8-sig")
-    except OSError as problem:
-        raise DataError(f"{path}: cannot be read ({problem.strerror or problem})") from None
-    except UnicodeDecodeError as problem:
-        raise DataError(f"{path}: is not UTF-8 text (byte {problem.start})") from None
+    text = text_of(path)
     kept = [(n, line) for n, line in enumerate(text.splitlines(), 1) if line.strip() and not line.startswith("#")]
     if not kept:
         raise DataError(f"{path}: is empty; expected a header line with feed, depth, force")

@@ -15,8 +15,6 @@ if TYPE_CHECKING:
     from leadscrew.controller_file import ControllerFile
 
 MADE_BY = "leadscrew identify friction"
-SIGNALS = "signals.parquet"
-"""What ``leadscrew simulate --out`` writes into its folder."""
 NAMES = {
     "stiffness": ("sigma_0", "N m/rad"), "damping": ("sigma_1", "N m s/rad"), "viscous": ("sigma_2", "N m s/rad"),
     "coulomb": ("F_C", "N m"), "static": ("F_S", "N m"), "stribeck_speed": ("v_s", "rad/s"),
@@ -46,7 +44,6 @@ def identify_file(
     """
     where = Path(path)
     travel = door.positive("travel_per_rad", travel_of(where) if travel_per_rad is None else travel_per_rad, "per rad")
-    where = where / SIGNALS if where.is_dir() else where
     if len({time, torque, position}) < 3:
         raise ValueRefused(f"time = {time!r}, torque = {torque!r}, position = {position!r}: expected three columns")
     columns = read_columns(where, [time, torque, position])

@@ -52,37 +52,16 @@ def read_log(
 
 
 def read_columns(path: str | Path, columns: Sequence[str]) -> dict[str, np.ndarray]:
-    """The named columns of a CSV file, or of a Parquet file by its suffix.
+    """The named columns of any log that :func:`leadscrew.logs.read_table` reads, checked to be finite numbers.
 
     Raises:
-        DataError: it cannot be read, has no rows, lacks a column, or a value is no finite number: file, row and column.
+        DataError: it cannot be read, has no rows, or a value is no finite number: file, row and column.
+        NameUnknown: it lacks a column.
     """
-    path = Path(path)
-    return _parquet(path, columns) if path.suffix.casefold() in PARQUET else read_log(path, columns)
+    from leadscrew.logs import read_table
 
-
-def _parquet(path: Path, columns: Sequence[str]) -> dict[str, np.ndarray]:
-    import pyarrow as pa
-    import pyarrow.parquet as pq
-
-    try:
-        table = pq.read_table(path)
-    except (OSError, pa.ArrowException) as problem:
-        raise DataError(f"{path}: cannot be read ({str(problem).splitlines()[0]})") from None
-    values = {}
-    for name in columns:
-        if name not in table.column_names:
-            raise DataError(f"{path}: the column {name!r} is missing{nearest(name, table.column_names)}")
-        if not table.num_rows:
-            raise DataError(f"{path}: has columns but no rows of data")
-        try:
-            values[name] = table.column(name).cast(pa.float64()).to_numpy()
-        except (pa.ArrowException, ValueError):
-            raise DataError(f"{path}, column {name!r}: {table.schema.field(name).type} is not a number") from None
-        bad = np.flatnonzero(~np.isfinite(values[name]))
-        if len(bad):
-            raise DataError(f"{path}, row {bad[0] + 1}, column {name!r}: {values[name][bad[0]]} is not a finite number")
-    return values
+    table = read_table(path)
+    return {name: table.numbers(name) for name in columns}
 
 
 def _place(path: Path, row: int, header: list[str], name: str) -> int:

@@ -17,7 +17,7 @@ from typing import Any
 
 import numpy as np
 
-from leadscrew.csvlines import number, read_lines
+from leadscrew.csvlines import number, read_lines, text_of
 from leadscrew.kernel.errors import DataError
 from leadscrew.neural.performance import FORMAT, LEVELS, MOST, VERSION, Performance
 from leadscrew.neural.performance_shape import MOST_HIDDEN
@@ -99,10 +99,8 @@ def read_net(path: str | Path) -> Performance:
     """
     file = Path(path)
     try:
-        kept = json.loads(file.read_text(encoding="utf-8"))
-    except OSError as problem:
-        raise DataError(f"{file}: cannot be read ({problem.strerror or problem})") from None
-    except (UnicodeDecodeError, json.JSONDecodeError) as problem:
+        kept = json.loads(text_of(file))
+    except json.JSONDecodeError as problem:
         raise DataError(f"{file}: is not a JSON file ({problem})") from None
     if not isinstance(kept, dict) or kept.get("format") != FORMAT:
         raise DataError(f"{file}: is not a performance network; expected an object with format {FORMAT!r}")

@@ -3,22 +3,21 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Sequence
-from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from leadscrew.analysis.circular.evaluation import Evaluation
 from leadscrew.analysis.circular.paths import SOURCES
 from leadscrew.newfolder import appearing
+from leadscrew.report import page as html
 from leadscrew.report.ballbar_picture import picture
 from leadscrew.report.strict import strict
+from leadscrew.report.tables import NOTHING
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 SCHEMA_VERSION = 1
-NOTHING = "–"
 
 QUANTITY_COLUMNS = ("quantity", "", "um")
 WITH_BAR_COLUMNS = ("quantity", "", "true path um", "ball bar um")
@@ -135,44 +134,17 @@ def write(found: Evaluation, folder: str | Path, bar: Evaluation | None = None) 
 
 def page(found: Evaluation, drawn: Figure, bar: Evaluation | None = None) -> str:
     """A page that opens anywhere, offline."""
-    from importlib.resources import files
-
-    from leadscrew.report.html import embedded
-
-    style = files("leadscrew.report").joinpath("templates", "style.css.j2").read_text(encoding="utf-8")
     title = f"Circular test: {found.test.name}" if found.test.name else "Circular test"
     before = [*conditions(found), *(f"note: {n}" for n in found.notes())]
     columns = QUANTITY_COLUMNS if bar is None else WITH_BAR_COLUMNS
     parts = [
-        f"<h1>{escape(title)}</h1>",
-        *_paragraphs(before),
-        f'<figure><img alt="polar plot of the radial deviations" src="{embedded(drawn, "ballbar")}"></figure>',
-        _table(standard(found.edition), columns, quantity_rows(found, bar)),
-        *([] if bar is None else _paragraphs([f"ball bar: {bar.test.sampling}"])),
-        _table("Faults, by what they draw", FAULT_COLUMNS, fault_rows(found)),
-        *_paragraphs(sentences(found)),
+        *html.paragraphs(before),
+        html.picture(drawn, "ballbar", "polar plot of the radial deviations"),
+        html.table(standard(found.edition), columns, quantity_rows(found, bar)),
+        *([] if bar is None else html.paragraphs([f"ball bar: {bar.test.sampling}"])),
+        html.table("Faults, by what they draw", FAULT_COLUMNS, fault_rows(found)),
+        *html.paragraphs(sentences(found)),
     ]
     if found.reversals:
-        parts.append(_table("Reversals", REVERSAL_COLUMNS, reversal_rows(found)))
-    return (
-        f'<!doctype html>\n<html lang="en"><head><meta charset="utf-8"><title>{escape(title)}</title>'
-        f"<style>{style}</style></head>\n<body>\n{chr(10).join(parts)}\n</body></html>\n"
-    )
-
-
-def _paragraphs(lines: Sequence[str]) -> list[str]:
-    return [f"<p>{escape(s[:1].upper() + s[1:])}.</p>" for s in lines]
-
-
-def _table(title: str, columns: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
-    head = "".join(f"<th>{escape(c)}</th>" for c in columns)
-    body = "".join(
-        "<tr>" + "".join(f'<td class="n">{escape(c)}</td>' if _is_number(c) else f"<td>{escape(c)}</td>" for c in row)
-        + "</tr>"
-        for row in rows
-    )  # fmt: skip
-    return f'<h2>{escape(title)}</h2><div class="wide"><table><tr>{head}</tr>{body}</table></div>'
-
-
-def _is_number(text: str) -> bool:
-    return text == NOTHING or text.lstrip("-").replace(".", "", 1).isdigit()
+        parts.append(html.table("Reversals", REVERSAL_COLUMNS, reversal_rows(found)))
+    return html.page(title, parts)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterator, Mapping, Sequence
-from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -14,14 +13,15 @@ from leadscrew.analysis.cutting_force import ChipAndEdge, Kienzle, kienzle, r_sq
 from leadscrew.identify.cutting_force import ForceFit
 from leadscrew.identify.cutting_force_fit import Interval, LawFit
 from leadscrew.newfolder import appearing
+from leadscrew.report import page as html
 from leadscrew.report.cutting_force_picture import picture
 from leadscrew.report.strict import strict
+from leadscrew.report.tables import NOTHING
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 SCHEMA_VERSION = 1
-NOTHING = "–"
 LAW_COLUMNS = ("parameter", "value", "95 % from", "to", "unit", "law")
 FIT_COLUMNS = ("fit", "rms %", "worst %", "left out %", "rms N", "R2 of F", "R2 of ln F", "R2 of ln kc", "condition")
 ROW_COLUMNS = ("row", "feed mm/rev", "depth mm", "force N", "kc N/mm2", "law N", "off %", "left out %")
@@ -218,38 +218,18 @@ def _page(
     fit: ForceFit, source: str, figure: Figure, beside: Kienzle | None, cuts: Sequence[tuple[float, float]],
     drawn: Mapping[str, Interval] | None,
 ) -> str:  # fmt: skip
-    from importlib.resources import files
-
-    from leadscrew.report.html import embedded
-
-    style = files("leadscrew.report").joinpath("templates", "style.css.j2").read_text(encoding="utf-8")
     title = f"Cutting force: {source}"
     lines = [*sentences(fit), *(f"note: {n}" for n in fit.notes), for_simulation(fit)]
     parts = [
-        f"<h1>{escape(title)}</h1>",
-        *(f"<p>{escape(s[:1].upper() + s[1:])}.</p>" for s in lines),
-        f'<figure><img alt="force against feed, and residuals" src="{embedded(figure, "cutting_force")}"></figure>',
-        _table("Parameters", LAW_COLUMNS, law_rows(fit, drawn)),
-        _table("Fits", FIT_COLUMNS, fit_rows(fit, beside)),
-        _table("Cuts", ROW_COLUMNS, cut_rows(fit)),
+        *html.paragraphs(lines),
+        html.picture(figure, "cutting_force", "force against feed, and residuals"),
+        html.table("Parameters", LAW_COLUMNS, law_rows(fit, drawn), NUMBERS),
+        html.table("Fits", FIT_COLUMNS, fit_rows(fit, beside), NUMBERS),
+        html.table("Cuts", ROW_COLUMNS, cut_rows(fit), NUMBERS),
     ]
     if cuts:
-        parts.append(_table("Forces asked for", AT_COLUMNS, at_rows(fit, cuts)))
-    return (
-        f'<!doctype html>\n<html lang="en"><head><meta charset="utf-8"><title>{escape(title)}</title>'
-        f"<style>{style}</style></head>\n<body>\n{chr(10).join(parts)}\n</body></html>\n"
-    )
-
-
-def _table(title: str, columns: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
-    def cell(column: str, text: str) -> str:
-        return f'<td class="n">{escape(text)}</td>' if column in NUMBERS else f"<td>{escape(text)}</td>"
-
-    head = "".join(f"<th>{escape(c)}</th>" for c in columns)
-    body = "".join(
-        "<tr>" + "".join(cell(c, text) for c, text in zip(columns, row, strict=True)) + "</tr>" for row in rows
-    )
-    return f'<h2>{escape(title)}</h2><div class="wide"><table><tr>{head}</tr>{body}</table></div>'
+        parts.append(html.table("Forces asked for", AT_COLUMNS, at_rows(fit, cuts), NUMBERS))
+    return html.page(title, parts)
 
 
 def _kc11(fit: ForceFit) -> Interval:

@@ -3,21 +3,20 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Sequence
-from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from leadscrew.analysis.positioning import OneWay, Positioning
 from leadscrew.newfolder import appearing
+from leadscrew.report import page as html
 from leadscrew.report.strict import strict
 from leadscrew.report.style import BLACK, BLUE, VERMILION
+from leadscrew.report.tables import NOTHING
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 SCHEMA_VERSION = 1
-NOTHING = "–"
 STANDARD = "ISO 230-2:2014"
 
 TARGET_COLUMNS = ("target mm", "mean + um", "mean - um", "s + um", "s - um", "reversal um", "R um")
@@ -152,11 +151,6 @@ def write(test: Positioning, source: str, folder: str | Path, more: dict[str, st
 
 def page(test: Positioning, source: str, drawn: Figure) -> str:
     """A page that opens anywhere, offline."""
-    from importlib.resources import files
-
-    from leadscrew.report.html import embedded
-
-    style = files("leadscrew.report").joinpath("templates", "style.css.j2").read_text(encoding="utf-8")
     title = f"Positioning test: {source}"
     lines = [
         *sentences(test),
@@ -165,27 +159,9 @@ def page(test: Positioning, source: str, drawn: Figure) -> str:
         f"target; equations of {STANDARD}; the uncertainty of the measurement itself is not estimated",
     ]
     parts = [
-        f"<h1>{escape(title)}</h1>",
-        *(f"<p>{escape(s[:1].upper() + s[1:])}.</p>" for s in lines),
-        f'<figure><img alt="deviation against target" src="{embedded(drawn, "positioning")}"></figure>',
-        _table("Axis", RESULT_COLUMNS, result_rows(test)),
-        _table("Targets", TARGET_COLUMNS, target_rows(test)),
+        *html.paragraphs(lines),
+        html.picture(drawn, "positioning", "deviation against target"),
+        html.table("Axis", RESULT_COLUMNS, result_rows(test)),
+        html.table("Targets", TARGET_COLUMNS, target_rows(test)),
     ]
-    return (
-        f'<!doctype html>\n<html lang="en"><head><meta charset="utf-8"><title>{escape(title)}</title>'
-        f"<style>{style}</style></head>\n<body>\n{chr(10).join(parts)}\n</body></html>\n"
-    )
-
-
-def _table(title: str, columns: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
-    head = "".join(f"<th>{escape(c)}</th>" for c in columns)
-    body = "".join(
-        "<tr>" + "".join(f'<td class="n">{escape(c)}</td>' if _is_number(c) else f"<td>{escape(c)}</td>" for c in row)
-        + "</tr>"
-        for row in rows
-    )  # fmt: skip
-    return f'<h2>{escape(title)}</h2><div class="wide"><table><tr>{head}</tr>{body}</table></div>'
-
-
-def _is_number(text: str) -> bool:
-    return text == NOTHING or text.lstrip("-").replace(".", "", 1).isdigit()
+    return html.page(title, parts)

@@ -70,10 +70,11 @@ def plan(params: CutCameraParams, dt: float) -> CutCameraPlan:
     Raises:
         ValueRefused: more than the ring holds.
     """
-    late = round(params.trailing_s / dt)
+    delay = params.trailing_s / dt
+    late = round(min(delay, ROOM))
     if late >= ROOM:
         raise ValueRefused(
-            f"trailing_s = {params.trailing_s!r} (cut_camera): {late} samples late; expected {ROOM - 1} or fewer, "
+            f"trailing_s = {params.trailing_s!r} (cut_camera): {delay:.6g} samples late; expected {ROOM - 1} or fewer, "
             f"{(ROOM - 1) * dt:.4g} s here"
         )
     return CutCameraPlan(late, *params[1:])

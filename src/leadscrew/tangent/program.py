@@ -17,6 +17,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path as File
 
+from leadscrew.csvlines import text_of
 from leadscrew.kernel.errors import DataError, ValueRefused
 from leadscrew.tangent.interpreter import Moves, read_moves
 from leadscrew.tangent.kept import as_it_is, changed_of, lost_of, slowed
@@ -50,13 +51,7 @@ def read_program(file: File, zero: float | None = None, clockwise: bool | None =
         DataError: what cannot be read; no tangential words; words that do not follow the moves.
         ValueRefused: an axis other than the head of a program of ours says.
     """
-    try:
-        text = file.read_text(encoding="utf-8-sig")
-    except OSError as problem:
-        raise DataError(f"{file}: cannot be read ({problem.strerror or problem})") from None
-    except UnicodeDecodeError as problem:
-        raise DataError(f"{file}: is not UTF-8 text (byte {problem.start})") from None
-    return program_of(text, str(file), zero, clockwise)
+    return program_of(text_of(file), str(file), zero, clockwise)
 
 
 def program_of(text: str, name: str = "program", zero: float | None = None, clockwise: bool | None = None) -> Program:

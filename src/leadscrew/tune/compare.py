@@ -28,7 +28,7 @@ from leadscrew.kernel.sheet import nearest
 from leadscrew.tune.compare_result import Comparison, Result
 from leadscrew.tune.compare_statistics import bad_plants, paired, per_plant, plain, standing
 from leadscrew.tune.crew import Crew, Threads
-from leadscrew.tune.job import Job
+from leadscrew.tune.job import Job, held
 from leadscrew.tune.journal import Journal
 from leadscrew.tune.measure import Progress, Samples
 from leadscrew.tune.objective import Constraint, Goal, constraint, contradiction, goal
@@ -159,18 +159,12 @@ def run(
         rounds.start, rounds.finished = start, finished
         with of(one.name):
             tuned = done(one.plan, rounds) if one.plan else None
-        settings = tuned.values if tuned else _present(one.job)
-        columns = {k: np.full(asked.unseen, v) for k, v in settings.items()} | plants
+        settings = tuned.values if tuned else {}
+        fixed = {k: np.full(asked.unseen, v) for k, v in settings.items()}
+        columns = (fixed or held(one.job, asked.unseen)) | plants
         measured.append((one, tuned, rounds.measure(columns, first=UNSEEN_NOISE)))
         start, finished = rounds.start, rounds.finished
     return judged(asked, measured, workers.name, time.perf_counter() - began)
-
-
-def _present(job: Job) -> dict[str, float]:
-    """One number of the loop as it is, so that a batch has a column."""
-    loop = job.loop(job.where[0])
-    key = next(k for k, e in loop.sheet.items() if e.type == "float")
-    return {key: float(loop.parameters[key])}
 
 
 def judged(

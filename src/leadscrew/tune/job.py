@@ -174,3 +174,16 @@ def chunk_size(job: Job, scenario: str, runs: int) -> int:
     wanted = max(1, PERIODS_A_CHUNK // periods)
     size = max(64, -(-wanted // 64) * 64)
     return min(size, max(1, runs))
+
+
+def held(job: Job, runs: int) -> dict[str, np.ndarray]:
+    """A column that changes nothing, so that runs of the noise alone can be counted.
+
+    Raises:
+        ValueRefused: the loop has no number that is the same in all scenarios.
+    """
+    loops = [job.loop(s) for s in job.where]
+    for key, entry in job.sheet().items():
+        if entry.type == "float" and len({loop.sheet[key].default for loop in loops}) == 1:
+            return {key: np.full(runs, entry.default)}
+    raise ValueRefused("this loop has no parameter that could be held: name one that varies")

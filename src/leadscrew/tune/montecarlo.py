@@ -16,10 +16,9 @@ from typing import Any
 import numpy as np
 
 from leadscrew.kernel import door
-from leadscrew.kernel.errors import ValueRefused
 from leadscrew.tune.crew import Crew, Threads
 from leadscrew.tune.failures import Separation, separations
-from leadscrew.tune.job import Job, chunks_of
+from leadscrew.tune.job import Job, chunks_of, held
 from leadscrew.tune.journal import Journal
 from leadscrew.tune.measure import Progress, Samples, measure
 from leadscrew.tune.montecarlo_tolerances import Tolerance, tolerances
@@ -180,19 +179,6 @@ def check(job: Job, space: Space, runs: int, given: Sequence[str | Tolerance] = 
 def drawn(job: Job, space: Space, runs: int, seed: int, method: Method) -> dict[str, np.ndarray]:
     """What varies, one value a run; where nothing does, a parameter that stays at its own value."""
     return space.sample(runs, seed, method) if len(space) else held(job, runs)
-
-
-def held(job: Job, runs: int) -> dict[str, np.ndarray]:
-    """A column that changes nothing, so that runs of the noise alone can be counted.
-
-    Raises:
-        ValueRefused: the loop has no number that is the same in all scenarios.
-    """
-    loops = [job.loop(s) for s in job.where]
-    for key, entry in job.sheet().items():
-        if entry.type == "float" and len({loop.sheet[key].default for loop in loops}) == 1:
-            return {key: np.full(runs, entry.default)}
-    raise ValueRefused("this loop has no parameter that could be held: name one that varies")
 
 
 def question(job: Job, space: Space, runs: int, seed: int, method: Method, **more: Any) -> dict[str, Any]:

@@ -119,12 +119,9 @@ def parquet(samples: Samples, path: Path, more: Mapping[str, Any] | None = None)
 
 def page(title: str, sentences: Sequence[str], tables: Sequence[Table], drawn: Mapping[str, Figure]) -> str:
     """A page that opens anywhere, offline."""
-    from importlib.resources import files
+    from leadscrew.report import page as html
 
-    from leadscrew.report.html import embedded
-
-    style = files("leadscrew.report").joinpath("templates", "style.css.j2").read_text(encoding="utf-8")
-    parts = [f"<h1>{escape(title)}</h1>", *(f"<p>{escape(s[:1].upper() + s[1:])}.</p>" for s in sentences)]
+    parts = html.paragraphs(sentences)
     for name, columns, lines in tables:
         numbers = [_numbers([line[i] for line in lines]) for i in range(len(columns))]
         head = "".join(_cell("th", c, right) for c, right in zip(columns, numbers, strict=True))
@@ -133,12 +130,8 @@ def page(title: str, sentences: Sequence[str], tables: Sequence[Table], drawn: M
             for line in lines
         )
         parts.append(f'<h2>{escape(name)}</h2><div class="wide"><table><tr>{head}</tr>{body}</table></div>')
-    for name, figure in drawn.items():
-        parts.append(f'<figure><img alt="{escape(name)}" src="{embedded(figure, name)}"></figure>')
-    return (
-        f'<!doctype html>\n<html lang="en"><head><meta charset="utf-8"><title>{escape(title)}</title>'
-        f"<style>{style}td {{ white-space: nowrap; }}</style></head>\n<body>\n{chr(10).join(parts)}\n</body></html>\n"
-    )
+    parts += [html.picture(figure, name, name) for name, figure in drawn.items()]
+    return html.page(title, parts, style="td { white-space: nowrap; }")
 
 
 def _numbers(texts: Sequence[str]) -> bool:

@@ -2,27 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from pathlib import Path
 
+from leadscrew.studies.evaluating import evaluation_of
 from leadscrew.studies.fsmc_ballscrew.controllers import CONTROLLERS
 from leadscrew.studies.fsmc_ballscrew.runs import build
 from leadscrew.studies.fsmc_ballscrew.scenarios import SCENARIOS
-from leadscrew.studies.study import Study, StudyResult
-
-
-def evaluate(progress: Callable[[str, float], None] = lambda what, done: None) -> StudyResult:
-    """Runs every loop that the claims and figures need, and judges the claims."""
-    from leadscrew.studies.fsmc_ballscrew.claims import topics
-    from leadscrew.studies.fsmc_ballscrew.findings import findings
-    from leadscrew.studies.fsmc_ballscrew.pictures import all_pictures
-    from leadscrew.studies.fsmc_ballscrew.results import Results
-
-    found = Results()
-    judged = topics(found, progress)
-    progress("figures", 1.0)
-    return StudyResult.of(judged, all_pictures(found), found.loops.runs, findings)
-
+from leadscrew.studies.study import Study
 
 STUDY = Study(
     name="fsmc_ballscrew",
@@ -34,7 +20,7 @@ STUDY = Study(
     controllers=CONTROLLERS,
     scenarios=SCENARIOS,
     build=build,
-    evaluate=evaluate,
+    evaluate=evaluation_of("fsmc_ballscrew"),
     folder=Path(__file__).parent,
     summary=(
         "Conventional, complementary and fuzzy sliding mode against friction a thousand times the inertia: the order "

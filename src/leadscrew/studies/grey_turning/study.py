@@ -2,27 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from pathlib import Path
 
+from leadscrew.studies.evaluating import evaluation_of
 from leadscrew.studies.grey_turning.controllers import CONTROLLERS
 from leadscrew.studies.grey_turning.runs import build
 from leadscrew.studies.grey_turning.scenarios import SCENARIOS
-from leadscrew.studies.study import Study, StudyResult
-
-
-def evaluate(progress: Callable[[str, float], None] = lambda what, done: None) -> StudyResult:
-    """Runs every loop that the claims and figures need, and judges the claims."""
-    from leadscrew.studies.grey_turning.claims import topics
-    from leadscrew.studies.grey_turning.findings import findings
-    from leadscrew.studies.grey_turning.pictures import all_pictures
-    from leadscrew.studies.grey_turning.results import Results
-
-    found = Results()
-    judged = topics(found, progress)
-    progress("figures", 1.0)
-    return StudyResult.of(judged, all_pictures(found), found.loops.runs, findings)
-
+from leadscrew.studies.study import Study
 
 STUDY = Study(
     name="grey_turning",
@@ -34,7 +20,7 @@ STUDY = Study(
     controllers=CONTROLLERS,
     scenarios=SCENARIOS,
     build=build,
-    evaluate=evaluate,
+    evaluate=evaluation_of("grey_turning"),
     folder=Path(__file__).parent,
     summary=(
         "A grey model of five samples predicts the force for a fuzzy controller. Near the set-point the model is a "

@@ -2,27 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from pathlib import Path
 
+from leadscrew.studies.evaluating import evaluation_of
 from leadscrew.studies.npid_xytable.controllers import CONTROLLERS
 from leadscrew.studies.npid_xytable.runs import build
 from leadscrew.studies.npid_xytable.scenarios import SCENARIOS
-from leadscrew.studies.study import Study, StudyResult
-
-
-def evaluate(progress: Callable[[str, float], None] = lambda what, done: None) -> StudyResult:
-    """Runs every loop that the claims and figures need, and judges the claims."""
-    from leadscrew.studies.npid_xytable.claims import topics
-    from leadscrew.studies.npid_xytable.findings import findings
-    from leadscrew.studies.npid_xytable.pictures import all_pictures
-    from leadscrew.studies.npid_xytable.results import Results
-
-    found = Results()
-    judged = topics(found, progress)
-    progress("figures", 1.0)
-    return StudyResult.of(judged, all_pictures(found), found.loops.runs, findings)
-
+from leadscrew.studies.study import Study
 
 STUDY = Study(
     name="npid_xytable",
@@ -35,7 +21,7 @@ STUDY = Study(
     controllers=CONTROLLERS,
     scenarios=SCENARIOS,
     build=build,
-    evaluate=evaluate,
+    evaluate=evaluation_of("npid_xytable"),
     folder=Path(__file__).parent,
     summary=(
         "A gain that grows with the error: with the error in mm, as printed, it never leaves 1; in um it cuts the "

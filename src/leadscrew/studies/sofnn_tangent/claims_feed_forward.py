@@ -10,6 +10,7 @@ from leadscrew.controllers.tangent.curvature_feed_forward import curvature_feed_
 from leadscrew.controllers.tangent.curvature_network import curvature_network
 from leadscrew.controllers.tangent.tangent_dob import tangent_dob
 from leadscrew.report.claim import Claim
+from leadscrew.studies.sofnn_tangent.chance import HALF_DIGIT
 from leadscrew.studies.sofnn_tangent.changing import halves
 from leadscrew.studies.sofnn_tangent.lines import PERIOD_S
 from leadscrew.studies.sofnn_tangent.pieces import Pieces, pieces
@@ -19,7 +20,6 @@ from leadscrew.studies.sofnn_tangent.saying import said, word
 from leadscrew.studies.sofnn_tangent.taught import DIGEST, FEEDS, STARTS, series
 
 ROWS, BEYOND = "not in the paper; digest 7", "not in the paper; digest 8.2"
-HALF_DIGIT = 0.005
 OBSERVER = (0.29, 0.26, 0.40, 1.25, 0.81, 1.84, 1.04, 0.67, 1.44)
 PIECE_1 = (0.21, 0.24, 0.13, 0.71, 0.58, 0.69, 0.38, 0.31, 0.48)
 PIECE_3 = (0.18, 0.20, 0.12, 0.23, 0.22, 0.44, 0.24, 0.23, 0.27)

@@ -7,13 +7,13 @@ from collections.abc import Iterator
 import numpy as np
 
 from leadscrew.report.claim import Claim
+from leadscrew.studies.sofnn_tangent.chance import HALF_DIGIT
 from leadscrew.studies.sofnn_tangent.pieces import MISMATCH
 from leadscrew.studies.sofnn_tangent.runs import Loops
 from leadscrew.studies.sofnn_tangent.saying import said, word
 from leadscrew.studies.sofnn_tangent.taught import SWAP_AT, series
 
 ROWS, BEYOND, WRONG = "not in the paper; digest 7", "not in the paper; digest 8.1", "not in the paper; digest 8.4"
-HALF_DIGIT = 0.005
 
 Row = tuple[str, str, int, float]
 """Name of the claim, words, piece, mean RMS of the digest."""

@@ -2,27 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from pathlib import Path
 
+from leadscrew.studies.evaluating import evaluation_of
 from leadscrew.studies.sofnn_tangent.controllers import CONTROLLERS
 from leadscrew.studies.sofnn_tangent.runs import build
 from leadscrew.studies.sofnn_tangent.scenarios import SCENARIOS
-from leadscrew.studies.study import Study, StudyResult
-
-
-def evaluate(progress: Callable[[str, float], None] = lambda what, done: None) -> StudyResult:
-    """Runs every loop that the claims and figures need, and judges the claims."""
-    from leadscrew.studies.sofnn_tangent.claims import topics
-    from leadscrew.studies.sofnn_tangent.findings import findings
-    from leadscrew.studies.sofnn_tangent.pictures import all_pictures
-    from leadscrew.studies.sofnn_tangent.results import Results
-
-    found = Results()
-    judged = topics(found, progress)
-    progress("figures", 1.0)
-    return StudyResult.of(judged, all_pictures(found), found.loops.runs, findings)
-
+from leadscrew.studies.study import Study
 
 STUDY = Study(
     name="sofnn_tangent",
@@ -35,7 +21,7 @@ STUDY = Study(
     controllers=CONTROLLERS,
     scenarios=SCENARIOS,
     build=build,
-    evaluate=evaluate,
+    evaluate=evaluation_of("sofnn_tangent"),
     folder=Path(__file__).parent,
     summary=(
         "A performance network corrects the rules of a fuzzy network while a blade cuts. It learns, and beats fixed "

@@ -1,0 +1,260 @@
+"""A test move for what is wanted: parts are added, the most telling for its time first, until every interval is met.
+
+The information of parts adds up (each starts and ends at rest), so the choice is the exchange of optimal design of
+experiments with a cost in seconds (V. V. Fedorov, *Theory of Optimal Experiments*, Academic Press 1972): the next part
+is the one that lowers the sum of ``ln(interval / target)`` over all intervals not yet met the most, by second. A part
+of each kind is run whatever the numbers say. The whole is run twice: a fitter that keeps the second half of a log
+unseen then meets in both halves the same motions. Predictions are for the first.
+"""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any, Literal, NamedTuple
+
+import numpy as np
+
+from leadscrew.identify.excite import belief as beliefs
+from leadscrew.identify.excite import limits as bounds
+from leadscrew.identify.excite.belief import Belief
+from leadscrew.identify.excite.blocks import Part, candidates
+from leadscrew.identify.excite.information import Z95, Information, columns_of, information, nothing
+from leadscrew.identify.excite.limits import Limits
+from leadscrew.identify.excite.move import START_REST, Move, Sampled, Stroke, check, sampled
+from leadscrew.identify.excite.why import why_not
+from leadscrew.kernel.errors import ValueRefused
+
+TARGETS = {"mass": 5.0, "coulomb": 5.0, "viscous": 10.0, "static": 10.0, "stribeck_speed": 30.0, "stiffness": 10.0,
+           "damping": 30.0, "backlash": 20.0}  # fmt: skip
+"""Half of a 95 % interval in percent of the value, where no target is given; offset: of Coulomb friction."""
+END_REST = 0.5
+SINGULAR = 1e-11
+"""Share of the largest information below which a combination of parameters is not told at all."""
+LONGEST = 400
+"""Parts in a pass."""
+PASSES = 2
+LEAST_TRAVEL = 100.0
+"""Times the sensor's noise that a test moves over, at least."""
+REACHED = 1.6
+"""Intervals of ``identify axis`` on simulated axes over the bound of the information, 1.2 to 2.2: its windows begin in
+motion and count as a few dozen pieces of evidence."""
+LEAST_SHARE = 1e-4
+"""Of the value: no interval is claimed to be narrower."""
+DELAY_FLOOR = 0.02
+"""Of a period: no delay is told better between two samples."""
+
+
+class Predicted(NamedTuple):
+    """How well the move tells a parameter, half of the 95 % interval, SI."""
+
+    key: str
+    value: float
+    half: float
+    target: float
+    verdict: Literal["told", "wide", "not told"]
+    why: str = ""
+
+    @property
+    def percent(self) -> float:
+        """Of the value."""
+        return 100.0 * self.half / abs(self.value) if self.value else math.inf
+
+
+@dataclass(frozen=True)
+class Proposal:
+    """A test move, what it will tell, and what no move within the limits can."""
+
+    move: Move
+    samples: Sampled
+    belief: Belief
+    predicted: list[Predicted]
+    parts: dict[str, int]
+    """How often each part is run in each of the two passes."""
+
+    @property
+    def limits(self) -> Limits:
+        """What it keeps."""
+        return self.move.limits
+
+    def as_dict(self) -> dict[str, Any]:
+        """For JSON, without samples."""
+        return {
+            "duration_s": self.move.duration, "limits": self.limits._asdict(), "position_unit": self.belief.unit,
+            "force_unit": self.belief.force_unit, "period_s": self.belief.period, "noise": self.belief.noise,
+            "force_noise": self.belief.force_noise, "parts": self.parts,
+            "predicted": [{**p._asdict(), "percent": p.percent} for p in self.predicted],
+            "strokes": [s._asdict() for s in self.move.strokes],
+        }  # fmt: skip
+
+
+def propose(
+    limits: Limits,
+    belief: Belief,
+    target_percent: float | None = None,
+    progress: Callable[[str, float], None] = lambda what, done: None,
+) -> Proposal:
+    """The shortest move found inside the limits whose predicted intervals meet the targets, or the best in their time.
+
+    ``target_percent`` replaces :data:`TARGETS`, half of each 95 % interval in percent of the value.
+
+    Raises:
+        ValueRefused: limits or belief that allow no move.
+    """
+    limits, belief = bounds.checked(limits), beliefs.checked(belief)
+    _room(limits, belief)
+    if target_percent is not None and not 0.0 < target_percent <= 100.0:
+        raise ValueRefused(f"target = {target_percent!r} %: allowed range is (0, 100]")
+    room = (limits.duration - START_REST - END_REST) / PASSES
+    parts = _fitting(candidates(limits, belief), limits, room)
+    told = []
+    for k, part in enumerate(parts):
+        progress(part.name, k / len(parts))
+        told.append(information(part.move, belief)._replace(seconds=part.move.duration - START_REST))
+    targets = {key: _target(key, belief, target_percent) for key in belief.wanted}
+    chosen = _chosen(told, _first(parts), belief, targets, room)
+    counts = Counter(chosen)
+    total = nothing(belief)
+    for k, times in counts.items():
+        total = total.plus(told[k], times)
+    move = _move(limits, [(parts[k], counts[k]) for k in sorted(counts)])
+    seen = sampled(move, belief.period)
+    check(seen, limits)
+    progress("checked", 1.0)
+    halves = half_intervals(total, belief)
+    predicted = [_predicted(key, belief, halves[key], targets[key], limits, move.duration) for key in belief.wanted]
+    return Proposal(move, seen, belief, predicted, {parts[k].name: counts[k] for k in sorted(counts)})
+
+
+def _room(limits: Limits, belief: Belief) -> None:
+    """Passes where the sensor can see a move inside the travel: a log of a standing axis makes no limits."""
+    travel = limits.high - limits.low
+    if travel < LEAST_TRAVEL * belief.noise:
+        raise ValueRefused(
+            f"travel of {travel:.3g} {belief.unit}: only {travel / belief.noise:.2g} times the sensor's noise of "
+            f"{belief.noise:.3g} {belief.unit}, expected {LEAST_TRAVEL:g} times or more; allow more with --travel"
+        )
+    if limits.speed * limits.duration < LEAST_TRAVEL * belief.noise:
+        raise ValueRefused(
+            f"top speed = {limits.speed:.3g} {belief.unit}/s: in {limits.duration:g} s that is less than "
+            f"{LEAST_TRAVEL:g} times the sensor's noise of {belief.noise:.3g} {belief.unit}; allow more, --top-speed"
+        )
+
+
+def _fitting(parts: list[Part], limits: Limits, room: float) -> list[Part]:
+    """Parts that end within a pass: the others are never sampled, however long they are."""
+    seconds = [part.move.duration - START_REST for part in parts]
+    if min(seconds) > room:
+        shortest = PASSES * min(seconds) + START_REST + END_REST
+        raise ValueRefused(f"duration = {limits.duration:g} s: the shortest test takes {shortest:.3g} s")
+    return [part for part, takes in zip(parts, seconds, strict=True) if takes <= room]
+
+
+def half_intervals(total: Information, belief: Belief) -> dict[str, float]:
+    """Half of the 95 % interval of every key, SI; infinite where nothing is told."""
+    columns = columns_of(belief)
+    prior = np.zeros(len(columns))
+    for k, keys in enumerate(columns.values()):
+        known = [belief.told[key] for key in keys if belief.told.get(key, 0.0) > 0.0]
+        prior[k] = 1.0 / min(known) ** 2 if known else 0.0
+    covariance = _inverse(total.sensor + np.diag(prior))
+    if belief.force_noise > 0.0:
+        covariance = covariance + belief.force_noise**2 * _inverse(total.force, pseudo=True)
+    found = dict.fromkeys(beliefs.KEYS, math.inf)
+    for k, keys in enumerate(columns.values()):
+        spread = math.sqrt(covariance[k, k]) if np.isfinite(covariance[k, k]) else math.inf
+        found.update(
+            dict.fromkeys(keys, Z95 * REACHED * spread + (DELAY_FLOOR * belief.period if keys[0] == "delay_s" else 0.0))
+        )
+    bristles = _inverse(total.bristles)
+    for k, key in enumerate(("friction.stiffness", "friction.damping")):
+        found[key] = Z95 * REACHED * math.sqrt(bristles[k, k]) if np.isfinite(bristles[k, k]) else math.inf
+    found.update({k: math.hypot(half, LEAST_SHARE * abs(belief.of(k))) for k, half in found.items()})
+    found["backlash"] = Z95 * belief.noise * math.sqrt(2.0 / total.reversals) if total.reversals else math.inf
+    return found
+
+
+def _inverse(matrix: np.ndarray, pseudo: bool = False) -> np.ndarray:
+    """The inverse after scaling; infinite on the diagonal where a column tells nothing of its own, else 0 there."""
+    scale = np.sqrt(np.maximum(np.diag(matrix), 0.0))
+    good = scale > 0.0
+    found = np.zeros_like(matrix)
+    if good.any():
+        inner = matrix[np.ix_(good, good)] / np.outer(scale[good], scale[good])
+        values, vectors = np.linalg.eigh(inner)
+        sound = values > SINGULAR * values[-1]
+        held = (vectors[:, sound] / values[sound]) @ vectors[:, sound].T
+        found[np.ix_(good, good)] = held / np.outer(scale[good], scale[good])
+        good[np.flatnonzero(good)[(np.abs(vectors[:, ~sound]) > 1e-3).any(axis=1)]] = False
+    if not pseudo:
+        found[~good, ~good] = np.inf
+    return found
+
+
+def _target(key: str, belief: Belief, percent: float | None) -> float:
+    """Half of the interval that is aimed at, SI."""
+    name = key.rsplit(".", 1)[-1]
+    if name == "delay_s":
+        return 0.25 * belief.period
+    of = belief.of(key)
+    if name == "offset":
+        of = max(abs(of), belief.side("coulomb", True), belief.side("coulomb", False))
+    elif name in ("viscous", "damping") and not of:
+        of = 0.1 * belief.side("coulomb", True) / max(belief.values.get("top_speed", 0.1), 1e-9)
+    return 0.01 * (percent if percent is not None else TARGETS.get(name, 5.0)) * of
+
+
+def _chosen(
+    told: list[Information], always: list[int], belief: Belief, targets: Mapping[str, float], room: float
+) -> list[int]:
+    """Numbers of parts, in the order in which they were chosen."""
+    total, chosen, used = nothing(belief), [], 0.0
+    for k in always:
+        if used + told[k].seconds <= room:
+            total, used = total.plus(told[k]), used + told[k].seconds
+            chosen.append(k)
+    here = _missing(total, belief, targets)
+    while here > 0.0 and len(chosen) < LONGEST:
+        open_to = [k for k, part in enumerate(told) if used + part.seconds <= room]
+        after = {k: _missing(total.plus(told[k]), belief, targets) for k in open_to}
+        best = max(open_to, key=lambda k: (here - after[k]) / told[k].seconds, default=-1)
+        if best < 0 or after[best] >= here:
+            break
+        total, used, here = total.plus(told[best]), used + told[best].seconds, after[best]
+        chosen.append(best)
+    return chosen
+
+
+def _first(parts: list[Part]) -> list[int]:
+    """The parts that are run whatever the numbers say: one of each purpose, then the others."""
+    wanted = [k for k, part in enumerate(parts) if part.always]
+    purposes = [parts[k].purpose for k in wanted]
+    return sorted(wanted, key=lambda k: purposes[: wanted.index(k)].count(parts[k].purpose))
+
+
+def _missing(total: Information, belief: Belief, targets: Mapping[str, float]) -> float:
+    """Sum of ``ln(interval / target)`` over intervals not yet met, each at most 30."""
+    halves = half_intervals(total, belief)
+    return sum(min(max(math.log(max(halves[k], 1e-300) / max(t, 1e-300)), 0.0), 30.0) for k, t in targets.items())
+
+
+def _move(limits: Limits, chosen: list[tuple[Part, int]]) -> Move:
+    strokes: list[Stroke] = []
+    for part, times in chosen:
+        strokes += part.move.strokes * times
+    strokes *= PASSES
+    strokes[-1] = strokes[-1]._replace(rest=END_REST)
+    return Move(chosen[0][0].move.start, tuple(strokes), limits)
+
+
+def _predicted(key: str, belief: Belief, half: float, target: float, limits: Limits, duration: float) -> Predicted:
+    if half <= 1.0001 * target:
+        return Predicted(key, belief.of(key), half, target, "told")
+    if key == "offset" and not belief.symmetric:
+        why = "with friction by direction an offset is a part of Coulomb friction: no motion tells them apart"
+        return Predicted(key, belief.of(key), math.inf, target, "not told", why)
+    size = abs(belief.of(key)) or 20.0 * target
+    verdict: Literal["wide", "not told"] = "wide" if half < 0.5 * size else "not told"
+    return Predicted(key, belief.of(key), half, target, verdict, why_not(key, belief, half, target, limits, duration))

@@ -1,0 +1,19 @@
+"""Friction from a measured friction force: a tribometer's log, or any stage with a load cell against the friction.
+
+Force against position and speed; the motion is an input, not something to be simulated, so no mass is needed.
+:func:`read_force_record` or :func:`force_record` take the log, :func:`identify_friction_force` fits Coulomb and viscous
+friction, the Stribeck map, Dahl, LuGre and Maxwell slip to its first part and judges each on the rest.
+"""
+
+from leadscrew.lazy import doors
+
+__getattr__, __dir__ = doors(
+    globals(),
+    {
+        "record": "ForceRecord force_record",
+        "file": "read_force_record",
+        "fit": "identify_friction_force",
+        "result": "FrictionForceFit ModelFit Bin",
+        "block": "settings set_table",
+    },
+)

@@ -1,0 +1,198 @@
+"""Input and output of a linear system from arrays or from two columns of a log, checked before anything is fitted."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from leadscrew.identify.linear.checks import Names, columns_of, doubles, measured, odd
+from leadscrew.kernel.errors import DataError, ValueRefused
+
+if TYPE_CHECKING:
+    from leadscrew.logs.finding import Finding
+
+LEAST = 60
+"""Samples below which no order can be chosen."""
+SAME = 1e-9
+"""Share of its range by which an output that is its input differs from it."""
+
+
+@dataclass(frozen=True)
+class LinearRecord:
+    """Evenly sampled signals of equal length, read-only, each in its own unit."""
+
+    time: np.ndarray
+    """s."""
+    input: np.ndarray
+    """Held from sample to sample."""
+    output: np.ndarray
+    command: np.ndarray | None
+    """What the loop was told to do, where the log is from a closed loop and has it."""
+    period: float
+    input_name: str = "input"
+    output_name: str = "output"
+    input_unit: str = "1"
+    output_unit: str = "1"
+    source: str = "arrays"
+    notes: list[str] = field(default_factory=list)
+    resolution: float = 0.0
+    """Grid that the output lies on, in its unit; 0 for none."""
+    noise: float = 0.0
+    """Of the output besides its rounding, root mean square."""
+
+
+def linear_record(
+    time: Any, input: Any, output: Any, command: Any = None, *, input_name: str = "input", output_name: str = "output",
+    input_unit: str = "1", output_unit: str = "1", source: str = "arrays",
+    place: Callable[[int], str] = lambda k: f"sample {k + 1}", lost: Sequence[int] = (), command_unit: str = "",
+    time_name: str = "time", command_name: str = "command",
+) -> LinearRecord:  # fmt: skip
+    """A record from arrays, which are copied and never changed; ``time`` in s.
+
+    ``place`` says where a sample stands, ``lost`` are the samples before which the recorder lost some. Units are used
+    to judge whether an output that is a position can be one (:mod:`leadscrew.identify.linear.checks`).
+
+    Raises:
+        DataError: lengths that differ, fewer than 60 samples, a value that is no finite number, times that are not
+            even, an input or output that never moves, an output that is its input, or a position that no axis can have.
+    """
+    given = {"time": time, input_name: input, output_name: output}
+    if command is not None:
+        given["command"] = command
+    arrays = {name: _copied(source, name, values) for name, values in given.items()}
+    if len({len(v) for v in arrays.values()}) > 1:
+        sizes = ", ".join(f"{name} {len(v)}" for name, v in arrays.items())
+        raise DataError(f"{source}: the signals have unequal lengths: {sizes}")
+    if len(arrays["time"]) < LEAST:
+        raise DataError(
+            f"{source}: {len(arrays['time'])} samples; a transfer function needs at least {LEAST}, better hundreds"
+        )
+    stamps = arrays["time"]
+    names = Names(time_name, input_name, output_name, command_name, input_unit, output_unit, command_unit)
+    even, period, scattered, clocked = _even(stamps, source, place, lost)
+    u, y = arrays[input_name], arrays[output_name]
+    _moving(source, (("input", input_name, u), ("output", output_name, y)))
+    roles = {"time": stamps, "drive": u, "position": y} | ({} if command is None else {"command": arrays["command"]})
+    notes = odd(source, roles, period, names, place, clocked)
+    resolution, rms = measured(y)
+    if scattered:
+        arrays = {name: _on(stamps, even, v, name == input_name) for name, v in arrays.items()}
+    return LinearRecord(
+        even, arrays[input_name], arrays[output_name], arrays.get("command"), period, input_name, output_name,
+        input_unit, output_unit, source, notes, resolution, rms,
+    )  # fmt: skip
+
+
+def _moving(source: str, named: tuple[tuple[str, str, np.ndarray], ...]) -> None:
+    for what, name, values in named:
+        if np.ptp(values) == 0.0:
+            raise DataError(
+                f"{source}: the {what} {name} is {values[0] + 0.0:g} from first to last sample: what never changes "
+                "tells no transfer function; log a move"
+            )
+    (_, first, u), (_, second, y) = named
+    if np.max(np.abs((y - y[0]) - (u - u[0]))) <= SAME * np.ptp(u):
+        raise DataError(f"{source}: {second} is {first}: name two different signals")
+
+
+def read_linear(
+    path: str | Path, input: str | None = None, output: str | None = None, command: str | None = None, *,
+    time: str | None = None, units: dict[str, str] | None = None, start: float | None = None, end: float | None = None,
+    period: float | None = None,
+) -> LinearRecord:  # fmt: skip
+    """A record from the columns of a log (CSV, TSV, Parquet, MATLAB, halscope, a run's folder), from start to end in s.
+
+    Input, output and time that are not named are the drive, the position and the time that
+    :mod:`leadscrew.logs.roles` tells by their names. ``units`` overrides what a header says, by column; the unit of
+    ``time`` is used, those of the others are kept. ``period`` are the seconds from row to row of a file without times.
+
+    Raises:
+        DataError: the file cannot be read, or what :func:`linear_record` refuses; the first bad row is named.
+        NameUnknown: no such column.
+        ValueRefused: one column for two signals, a part without samples.
+    """
+    from leadscrew.logs.header import bare
+    from leadscrew.logs.read import read_table
+    from leadscrew.logs.units import plain
+
+    table = read_table(path)
+    asked = columns_of(table, {"drive": input, "position": output, "time": time}, timed=period is None)
+    clock = asked.pop("time", "")
+    asked |= {} if command is None else {"command": command}
+    names = {role: table.name(header) for role, header in asked.items()}
+    if len(set(names.values())) < len(names):
+        raise ValueRefused(
+            f"{path}: input, output and command must be different columns, got {', '.join(asked.values())}"
+        )
+    given = {table.name(header): unit for header, unit in (units or {}).items()}
+    named = {**table.units, **given}
+    seconds = _seconds(table, clock, named.get(clock, "s"), period)
+    kept = ~(seconds < (-np.inf if start is None else start)) & ~(seconds > (np.inf if end is None else end))
+    if kept.sum() < 2:
+        raise ValueRefused(
+            f"{path}: runs from {seconds[0]:g} to {seconds[-1]:g} s; nothing of it lies from "
+            f"{seconds[0] if start is None else start:g} to {seconds[-1] if end is None else end:g} s"
+        )
+    columns = {role: table.numbers(name, kept) for role, name in names.items()}
+    unit = {role: plain(named.get(name, "1")) for role, name in names.items()}
+    rows = np.flatnonzero(kept)
+    lost = [at for at, row in enumerate(rows) if at and int(row) in set(table.lost)]
+    record = linear_record(
+        seconds[kept], columns["drive"][kept], columns["position"][kept],
+        columns["command"][kept] if command is not None else None, input_name=bare(names["drive"]),
+        output_name=bare(names["position"]), input_unit=unit["drive"], output_unit=unit["position"], source=str(path),
+        place=lambda k: table.place(int(rows[k])), lost=lost, time_name=bare(clock) or "time",
+        command_unit=plain(named.get(names.get("command", ""), "")), command_name=bare(names.get("command", "command")),
+    )  # fmt: skip
+    record.notes.extend(doubles(table.notes, list(names.values())))
+    return record
+
+
+def _seconds(table: Any, clock: str, unit: str, period: float | None) -> np.ndarray:
+    from leadscrew.kernel.door import positive
+    from leadscrew.logs.units import time_in
+
+    if clock:
+        return table.numbers(clock, np.zeros(table.rows, dtype=bool)) * time_in(unit)
+    step = table.period if period is None else positive("period", period, "s")
+    if step is None:
+        raise DataError(f"{table.source}: has no column of times and names no period; say --period SECONDS")
+    return np.asarray(step * np.arange(table.rows))
+
+
+def _copied(source: str, name: str, values: Any) -> np.ndarray:
+    try:
+        found = np.array(values, dtype=float).reshape(-1)
+    except (TypeError, ValueError):
+        raise DataError(f"{source}: {name} is not an array of numbers") from None
+    bad = np.flatnonzero(~np.isfinite(found))
+    if len(bad):
+        raise DataError(f"{source}: {name}, sample {bad[0] + 1}, is {found[bad[0]]}: expected finite numbers")
+    found.flags.writeable = False
+    return found
+
+
+def _even(
+    time: np.ndarray, source: str, place: Callable[[int], str], lost: Sequence[int]
+) -> tuple[np.ndarray, float, bool, list[Finding]]:
+    """The even clock, its period, whether values must be brought onto it, and what is odd but not refused about it."""
+    from leadscrew.logs.finding import refuse
+    from leadscrew.logs.sampling import clock
+
+    found = clock(time, place, lost)
+    refuse(source, [f for f in found.findings if f.kind not in ("unit", "rate")])
+    if found.time is None:
+        raise DataError(f"{source}: the samples are not evenly spaced in time")
+    return found.time, found.period, found.scattered, found.findings
+
+
+def _on(stamps: np.ndarray, grid: np.ndarray, values: np.ndarray, held: bool) -> np.ndarray:
+    from leadscrew.logs.sampling import on_grid
+
+    found = on_grid(stamps, grid, values, held)
+    found.flags.writeable = False
+    return found

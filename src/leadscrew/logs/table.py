@@ -1,0 +1,141 @@
+"""What a log file holds, as it is: columns of numbers, columns of text, constants, and the units that it names."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+
+from leadscrew.kernel.errors import DataError, NameUnknown
+from leadscrew.kernel.sheet import nearest
+
+MOST_BYTES = 2_000_000_000
+"""Size of the largest file that is read."""
+
+MOST_TEXT = 300_000_000
+"""Bytes of a text file that is read: it takes some ten times as much memory until its cells are numbers."""
+
+MOST_CELLS = 50_000_000
+"""Rows times columns of the largest table that is read."""
+
+
+@dataclass(frozen=True)
+class Table:
+    """Columns of equal length, by the name that stands in the file."""
+
+    columns: dict[str, np.ndarray]
+    """Numbers; an empty cell is NaN."""
+    units: dict[str, str]
+    """Of columns and constants that name one, as the file writes it."""
+    texts: dict[str, list[str]]
+    """Columns of words, such as the phase of a cut."""
+    source: str
+    notes: list[str] = field(default_factory=list)
+    """How the file was read, and what was left out, in sentences."""
+    constants: dict[str, float] = field(default_factory=dict)
+    """Single numbers beside the columns."""
+    period: float | None = None
+    """Seconds from row to row, where the file says so."""
+    form: str = "text"
+    """What kind of file it is, in words."""
+    file_rows: np.ndarray | None = None
+    """Row of the file, as an editor counts, of every row of the table; None where the file has no lines."""
+    lost: tuple[int, ...] = ()
+    """Rows of the table before which the recorder lost samples, by its own word."""
+    guess: dict[str, str] = field(default_factory=dict)
+    """Column by role (time, drive, ...), where the form of the file settles it."""
+
+    @property
+    def rows(self) -> int:
+        """How many."""
+        lengths = [*map(len, self.columns.values()), *map(len, self.texts.values())]
+        return lengths[0] if lengths else 0
+
+    def place(self, row: int) -> str:
+        """``row 17`` as an editor counts, or as a count of samples from 1."""
+        return f"sample {row + 1}" if self.file_rows is None else f"row {self.file_rows[row]}"
+
+    def name(self, wanted: str) -> str:
+        """The full name of a column: itself, or the only one of that name without its unit.
+
+        Raises:
+            NameUnknown: there is none, or there are several.
+        """
+        from leadscrew.logs.header import bare
+
+        known = [*self.columns, *self.texts]
+        if wanted in known:
+            return wanted
+        fits = [name for name in known if bare(name) == wanted] or [
+            name for name in known if bare(name).casefold() == wanted.casefold()
+        ]
+        if len(fits) > 1:
+            raise NameUnknown(f"{self.source}: {wanted!r} fits {', '.join(fits)}; name one of them in full")
+        if not fits:
+            raise NameUnknown(f"{self.source}: has no column {wanted!r}{nearest(wanted, known)}")
+        return fits[0]
+
+    def numbers(self, wanted: str, kept: np.ndarray | None = None) -> np.ndarray:
+        """A column of numbers, each finite; with ``kept`` only in the rows where that is true.
+
+        Raises:
+            NameUnknown: there is no such column, or there are several.
+            DataError: it holds words, or something that is no finite number: file, row and column.
+        """
+        name = self.name(wanted)
+        if name not in self.columns:
+            raise DataError(f"{self.source}, column {name!r}: holds words, not numbers")
+        values = np.asarray(self.columns[name], dtype=float)
+        bad = np.flatnonzero(~np.isfinite(values) if kept is None else kept & ~np.isfinite(values))
+        if len(bad):
+            raise DataError(f"{self.source}, {self.place(int(bad[0]))}, column {name!r}: holds no finite number")
+        return values
+
+
+def check_size(path: Path) -> int:
+    """Bytes of a file.
+
+    Raises:
+        DataError: there is none, it is empty, or too large to be a log.
+    """
+    try:
+        size = path.stat().st_size
+    except OSError as problem:
+        raise DataError(f"{path}: cannot be read ({problem.strerror or problem})") from None
+    except ValueError as problem:
+        raise DataError(f"{str(path)!r}: is no name of a file ({problem})") from None
+    if size > MOST_BYTES:
+        raise DataError(
+            f"{path}: {size / 1e9:.1f} GB; logs up to {MOST_BYTES / 1e9:.0f} GB are read: cut it into parts"
+        )
+    if size == 0:
+        raise DataError(f"{path}: is empty")
+    return size
+
+
+def check_text(path: Path) -> None:
+    """Passes where a file is small enough to be read as text.
+
+    Raises:
+        DataError: as :func:`check_size`, or more than :data:`MOST_TEXT` bytes.
+    """
+    size = check_size(path)
+    if size > MOST_TEXT:
+        raise DataError(
+            f"{path}: {size / 1e6:.0f} MB of text; up to {MOST_TEXT / 1e6:.0f} MB of text are read: cut it into parts, "
+            "leave out columns, or save it as Parquet"
+        )
+
+
+def check_cells(source: str, rows: int, columns: int) -> None:
+    """Passes where a table is small enough.
+
+    Raises:
+        DataError: more cells than :data:`MOST_CELLS`.
+    """
+    if rows * columns > MOST_CELLS:
+        raise DataError(
+            f"{source}: {rows} rows of {columns} columns are {rows * columns / 1e6:.0f} million cells; up to "
+            f"{MOST_CELLS / 1e6:.0f} million are read: cut it into parts, or keep fewer columns"
+        )

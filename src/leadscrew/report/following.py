@@ -1,0 +1,187 @@
+"""Following errors for reading: tables, sentences, JSON, CSV, a page."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from leadscrew.analysis.following import ALL, Followed, Following
+from leadscrew.analysis.following_lag import Told
+from leadscrew.newfolder import appearing
+from leadscrew.report import page as html
+from leadscrew.report.strict import strict
+from leadscrew.report.tables import NOTHING
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+SCHEMA_VERSION = 1
+NUMBERS = ("rows", "moving", "max", "rms", "mean fwd", "mean back", "step", "lag ms", "95 % +-", "Kv 1/s", "shift ms",
+           "+-", "in order")  # fmt: skip
+"""Lags are from the rows ``moving``, shifts from those ``in order``, with their neighbours in one stretch."""
+CSV_COLUMNS = (
+    "log", "axis", "phase", "unit", "rows", "moving", "max", "rms", "mean_forward", "mean_backward", "rounding_step",
+    "top_speed", "lag_ms", "lag_low_ms", "lag_high_ms", "gain_per_s", "gain_low_per_s", "gain_high_per_s", "shift_ms",
+    "shift_low_ms", "shift_high_ms", "shift_rows", "note",
+)  # fmt: skip
+
+
+def num(value: float, digits: int = 3) -> str:
+    """A number with some significant digits, a dash for none."""
+    return NOTHING if not np.isfinite(value) else f"{value:.{digits}g}"
+
+
+def _told(told: Told, scale: float) -> tuple[str, str]:
+    """A value to the decimals that its interval deserves, and half of the interval."""
+    half = scale * told.half
+    if not np.isfinite(half):
+        return NOTHING, NOTHING
+    decimals = max(0, 1 - int(np.floor(np.log10(half)))) if half > 0.0 else 3
+    return f"{scale * told.value:.{decimals}f}", f"{half:.{decimals}f}"
+
+
+def columns_of(found: Following, first: str = "axis") -> tuple[str, ...]:
+    """Names of the columns of :func:`phase_rows`, or of :func:`log_rows` with ``log`` first; units where known."""
+    return (
+        *(("axis", "phase") if first == "axis" else ("log", "axis")),
+        *(["unit"] if _named(found) else []),
+        *NUMBERS,
+    )
+
+
+def _named(found: Following) -> bool:
+    return any(row.unit for row in found.each)
+
+
+def _values(row: Followed) -> list[str]:
+    lag, half = _told(row.lag, 1e3)
+    shift, wide = _told(row.shift, 1e3)
+    return [
+        str(row.rows), str(row.moving), num(row.worst), num(row.rms), num(row.mean_forward), num(row.mean_backward),
+        num(row.step), lag, half, _told(row.gain, 1.0)[0], shift, wide,
+        str(row.shift.rows or NOTHING),
+    ]  # fmt: skip
+
+
+def phase_rows(found: Following) -> list[list[str]]:
+    """Axis and phase, all logs together."""
+    named = _named(found)
+    return [[row.axis, row.phase, *([row.unit or NOTHING] if named else []), *_values(row)] for row in found.together]
+
+
+def log_rows(found: Following) -> list[list[str]]:
+    """Log and axis, all phases together."""
+    named = _named(found)
+    return [
+        [Path(row.source).name, row.axis, *([row.unit or NOTHING] if named else []), *_values(row)]
+        for row in found.each
+        if row.phase == ALL
+    ]
+
+
+def odd(found: Following) -> list[str]:
+    """What is odd about the logs, a line a kind: in how many, and the first of them in full."""
+    kinds: dict[str, list[tuple[str, str]]] = {}
+    for source, findings in found.findings.items():
+        for finding in findings:
+            kinds.setdefault(finding.kind, []).append((Path(source).name, finding.sentence))
+    said = []
+    for kind, seen in kinds.items():
+        logs = len({source for source, _ in seen})
+        more = f" ({logs} logs have such a note)" if logs > 1 else ""
+        said.append(f"{kind}{more}: {seen[0][0]}: {seen[0][1]}")
+    return said
+
+
+def sentences(found: Following) -> list[str]:
+    """What the numbers mean and what they cannot say."""
+    logs, unit = len(found.findings), "" if _named(found) else " in the unit of the log"
+    said = [
+        f"{logs} log{'s' * (logs > 1)}, a row every {found.period:g} s; error = command - actual{unit}; "
+        "lag is the slope of error against commanded speed over the rows that move, Kv its inverse, shift the lag of "
+        "the velocities over rows in order",
+        f"what happens within {found.period:g} s is not in the log: a peak of error as an axis speeds up or reverses "
+        "may be larger than max",
+    ]
+    if any(row.lag.why.startswith("one way") for row in found.together):
+        one = sorted({row.axis for row in found.together if row.lag.why.startswith("one way") and row.phase == ALL})
+        if one:
+            said.append(f"{', '.join(one)} moved one way only: an offset of the position would count as lag")
+    common = _common(found)
+    return said + ([common] if common else [])
+
+
+def _common(found: Following) -> str:
+    """Whether one lag fits all axes: then a delay of the control or of its log, not the gains of the axes."""
+    lags = [row.lag for row in found.together if row.phase == ALL and np.isfinite(row.lag.half)]
+    if len(lags) < 2:
+        return ""
+    low, high = max(x.low for x in lags), min(x.high for x in lags)
+    if not 0.0 < low <= high:
+        return ""
+    return (
+        f"one lag of {1e3 * low:.3g} to {1e3 * high:.3g} ms lies in the intervals of all {len(lags)} axes: actual "
+        "values that are logged that much later would do the same, so Kv is a lower bound of the loops'"
+    )
+
+
+def summary(found: Following) -> dict[str, Any]:
+    """The one JSON object of ``leadscrew following-error --json``."""
+    return {
+        "schema_version": SCHEMA_VERSION, "kind": "leadscrew following-error", "period_s": found.period,
+        "logs": list(found.findings), "together": [r.as_dict() for r in found.together],
+        "each": [r.as_dict() for r in found.each],
+        "findings": {s: [f._asdict() for f in seen] for s, seen in found.findings.items()},
+        "sentences": sentences(found),
+    }  # fmt: skip
+
+
+def csv_text(found: Following) -> str:
+    """All rows, of all logs together and of each."""
+    import csv
+    import io
+
+    held = io.StringIO()
+    out = csv.writer(held, lineterminator="\n")
+    out.writerow(CSV_COLUMNS)
+    together = found.together if len(found.findings) > 1 else []
+    for r in (*together, *found.each):
+        lag, gain, shift = (
+            ["" if not np.isfinite(x) else f"{s * x:.6g}" for x in t[:3]]
+            for s, t in ((1e3, r.lag), (1.0, r.gain), (1e3, r.shift))
+        )
+        numbers = [r.worst, r.rms, r.mean_forward, r.mean_backward, r.step, r.top_speed]
+        plain = ["" if not np.isfinite(x) else f"{x:.6g}" for x in numbers]
+        out.writerow([r.source, r.axis, r.phase, r.unit, r.rows, r.moving, *plain, *lag, *gain, *shift, r.shift.rows,
+                      r.lag.why])  # fmt: skip
+    return held.getvalue()
+
+
+def write(found: Following, folder: str | Path, figure: Figure) -> None:
+    """Writes ``report.html``, ``following_error.json``, ``.csv`` and ``.png``; complete, or not at all.
+
+    Raises:
+        DataError: the folder exists already and is not empty, or cannot be written.
+    """
+    with appearing(folder) as place:
+        figure.savefig(place / "following_error.png", dpi=130, metadata={"Software": None})
+        text = json.dumps(strict(summary(found)), indent=1, allow_nan=False)
+        (place / "following_error.json").write_text(text + "\n", encoding="utf-8")
+        (place / "following_error.csv").write_text(csv_text(found), encoding="utf-8")
+        (place / "report.html").write_text(page(found, figure), encoding="utf-8")
+
+
+def page(found: Following, figure: Figure) -> str:
+    """One HTML page with the picture inside."""
+    odd = [[Path(s).name, f.kind, f.sentence] for s, seen in found.findings.items() for f in seen]
+    parts = [
+        *html.paragraphs(sentences(found)),
+        html.picture(figure, "following", "lag and error by axis and phase"),
+        html.table("By axis and phase", columns_of(found), phase_rows(found), NUMBERS),
+        html.table("By log and axis", columns_of(found, "log"), log_rows(found), NUMBERS),
+        html.table("What is odd about the logs", ("log", "kind", "what"), odd, NUMBERS),
+    ]
+    return html.page("Following error", parts)

@@ -1,0 +1,133 @@
+"""Friction models of a measured force for reading: rows of tables, sentences, JSON, a page."""
+
+from __future__ import annotations
+
+import json
+from html import escape
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from leadscrew.identify.friction_force.block import set_table, settings
+from leadscrew.identify.friction_force.result import MAP, FrictionForceFit, ModelFit, better_percent, judged_rms
+from leadscrew.newfolder import appearing
+from leadscrew.report import page as html
+from leadscrew.report.friction_force_picture import picture
+from leadscrew.report.strict import strict
+from leadscrew.report.tables import NOTHING
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+SCHEMA_VERSION = 1
+KIND = "leadscrew identify friction-force"
+MODEL_COLUMNS = ("model", "fitted rms", "hold-out rms", "of amplitude %", "worst", "better %", "condition")
+VALUE_COLUMNS = ("parameter", "value", "95 % from", "to", "unit", "")
+BIN_COLUMNS = ("speed", "friction", "95 % from", "to", "strokes")
+NUMBERS = {*MODEL_COLUMNS[1:], *VALUE_COLUMNS[1:4], *BIN_COLUMNS}
+"""Columns to be set to the right."""
+
+
+def num(value: float, digits: int = 4) -> str:
+    """A number with some significant digits, a dash for none."""
+    return f"{value:.{digits}g}" if np.isfinite(value) else NOTHING
+
+
+def model_rows(fit: FrictionForceFit) -> list[list[str]]:
+    """Errors of every model, on what it was fitted to and on the hold-out; with the other load below."""
+    rows = [_model_row(m, fit.models, "") for m in fit.models.values()]
+    other = {"coefficient": ", coefficient", "force": ", force"}
+    return rows + [_model_row(m, fit.others, other[m.load]) for m in fit.others.values()]
+
+
+def _model_row(m: ModelFit, among: dict[str, ModelFit], suffix: str) -> list[str]:
+    percent = m.training_percent if np.isnan(m.holdout_percent) else m.holdout_percent
+    better = NOTHING if m.name == MAP else f"{better_percent(among, m.name):.1f}"
+    return [m.name + suffix, num(m.training_rms), num(m.holdout_rms), num(percent, 3), num(m.holdout_worst, 3), better,
+            num(m.condition, 2)]  # fmt: skip
+
+
+def value_rows(model: ModelFit) -> list[list[str]]:
+    """Parameters of a model with their intervals; what is not told says why."""
+    rows = []
+    for key, p in model.parameters.items():
+        word = p.note if p.told else f"not told: {p.note}" if p.how == "fitted" else f"{p.how}: {p.note}"
+        rows.append([key, num(p.value, 5), num(p.low, 5), num(p.high, 5), "" if p.unit == "1" else p.unit, word])
+    return rows
+
+
+def bin_rows(fit: FrictionForceFit) -> list[list[str]]:
+    """Binned force against speed."""
+    return [[num(b.speed), num(b.force), num(b.low), num(b.high), str(b.strokes)] for b in fit.bins]
+
+
+def sentences(fit: FrictionForceFit) -> list[str]:
+    """The result in words, a line each."""
+    r, chosen = fit.record, fit.chosen
+    unit, way = r.force_unit, r.unit
+    part = "hold-out" if fit.training < len(r.time) else "fitted part"
+    said = [
+        f"{len(r.time)} samples in {r.time[-1] - r.time[0]:.4g} s, {int(r.strokes[-1])} reversals over "
+        f"{np.ptp(r.position):.3g} {way}; the first {fit.training} were fitted",
+        f"friction amplitude of the {part}: {fit.amplitude:.4g} {unit}; LuGre leaves {judged_rms(chosen):.3g} {unit} "
+        f"rms, {100.0 * judged_rms(chosen) / fit.amplitude:.3g} % of it, {fit.better_percent(chosen.name):.3g} % less "
+        "than Coulomb and viscous friction",
+    ]
+    if fit.load == "coefficient":
+        said.append(
+            f"values are of the coefficient of friction, per newton of normal force (mean {fit.normal_mean:.5g} N "
+            "while sliding); rows with 'force' take no notice of it"
+        )
+    least = min(fit.models.values(), key=lambda m: m.training_rms)
+    if least.name != chosen.name:
+        said.append(f"nearest to the fitted part is {least.name}; LuGre is what plants and controllers take")
+    if chosen.whiteness < 80.0:
+        said.append(
+            "what LuGre leaves is not noise (it repeats from sample to sample): the shape is not quite LuGre's, and "
+            "intervals say how well values repeat, not how right the shape is"
+        )
+    return said
+
+
+def for_simulation(fit: FrictionForceFit) -> str:
+    """The friction of a plant, as options of a command."""
+    return "for a simulation: " + " ".join(f"--set {key}={value:.6g}" for key, value in settings(fit).items())
+
+
+def summary(fit: FrictionForceFit) -> dict[str, Any]:
+    """The result as the one JSON object that ``leadscrew identify friction-force --json`` prints."""
+    return {
+        "schema_version": SCHEMA_VERSION, "kind": KIND, **fit.as_dict(), "set": settings(fit),
+        "sentences": sentences(fit),
+    }  # fmt: skip
+
+
+def write(fit: FrictionForceFit, folder: str | Path) -> None:
+    """Writes ``report.html``, ``friction_force.json``, ``friction_force.png`` and ``friction.toml``; all or nothing.
+
+    Raises:
+        DataError: the folder exists already and is not empty, or cannot be written.
+    """
+    with appearing(folder) as place:
+        name = Path(fit.record.source).name
+        figure = picture(fit, name)
+        figure.savefig(place / "friction_force.png", dpi=130, metadata={"Software": None})
+        text = json.dumps(strict(summary(fit)), indent=1, allow_nan=False) + "\n"
+        (place / "friction_force.json").write_text(text, encoding="utf-8")
+        (place / "friction.toml").write_text(set_table(fit, name), encoding="utf-8")
+        (place / "report.html").write_text(_page(fit, name, figure), encoding="utf-8")
+
+
+def _page(fit: FrictionForceFit, source: str, figure: Figure) -> str:
+    title = f"Friction force: {source}"
+    lines = [*sentences(fit), *(f"note: {n}" for n in fit.notes), *(f"what to measure next: {a}" for a in fit.advice)]
+    parts = [
+        *html.paragraphs(lines),
+        html.picture(figure, "friction_force", "loops, force against speed, residual"),
+        html.table(f"Models ({fit.record.force_unit})", MODEL_COLUMNS, model_rows(fit), NUMBERS),
+        *(html.table(m.name, VALUE_COLUMNS, value_rows(m), NUMBERS) for m in reversed(fit.models.values())),
+        html.table(f"Sliding friction against speed ({fit.record.unit}/s)", BIN_COLUMNS, bin_rows(fit), NUMBERS),
+        f"<h2>As a friction block</h2><pre>{escape(set_table(fit, source))}</pre>",
+    ]
+    return html.page(title, parts)

@@ -1,0 +1,137 @@
+"""What is said or refused of the signals of a linear fit, what is told of it, and which machine it makes."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from leadscrew.identify.linear.choose import Task, choose
+from leadscrew.identify.linear.fit import identify_linear
+from leadscrew.identify.linear.handover import block, machine, machine_values
+from leadscrew.identify.linear.record import linear_record, read_linear
+from leadscrew.identify.linear.result import Interval
+from leadscrew.identify.linear.structure import Structure
+from leadscrew.identify.linear.sureness import Sure, within
+from leadscrew.kernel.errors import DataError
+from leadscrew.report.identified_linear import parameter_rows, stretch_rows
+from tests.identify.test_linear import T, axis, finer, levels
+
+MM_PER_M = 1e3
+
+
+def move(samples=1500, scale=1.0):
+    """An axis of 40 kg and 120 N s/m under levels of force; force in N, position in m times ``scale``."""
+    rng = np.random.default_rng(7)
+    force = 60.0 * levels(rng, samples)
+    position = finer([1.0 / 40.0], [1.0, 3.0, 0.0], force, 1e-3) + 1e-6 * rng.standard_normal(samples)
+    return T * np.arange(samples), force, scale * np.round(position / 1e-6) * 1e-6
+
+
+def record(position, **units):
+    t, force, _ = move(len(position))
+    return linear_record(t, force, position, **{"input_unit": "N", "output_unit": "m", **units})
+
+
+def test_a_right_log_of_an_axis_is_taken_without_a_word():
+    assert record(move()[2]).notes == []
+
+
+def test_a_position_that_no_axis_has_is_refused_with_its_unit_and_taken_in_the_right_one():
+    metres = move()[2]
+    with pytest.raises(DataError, match=r"more than 20 m/s.*--unit output=mm"):
+        record(3e3 * metres)
+    assert record(MM_PER_M * metres, output_unit="mm").notes == []
+    # What is no length may be of any size.
+    assert record(3e3 * metres, output_unit="degC").notes == []
+
+
+def test_a_chatter_of_one_count_is_a_standstill_and_no_model():
+    with pytest.raises(DataError, match="stands still"):
+        record(0.05 + 1e-7 * (np.arange(1500) % 2))
+
+
+def test_faults_that_another_system_could_have_are_said_and_not_refused():
+    t, force, metres = move()
+    jumped = metres + 4e-3 * (np.arange(1500) >= 700)
+    assert any("jumps" in note for note in record(jumped).notes)
+    few = np.where(t > 0.7, 50.0, -50.0)
+    answered = linear_record(t, few, metres + 4e-5 * np.roll(few, 1), input_unit="V", output_unit="m")
+    assert not any("jumps" in note for note in answered.notes)
+    clipped = linear_record(t, np.clip(force + 20.0 * np.sin(9.0 * t), -40.0, 40.0), metres, input_unit="N",
+                            output_unit="m")  # fmt: skip
+    assert any("clipped" in note for note in clipped.notes)
+    slow = linear_record(1e3 * t, force, metres, input_unit="N", output_unit="m")
+    assert any("period of 1 s" in note for note in slow.notes)
+    thermal = linear_record(1e3 * t, force, metres, input_unit="W", output_unit="degC")
+    assert thermal.notes == []
+
+
+def test_columns_are_those_that_the_log_command_tells_by_their_names(tmp_path):
+    path = tmp_path / "log.csv"
+    np.savetxt(path, np.column_stack(move()), delimiter=",", header="time_s,force_N,position_m", comments="")
+    found = read_linear(path)
+    assert (found.input_name, found.output_name, found.input_unit, found.output_unit) == ("force", "position", "N", "m")
+    np.savetxt(path, np.column_stack(move()), delimiter=",", header="time_s,one,two", comments="")
+    with pytest.raises(DataError, match=r"--input|--output"):
+        read_linear(path)
+    np.savetxt(path, np.column_stack(move()[1:]), delimiter=",", header="force_N,position_m", comments="")
+    assert read_linear(path, period=2e-3).period == pytest.approx(2e-3)
+    with pytest.raises(DataError, match="time"):
+        read_linear(path)
+    np.savetxt(path, np.column_stack(move())[::-1], delimiter=",", header="time_s,force_N,position_m", comments="")
+    with pytest.raises(DataError, match="time falls"):
+        read_linear(path)
+
+
+def test_a_machine_has_the_counts_and_the_noise_of_the_log_and_its_drive_turned_forwards():
+    fit = identify_linear(record(MM_PER_M * move()[2], output_unit="mm"), structure=(2, 0, 1))
+    made = machine(fit, "axis")
+    assert made.resolution == pytest.approx(1e-3, rel=1e-6)
+    # Third differences of a position with noise and counts; the sensor of the machine rounds by itself.
+    assert made.noise == pytest.approx(1e-3, rel=0.2)
+    assert "drive_turned" not in made.identified
+    back = identify_linear(record(-MM_PER_M * move()[2], output_unit="mm"), structure=(2, 0, 1))
+    assert any("gain is negative" in note for note in back.notes)
+    turned = machine(back, "axis")
+    assert turned.identified["drive_turned"] is True
+    assert turned.parameters["numerator"] == pytest.approx(made.parameters["numerator"], rel=1e-6)
+    assert machine_values(back)["numerator"][0] == -back.numerator[0] and back.numerator[0] < 0.0
+    assert float(block(back).params.c @ np.ones(2)) < 0.0
+    assert turned.identified["notes"] == back.notes
+
+
+def test_of_a_model_that_explains_nothing_no_machine_is_made():
+    fit = identify_linear(record(move()[2]), structure=(2, 0, 1))
+    with pytest.raises(DataError, match="no model of it, and so no machine"):
+        machine(replace(fit, excited_hz=(0.0, 0.0)), "axis")
+
+
+def test_a_pole_beyond_what_the_input_moves_unsettles_what_depends_on_it_and_not_the_gain():
+    fit = identify_linear(record(MM_PER_M * move()[2], output_unit="mm"), structure=(2, 0, 1))
+    found = Sure(fit.coefficients, fit.parameters, fit.offset, fit.covariance, fit.bode)
+    pole_hz = abs(fit.parameters["pole 1"].value) / (2.0 * np.pi)
+    assert all(p.told for p in (*fit.parameters.values(), *fit.coefficients.values()))
+    assert within(found, 0.6 * pole_hz) == found
+    less = within(found, 0.4 * pole_hz)
+    assert [name for name, p in less.parameters.items() if p.told] == ["gain"]
+    assert not any(p.told for p in less.coefficients.values())
+    assert not any(p.told for p in within(found, 0.0).parameters.values())
+
+
+@pytest.mark.slow
+def test_a_candidate_of_which_nothing_is_told_is_not_chosen_while_there_is_another():
+    t, u, y = axis(np.random.default_rng(3), 300)
+    task = Task(linear_record(t, u, y), 150, 2.3e-3, 0.02)
+    tried = [Structure(2, 0, 1), Structure(1, 0, 1)]
+    best, table = choose(task, tried, 0.02, lambda what, done: None, lambda f: f.structure == tried[1])
+    assert best.structure == tried[1]
+    assert {c.structure: c.against for c in table}[tried[0]] == "the log tells none of its numbers"
+
+
+def test_an_interval_that_says_nothing_is_not_printed_as_numbers():
+    fit = identify_linear(record(MM_PER_M * move()[2], output_unit="mm"), structure=(2, 0, 1))
+    wide = Interval(-7.0, -7e6, -7e-6, "1/s", False)
+    rows = {row[0]: row for row in parameter_rows(replace(fit, parameters={**fit.parameters, "pole 1": wide}))}
+    assert rows["pole 1"][2:4] == ["–", "–"] and rows["pole 1"][-1] == "not told"
+    assert rows["b0"][2] != "–"
+    assert stretch_rows(fit)[0][3].endswith(" mm")
