@@ -87,12 +87,26 @@ def test_cache_is_shown_and_cleared(call, tmp_path, monkeypatch):
 
 
 def test_bench_prints_the_rows_that_it_gets(call, monkeypatch):
-    fake = ModuleType("leadscrew.bench")
-    fake.run = lambda quick, progress: [{"what": "single", "us": 1.25, "quick": quick}, {"what": "C", "us": None}]
-    monkeypatch.setitem(sys.modules, "leadscrew.bench", fake)
+    rows_of_a_fake_bench(monkeypatch)
     rows = strict_json(call("bench", "--quick", "--json").stdout)["rows"]
     assert rows[0] == {"what": "single", "us": 1.25, "quick": True} and rows[1]["us"] is None
     assert "single" in call("bench").stdout
+
+
+def test_bench_measures_only_the_parts_that_are_asked_for(call, refused, monkeypatch):
+    rows_of_a_fake_bench(monkeypatch)
+    every, some = (strict_json(call("bench", "--json", *only).stdout)["rows"] for only in ((), ("--only", "panel")))
+    assert [row["what"] for row in every] == ["single", "C", "panel"] and [row["what"] for row in some] == ["panel"]
+    assert "--only 'panl'" in (said := refused("bench", "--only", "panl")) and "panel" in said
+
+
+def rows_of_a_fake_bench(monkeypatch) -> None:
+    """In place of the bench, one that measures nothing."""
+    rows = {"single": 1.25, "C": None, "panel": 2.0}
+    fake = ModuleType("leadscrew.bench")
+    fake.PARTS = tuple(rows)
+    fake.run = lambda quick, progress, parts: [{"what": part, "us": rows[part], "quick": quick} for part in parts]
+    monkeypatch.setitem(sys.modules, "leadscrew.bench", fake)
 
 
 def test_bench_that_is_not_installed_says_so(refused, monkeypatch):

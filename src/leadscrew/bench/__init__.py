@@ -11,7 +11,7 @@ PARTS = (
     "threads", "single runs", "batches", "settled loops", "other tools", "inference", "fuzzy systems",
     "stiff friction", "portable functions", "compilation", "fresh processes", "many runs",
     "circular test", "robustness box", "grey prediction", "turning Monte Carlo", "self-organising network",
-    "tangential table",
+    "tangential table", "panel",
 )  # fmt: skip
 """In this order: threads come first, before the bench itself puts load on the machine."""
 
@@ -31,6 +31,7 @@ def run(
         machine,
         many,
         others,
+        panel,
         robustness,
         servo,
         sofnn,
@@ -63,6 +64,7 @@ def run(
         "turning Monte Carlo": lambda: turning.rows(quick),
         "self-organising network": lambda: sofnn.rows(rounds),
         "tangential table": lambda: tangent.rows(quick),
+        "panel": lambda: panel.rows(quick),
     }
     for i, part in enumerate(parts):
         if progress is not None:

@@ -22,13 +22,17 @@ from leadscrew.cli import (
     demo,
     design,
     diff,
+    excite,
     export,
+    following_error,
     frequency_response,
     fuzzy,
     harmonics,
     identify,
     listing,
+    log,
     montecarlo,
+    panel,
     positioning,
     predict,
     replay,
@@ -80,12 +84,16 @@ app.command("certify")(certify.certify)
 app.command("positioning")(positioning.positioning)
 app.command("ballbar")(ballbar.ballbar)
 app.command("harmonics")(harmonics.harmonics)
+app.command("excite")(excite.excite)
+app.command("following-error")(following_error.following_error)
 app.command("frequency-response")(frequency_response.frequency_response)
 app.command("predict")(predict.predict)
 app.add_typer(fuzzy.app, name="fuzzy")
 app.add_typer(design.app, name="design")
+app.command("log")(log.log)
 app.add_typer(identify.app, name="identify")
 app.add_typer(tangent.app, name="tangent")
+app.command("panel")(panel.panel)
 app.command("bench")(bench.bench)
 app.add_typer(cache.app, name="cache")
 app.command("version")(version.version)

@@ -12,17 +12,24 @@ from leadscrew.cli.output import Json, emit, print_table, progress
 
 def bench(
     quick: Annotated[bool, typer.Option("--quick", help="Fewer repetitions.")] = False,
+    only: Annotated[
+        list[str] | None, typer.Option("--only", metavar="PART", help="This part; may be repeated.")
+    ] = None,
     as_json: Json = False,
 ) -> None:
-    """Measure the engines beside C, SciPy, python-control and PathSim."""
-    from leadscrew.kernel.errors import LeadscrewError
+    """Measure the engines beside C, SciPy, python-control and PathSim, and the panel in a browser."""
+    from leadscrew.kernel.errors import LeadscrewError, NameUnknown
+    from leadscrew.kernel.sheet import nearest
 
     try:
         benches = import_module("leadscrew.bench")
     except ImportError as error:
         raise LeadscrewError(f"the benchmarks are not in this installation ({error})") from None
+    for part in only or ():
+        if part not in benches.PARTS:
+            raise NameUnknown(f"--only {part!r}: the bench has no such part{nearest(part, list(benches.PARTS))}")
     with progress() as report:
-        rows = benches.run(quick=quick, progress=report)
+        rows = benches.run(quick=quick, progress=report, parts=tuple(only) if only else benches.PARTS)
     if as_json:
         emit({"schema_version": 1, "rows": rows})
         return

@@ -12,15 +12,31 @@ from leadscrew.cli.output import Json, busy, emit
 
 
 def replay(
-    folder: Annotated[Path, typer.Argument(metavar="RUN", help="A run folder, or the run.json in it.")],
+    folder: Annotated[
+        Path,
+        typer.Argument(metavar="RUN", help="A run folder, the run.json in it, or a session of the panel (.toml)."),
+    ],
+    out: Annotated[
+        Path | None, typer.Option(metavar="DIR", help="Of a session: a folder for its signals, all of them.")
+    ] = None,
     as_json: Json = False,
 ) -> None:
-    """Run a saved run again and compare it bit for bit.
+    """Run a saved run or a session of the panel again and compare it bit for bit.
 
     Exit code 0 only if it is identical.
     """
+    if folder.suffix == ".toml":
+        _session(folder, out, as_json)
+    else:
+        _run(folder, out, as_json)
+
+
+def _run(folder: Path, out: Path | None, as_json: bool) -> None:
+    from leadscrew.kernel.errors import ValueRefused
     from leadscrew.replay import replay as again
 
+    if out is not None:
+        raise ValueRefused(f"--out {out} is for sessions; the signals of {folder} lie in it already")
     with busy(f"replaying {folder}"):
         found = again(folder)
     if as_json:
@@ -41,5 +57,43 @@ def replay(
         typer.echo(f"not identical: {found.difference}")
         for cause in found.causes:
             typer.echo(f"  changed since: {cause}")
+    if not found.identical:
+        raise typer.Exit(MISSED)
+
+
+def _session(path: Path, out: Path | None, as_json: bool) -> None:
+    from leadscrew.operate import session_file, session_folder
+    from leadscrew.operate.recorder import EVERYTHING
+
+    session = session_file.read(path)
+    if out is not None:
+        session_folder.check(out)
+    with busy(f"replaying {path}"):
+        found = session.run(record=() if out is None else EVERYTHING)
+        if out is not None:
+            session_folder.write(session, found, out)
+    signals = len(found.operated.columns)
+    if as_json:
+        emit(
+            {
+                "session": str(path),
+                "identical": found.identical,
+                "first_difference": found.difference or None,
+                "rows": found.operated.period,
+                "events": len(session.events),
+                "signals": list(found.operated.columns),
+                "digest": found.digest,
+                "diverged": found.operated.diverged or None,
+                "out": None if out is None else str(out),
+            }
+        )
+    elif found.identical:
+        typer.echo(
+            f"identical: {found.operated.period} rows of {signals} signals, {len(session.events)} events, bit for bit"
+        )
+    else:
+        typer.echo(f"not identical: {found.difference}")
+    if out is not None and not as_json:
+        typer.echo(f"{out}: signals.parquet and session.toml")
     if not found.identical:
         raise typer.Exit(MISSED)

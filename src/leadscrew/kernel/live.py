@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-import copy
 import time
-from collections.abc import Callable, Sequence
+import warnings
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -14,9 +14,8 @@ from leadscrew.kernel import door, ieee
 from leadscrew.kernel.block import Block
 from leadscrew.kernel.errors import NameUnknown, ValueRefused
 from leadscrew.kernel.frame import SLOTS
-from leadscrew.kernel.layout import Layout
 from leadscrew.kernel.linker import LARGEST
-from leadscrew.kernel.loop import warn_diverged
+from leadscrew.kernel.loop import DivergenceWarning, warn_diverged
 from leadscrew.kernel.native import Entry
 from leadscrew.kernel.run import Divergence, Metrics, Run
 
@@ -160,14 +159,34 @@ class Live:
         Raises:
             NameUnknown, ValueRefused: as ``Loop.using``.
         """
-        if key in ("seed", "bound"):
-            raise NameUnknown(f"{key} cannot change in a running loop")
-        loop = self.loop.using({key: value})
+        self.set_all({key: value})
+
+    def set_all(self, changes: Mapping[str, Any]) -> None:
+        """Changes parameters in the running loop by dotted key, from the next period on: all, or none where one is
+        refused.
+
+        Raises:
+            NameUnknown, ValueRefused: as ``Loop.using``; a change of the loop's size.
+        """
+        self.loop, self.params = self.changed(changes)
+
+    def changed(self, changes: Mapping[str, Any]) -> tuple[Loop, tuple[np.ndarray, np.ndarray]]:
+        """The loop with these changes and its parameters as the program takes them; nothing is changed yet.
+
+        Raises:
+            NameUnknown, ValueRefused: as :meth:`set_all`.
+        """
+        for key in ("seed", "bound"):
+            if key in changes:
+                raise NameUnknown(f"{key} cannot change in a running loop")
+        if not changes:
+            return self.loop, self.params
+        loop = self.loop.using(changes)
+        if loop.__dict__.get("program") is not self.program:
+            said = ", ".join(f"{k} = {v!r}" for k, v in changes.items())
+            raise ValueRefused(f"{said} changes the size of the loop; start a new one")
         params, _ = loop.values()
-        if Layout(params).keys != self.program.plan.params.keys:
-            raise ValueRefused(f"{key} = {value!r} changes the size of the loop; start a new one")
-        self.params = self.program.plan.params.pack(params)
-        self.loop = loop
+        return loop, self.program.plan.params.pack(params)
 
     def save(self) -> Saved:
         """Where the loop stands now."""
@@ -183,16 +202,19 @@ class Live:
         self.params = (saved.params[0].copy(), saved.params[1].copy())
         self.diverged = None
 
-    def switch(self, controller: Block) -> Live:
+    def switch(self, controller: Block, like: Loop | None = None) -> Live:
         """The loop from here on under another controller, started bumplessly where it supplies ``align``.
 
         The new live loop has the same plant, sensor and reference state; ``bumpless`` says whether it was aligned.
+        ``like``: a loop of that controller whose compiled program is taken over where it fits (``Loop.shares``): the
+        switch then compiles nothing.
         """
-        loop = copy.copy(self.loop)
-        loop.__dict__ = {
-            k: v for k, v in self.loop.__dict__.items() if k not in ("program", "sheet", "signals", "module")
-        }
-        loop.blocks = {**self.loop.blocks, "controller": controller}
+        loop = self.loop.using()
+        for built in ("program", "signals"):
+            loop.__dict__.pop(built, None)
+        loop.blocks["controller"] = controller
+        if like is not None:
+            loop.shares(like)
         new = Live(loop, self.engine, self.run_number)
         old_state = self.program.plan.state.unpack(*self.state)
         params, fresh = loop.values()
@@ -209,7 +231,9 @@ class Live:
         """Command, feedback and output that the next period would have, without moving."""
         saved = self.save()
         diverged = self.diverged
-        seen = self.advance(1, record=("command", "feedback", "output"))
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", DivergenceWarning)
+            seen = self.advance(1, record=("command", "feedback", "output"))
         self.restore(saved)
         self.diverged = diverged
         return {k: seen.signal(k, self.loop.signals[k]) for k in ("command", "feedback", "output")}

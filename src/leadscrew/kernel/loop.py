@@ -368,6 +368,7 @@ class Loop:
             "transport_delay_s": self.seen * self.step,
             "bound": None if self.bound >= LARGEST else self.bound,
             "blocks": {s: b.name for s, b in self.blocks.items() if b is not None},
+            "units": {s: b.unit for s, b in self.blocks.items() if b is not None and b.unit},
             "parameters": {k: v.tolist() if isinstance(v, np.ndarray) else v for k, v in self.parameters.items()},
             "platform": f"{platform.system()} {platform.machine()} Python {platform.python_version()}",
             "versions": {p: version(p) for p in ("numpy", "llvmlite", "numba", "scipy")},

@@ -1,0 +1,123 @@
+"""``leadscrew panel``: a machine watched and tuned in the browser."""
+
+from __future__ import annotations
+
+import os
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from leadscrew.cli.door import say
+
+if TYPE_CHECKING:
+    from leadscrew.panel.child import Spec
+
+FIRST = "fsmc_ballscrew"
+"""The machine that the panel begins with unless one is named."""
+
+
+def panel(
+    study: Annotated[
+        str | None,
+        typer.Argument(metavar="STUDY", help="A study, path/file.py:NAME, or a machine or experiment file (.toml)."),
+    ] = None,
+    controller: Annotated[str | None, typer.Option("--controller", "-c", help="What it begins with.")] = None,
+    scenario: Annotated[str | None, typer.Option("--scenario", "-s", help="What is asked of the machine.")] = None,
+    host: Annotated[str, typer.Option(help="Address to serve; others than loopback demand a token.")] = "127.0.0.1",
+    port: Annotated[int, typer.Option(min=0, max=65535, help="0 takes a free one.")] = 8420,
+    token_file: Annotated[
+        Path | None, typer.Option(help="File with the token that pages have to give; a random one on other addresses.")
+    ] = None,
+    folder: Annotated[
+        Path | None, typer.Option(help="For captures, presets, sessions and the log of who changed what.")
+    ] = None,
+    timeout: Annotated[
+        float,
+        typer.Option(min=1, max=3600, metavar="S", help="Back to safe values without the page in control for so long."),
+    ] = 30.0,
+    hal: Annotated[
+        Path | None, typer.Option("--hal", help="Attach to the running LinuxCNC, as this file says.")
+    ] = None,
+    open_: Annotated[
+        bool | None, typer.Option("--open/--no-open", help="Open the page in a browser; by itself on a desktop.")
+    ] = None,
+) -> None:
+    """Watch and tune a machine in the browser; Ctrl-C ends it.
+
+    The machine is simulated: nothing moves. With --hal it is the one that LinuxCNC runs.
+    """
+    from leadscrew.panel.serve import Options, serve, token_for
+
+    place = (folder or _own_folder()).expanduser().absolute()
+    spec = _spec(study, controller, scenario, hal, place)
+    options = Options(host, port, token_for(host, token_file), timeout, place)
+
+    def said(address: str) -> None:
+        typer.echo(f"Operator panel: {address}")
+        typer.echo(f"{'LinuxCNC' if hal else 'Simulated machine: nothing moves'}. Files: {place}. Ctrl-C ends.")
+        sys.stdout.flush()
+        if open_ or (open_ is None and not options.token and _on_desktop()):
+            _open(address)
+
+    raise typer.Exit(serve(options, spec, said, typer.echo))
+
+
+def _spec(study: str | None, controller: str | None, scenario: str | None, hal: Path | None, folder: Path) -> Spec:
+    """What the machine's process is to drive; names are checked there, files here."""
+    from leadscrew import catalogue, userfile
+    from leadscrew.kernel.errors import DataError, NameUnknown, ValueRefused
+    from leadscrew.kernel.sheet import nearest
+    from leadscrew.panel.child import Spec
+
+    if hal is not None:
+        if study or controller or scenario:
+            raise ValueRefused("--hal attaches to a real machine: give no STUDY, --controller or --scenario with it")
+        if not hal.is_file():
+            raise DataError(f"--hal {hal}: there is no such file")
+        return Spec(str(folder), hal=str(hal.absolute()))
+    if study is None:
+        return Spec(str(folder), FIRST, controller or "", scenario or "", own=_own(controller))
+    if not userfile.is_reference(study) and not study.endswith(".toml"):
+        known = catalogue.study_names()
+        if study not in known:
+            raise NameUnknown(f"there is no study {study!r}{nearest(study, known)}")
+        return Spec(str(folder), study, controller or "", scenario or "", own=_own(controller))
+    from leadscrew.cli.subject import experiment_of
+
+    found = experiment_of(study)
+    name = userfile.absolute(found.study)
+    own = None if controller is None else userfile.absolute(controller)
+    return Spec(str(folder), name, own or found.controller or "", scenario or found.scenario or "",
+                changes=dict(found.changes), seed=found.seed, named=(name,),
+                own=_own(own or found.controller))  # fmt: skip
+
+
+def _own(controller: str | None) -> tuple[str, ...]:
+    """A controller that is named here may be chosen on the page too, be it of the study or not."""
+    return (controller,) if controller else ()
+
+
+def _own_folder() -> Path:
+    from platformdirs import user_data_path
+
+    return Path(user_data_path("leadscrew", appauthor=False)) / "panel"
+
+
+def _on_desktop() -> bool:
+    """Whether somebody sits in front of a browser."""
+    if not sys.stdout.isatty():
+        return False
+    return sys.platform in ("win32", "darwin") or bool(os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"))
+
+
+def _open(address: str) -> None:
+    import threading
+    import webbrowser
+
+    def work() -> None:
+        if not webbrowser.open(address):
+            say("no browser could be opened; open the address yourself")
+
+    threading.Thread(target=work, daemon=True).start()

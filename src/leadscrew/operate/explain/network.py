@@ -1,0 +1,118 @@
+"""The 49 rules of a tangential knife, and what they have learned: which fire, what they say now and what at first."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from leadscrew.controllers.sofnn.all_weights import AllWeightsParams
+from leadscrew.controllers.sofnn.fixed import FnnParams
+from leadscrew.controllers.sofnn.levels import MOST_LEVEL, Scales, scales
+from leadscrew.controllers.sofnn.network import SofnnParams
+from leadscrew.controllers.sofnn.standard import SofcParams
+from leadscrew.kernel.block import Block
+from leadscrew.neural.groups import said_by
+from leadscrew.neural.inference_net import AXIS, CENTRES, LABELS, RULES, Fired, fired
+from leadscrew.operate.explain.shown import (
+    Acting,
+    Now,
+    Quantity,
+    closest,
+    rules_view,
+    sets_view,
+    triangles,
+    two_degrees,
+)
+
+PEAKS = [float(c) for c in CENTRES]
+LEARNERS = (SofnnParams, SofcParams, AllWeightsParams)
+SHOWN = 7.5
+"""Levels up to which the shoulders of the outer sets are drawn."""
+
+
+def four(at: Fired) -> list[tuple[int, float]]:
+    """The rules that fire, as place ``7 j + i`` and firing strength."""
+    k, mu, nu = 7 * int(at.j) + int(at.i), float(at.mu), float(at.nu)
+    return [
+        (k, (1.0 - nu) * (1.0 - mu)), (k + 1, (1.0 - nu) * mu), (k + 7, nu * (1.0 - mu)), (k + 8, nu * mu)
+    ]  # fmt: skip
+
+
+def levels_of(name: str, unit: str, value: float, level: float, centres: list[float], k: int, mu: float) -> Quantity:
+    """An input with seven sets, in units of the value; ``level`` levels stand for one of them."""
+    per = 1.0 / level if level > 0.0 else 1.0
+    shown, unit = (value, unit) if level > 0.0 else (0.0, "levels")
+    end = MOST_LEVEL * per
+    return Quantity(
+        name, shown, unit, -end, end, centres[0] * per, centres[-1] * per, per, LABELS,
+        triangles(centres, per, -SHOWN * per, SHOWN * per), two_degrees(7, k, mu),
+    )  # fmt: skip
+
+
+class Texts:
+    """The words of 49 rules, with what each says now and what it said before anything was learned."""
+
+    def __init__(self, first: str, second: str, learns: bool) -> None:
+        self.learns = learns
+        self.ifs = [f"if {first} is {e} and {second} is {ec} then offset is " for ec in LABELS for e in LABELS]
+
+    def acting(self, k: int, share: float, strength: float, says: float, prior: float) -> Acting:
+        """Rule ``k``, which says ``says`` levels and said ``prior``."""
+        text = f"{self.ifs[k]}{closest(LABELS, PEAKS, says)}"
+        if not self.learns:
+            return Acting(k + 1, text, share, strength, says)
+        return Acting(k + 1, f"{text} ({says:+.2f}, at first {prior:+.2f})", share, strength, says, prior)
+
+
+class Network:
+    """The explanation of a fixed or learning network of the deviation and its change."""
+
+    views = ("rules", "sets")
+
+    def __init__(self, block: Block) -> None:
+        self.fixed = isinstance(block.params, FnnParams)
+        self.texts = Texts("deviation", "change", not self.fixed)
+        self.params: Any = None
+        self.scales: Scales
+        self.prior: list[float]
+
+    def _prepare(self, p: Any, dt: float) -> None:
+        if p is not self.params:
+            self.params, self.scales = p, scales(p, dt)
+            self.prior = (p.rules if self.fixed else p.prior).tolist()
+
+    def look(self, now: Now) -> dict[str, Any]:
+        """The views ``rules`` and ``sets``."""
+        self._prepare(now.params, now.dt)
+        s, g = now.state, self.scales
+        e, ec = g.k_e * s.watch.error, g.k_ec * s.watch.rate
+        weights = self.prior if self.fixed else s.weights
+        certain = hasattr(s, "certainties")
+        centres = (s.centres_e.tolist(), s.centres_ec.tolist()) if certain else (PEAKS, PEAKS)
+        if certain:
+            found = said_by(weights, s.certainties, s.centres_e, s.centres_ec, e, ec)
+            at, total = found.fired, float(found.total)
+        else:
+            at, total = fired(AXIS, AXIS, e, ec), 1.0
+        acting = []
+        for k, strength in four(at):
+            share = strength * float(s.certainties[k]) / total if certain else strength
+            acting.append(self.texts.acting(k, share, strength, float(weights[k]), self.prior[k]))
+        # Unit of the change: per sample, unless the scale is per second.
+        per, unit = (now.dt, "deg/s") if now.params.per_second else (1.0, "deg a sample")
+        inputs = (
+            levels_of("deviation", "deg", s.watch.error, g.k_e, centres[0], int(at.i), float(at.mu)),
+            levels_of("change", unit, s.watch.rate / per, g.k_ec * per, centres[1], int(at.j), float(at.nu)),
+        )
+        said = sum(a.share * (a.value or 0.0) for a in acting)
+        learned = sum(a.share * ((a.value or 0.0) - (a.prior or 0.0)) for a in acting) if not self.fixed else None
+        outputs = [("level", said, "levels")]
+        outputs += [] if learned is None else [("learned of it", learned, "levels")]
+        outputs += [("offset of that level", min(max(g.k_d * said, -g.most), g.most), "deg")]
+        outputs += [("offset sent", s.offset, "deg")]
+        note = "the cut is not seen: the offset fades, the rules wait" if s.watch.blind else ""
+        return {"rules": rules_view(inputs, outputs, acting, RULES, note), "sets": sets_view(inputs)}
+
+
+def explained(block: Block) -> Network | None:
+    """The explanation of a network of the deviation; None of any other controller."""
+    return Network(block) if isinstance(block.params, (FnnParams, *LEARNERS)) else None

@@ -1,0 +1,220 @@
+"""What an operator sees of a machine and how the machine can be disturbed: plots, tolerance bands, disturbances.
+
+A profile is data about one study; the studies' own profiles lie in :mod:`leadscrew.operate.profiles`, one file each,
+and :func:`profile_of` gives one for every other study, machine file or loop as well.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any, Literal
+
+from leadscrew.kernel.errors import NameUnknown, ValueRefused
+from leadscrew.kernel.sheet import nearest
+
+if TYPE_CHECKING:
+    from leadscrew.kernel.loop import Loop
+
+Role = Literal["command", "feedback", "actual", "error", "output", "disturbance", "other"]
+
+Changes = list[tuple[float, dict[str, Any]]]
+"""What a disturbance does: (seconds from now, parameters by dotted key), the first at 0 s."""
+
+
+@dataclass(frozen=True)
+class Trace:
+    """One line of a plot: a column of the loop times ``factor``, shown in ``unit``."""
+
+    signal: str
+    label: str
+    role: Role
+    factor: float = 1.0
+    unit: str = ""
+
+
+@dataclass(frozen=True)
+class Band:
+    """A tolerance drawn behind the lines, in the shown unit; around zero, or around a column of the loop.
+
+    ``label`` is short enough to stand beside the plot's title; ``doc`` says in full whose tolerance it is.
+    """
+
+    low: float
+    high: float
+    label: str
+    about: str = ""
+    doc: str = ""
+
+
+@dataclass(frozen=True)
+class Plot:
+    """Lines over one time axis, all in one unit."""
+
+    title: str
+    unit: str
+    traces: tuple[Trace, ...]
+    bands: tuple[Band, ...] = ()
+
+
+@dataclass(frozen=True)
+class Readout:
+    """A number that the operator reads at a glance: a column of the loop, or a parameter by its key, times ``factor``.
+
+    ``per``: a column or parameter that it is divided by. ``decimals``: None where the size of the number says how many.
+    ``shows``: of what came since the last showing (a quarter of a second) the mean, or the value that is farthest from
+    0, which a mean would hide where a signal swings. Several of one label: the first that the loop has.
+    """
+
+    label: str
+    source: str
+    unit: str
+    factor: float = 1.0
+    decimals: int | None = None
+    per: str = ""
+    shows: Literal["mean", "peak"] = "mean"
+
+
+@dataclass(frozen=True)
+class Field:
+    """A number that the operator gives with a disturbance, within ``low`` and ``high``."""
+
+    name: str
+    label: str
+    unit: str
+    low: float
+    high: float
+    value: float
+    doc: str
+
+    def check(self, value: Any) -> float:
+        """``value`` as a number within the bounds.
+
+        Raises:
+            ValueRefused: no number, not finite, or out of bounds.
+        """
+        if isinstance(value, bool) or not isinstance(value, int | float):
+            raise ValueRefused(f"{self.name} = {value!r}: expected a number{' in ' + self.unit if self.unit else ''}")
+        if not self.low <= value <= self.high:
+            unit = f" {self.unit}" if self.unit else ""
+            raise ValueRefused(f"{self.name} = {value!r}: allowed range is [{self.low:g}, {self.high:g}]{unit}")
+        return float(value)
+
+
+@dataclass(frozen=True)
+class Disturbance:
+    """Something done to the running machine by setting parameters, at once and later.
+
+    ``act(fields, now_s, values)`` gives the changes for checked fields, the simulated time of the next period and the
+    loop's parameters by dotted key, as they will be when every end that is still to come has come: a pulse during a
+    pulse ends at what was before both. ``needs`` are the keys that it cannot do without: a loop that lacks one cannot
+    be disturbed in this way.
+    """
+
+    name: str
+    label: str
+    doc: str
+    fields: tuple[Field, ...]
+    act: Callable[[Mapping[str, float], float, Mapping[str, Any]], Changes]
+    needs: tuple[str, ...] = ()
+
+    def changes(self, fields: Mapping[str, Any], now_s: float, values: Mapping[str, Any]) -> Changes:
+        """What ``act`` gives for fields that were checked; a field that is not given has its default.
+
+        Raises:
+            NameUnknown: no such field.
+            ValueRefused: a value out of the bounds of its field.
+        """
+        known = {field.name: field for field in self.fields}
+        for name in fields:
+            if name not in known:
+                raise NameUnknown(f"{self.name} has no field {name!r}{nearest(name, list(known))}")
+        checked = {name: field.check(fields.get(name, field.value)) for name, field in known.items()}
+        return self.act(checked, now_s, values)
+
+
+def untouched(loop: Loop) -> Loop:
+    """The loop as it is."""
+    return loop
+
+
+@dataclass(frozen=True)
+class Profile:
+    """How one machine is operated.
+
+    ``study``, ``controller``, ``scenario`` are what the panel starts with (both None for a loop of one's own).
+    ``operated`` puts quiet blocks into free places of the loop; nobody touching them, its signals have the same bits.
+    ``circle``: two axes on one circle are worth a ball bar. ``readouts``: the numbers above the plots, at most six;
+    none: the values of the first lines drawn. ``notes``: what happens when the command ends, and what
+    cannot change in the run.
+    """
+
+    study: str
+    controller: str | None
+    scenario: str | None
+    window_s: float
+    plots: tuple[Plot, ...]
+    disturbances: tuple[Disturbance, ...] = ()
+    operated: Callable[[Loop], Loop] = untouched
+    circle: bool = False
+    notes: str = ""
+    readouts: tuple[Readout, ...] = ()
+
+    def disturbance(self, name: str) -> Disturbance:
+        """The disturbance of that name.
+
+        Raises:
+            NameUnknown: this machine has none of that name.
+        """
+        known = {d.name: d for d in self.disturbances}
+        if name not in known:
+            raise NameUnknown(f"there is no disturbance {name!r}{nearest(name, list(known))}")
+        return known[name]
+
+
+def profile_of(name: str) -> Profile:
+    """The profile of a study by its name, or of a machine file, ``path/file.py:name`` or plug-in.
+
+    Raises:
+        NameUnknown, DataError: there is no such study; the file cannot be read.
+    """
+    from importlib import import_module
+
+    from leadscrew.operate.profiles import OWN
+
+    if name in OWN:
+        found: Profile = import_module(f"leadscrew.operate.profiles.{name}").PROFILE
+        return found
+    from leadscrew.operate.profiles.general import profile
+
+    return profile(name)
+
+
+def fitted(profile: Profile, loop: Loop) -> Profile:
+    """The profile without what ``loop`` has no signals or parameters for: traces, bands, plots, readouts, disturbances.
+
+    ``loop`` is the operated one: what ``profile.operated`` puts in counts.
+    """
+    columns, keys = set(loop.program.plan.columns), loop.sheet
+    plots = []
+    for plot in profile.plots:
+        traces = tuple(t for t in plot.traces if t.signal in columns)
+        bands = tuple(b for b in plot.bands if not b.about or b.about in columns)
+        if traces:
+            plots.append(replace(plot, traces=traces, bands=bands))
+    kept = tuple(d for d in profile.disturbances if _all_in(d.needs, keys))
+    shown: dict[str, Readout] = {}
+    for readout in profile.readouts:
+        if all(not name or name in columns or name in keys for name in (readout.source, readout.per)):
+            shown.setdefault(readout.label, readout)
+    return replace(profile, plots=tuple(plots), disturbances=kept, readouts=tuple(shown.values()))
+
+
+def _all_in(wanted: Iterable[str], known: Mapping[str, Any]) -> bool:
+    return all(key in known for key in wanted)
+
+
+__all__ = [
+    "Band", "Changes", "Disturbance", "Field", "Plot", "Profile", "Readout", "Role",
+    "Trace", "fitted", "profile_of", "untouched",
+]  # fmt: skip

@@ -1,0 +1,213 @@
+"""A session as a TOML file that a person can read, keep under version control and run again.
+
+::
+
+    schema_version = 1
+    kind = "session"
+    leadscrew = "0.9.0"
+    periods = 5000
+    digest = "9f2b..."                  # SHA-256 of all signals
+
+    [start]
+    study = "vud_lathe"
+    controller = "corrected.vud_beta_e"
+    scenario = "sequence"
+
+    [[event]]
+    period = 1200                       # periods done when it took effect
+    do = "set"
+    how = "ramped"
+    over = 100
+    before = "02d6..."                  # first digits of the digest of the rows before it; [marks]: after N periods
+
+    [event.set]
+    controller.output_full_scale_v = 9.0
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+from pydantic import BaseModel, ConfigDict, Field, ValidationError
+
+from leadscrew import __version__, userfile
+from leadscrew.controller_file import table_of, toml
+from leadscrew.experiment_file import flat
+from leadscrew.kernel.errors import DataError
+from leadscrew.kernel.sheet import nearest
+from leadscrew.newfile import save
+from leadscrew.operate.session import Event, Session, Start
+
+KIND = "session"
+Count = Annotated[int, Field(ge=0, lt=2**53)]
+
+
+class _Table(BaseModel):
+    model_config = ConfigDict(extra="forbid", strict=True)
+
+
+class StartTable(_Table):
+    """What the machine was."""
+
+    study: Annotated[str, Field(min_length=1)]
+    controller: str | None = None
+    scenario: str | None = None
+    seed: Count | None = None
+    engine: Literal["llvm", "c", "numba", "python"] | None = None
+    circle: bool = False
+    changes: Annotated[dict[str, Any], Field(alias="set")] = {}
+
+
+class EventTable(_Table):
+    """What was done to it."""
+
+    period: Count
+    do: Literal["set", "switch"]
+    controller: str = ""
+    how: Literal["aligned", "ramped", "at once", "not bumpless"]
+    over: Count = 0
+    by: str = ""
+    why: str = ""
+    compare: bool = True
+    before: str = ""
+    changes: Annotated[dict[str, Any], Field(alias="set")] = {}
+
+
+class SessionFile(_Table):
+    """The keys of the file."""
+
+    schema_version: Literal[1]
+    kind: Literal["session"]
+    leadscrew: str = ""
+    periods: Count
+    digest: Annotated[str, Field(pattern="^[0-9a-f]{64}$")]
+    marks: dict[Annotated[str, Field(pattern="^[0-9]{1,16}$")], str] = {}
+    start: StartTable
+    event: list[EventTable] = []
+    files: dict[str, str] = {}
+
+
+def text(session: Session) -> str:
+    """The session as the text of its file."""
+    start = session.start
+    head = {
+        "schema_version": 1,
+        "kind": KIND,
+        "leadscrew": __version__,
+        "periods": session.periods,
+        "digest": session.digest,
+        "start": {
+            "study": start.study,
+            "controller": start.controller,
+            "scenario": start.scenario,
+            "seed": start.seed,
+            "engine": start.engine,
+            "circle": start.circle or None,
+            "set": dict(start.changes),
+        },
+        "files": dict(start.files),
+        "marks": {str(k): v for k, v in session.marks.items()},
+    }
+    return "\n".join([toml(head), *map(_event, session.events)])
+
+
+def _event(event: Event) -> str:
+    table = {
+        "period": event.period,
+        "do": event.do,
+        "controller": event.controller or None,
+        "how": event.how,
+        "over": event.over or None,
+        "by": event.by or None,
+        "why": event.why or None,
+        "compare": None if event.compare else False,
+        "before": event.mark or None,
+        "set": dict(event.changes),
+    }
+    return toml({"event": table}).replace("[event]", "[[event]]", 1)
+
+
+def write(session: Session, path: str | Path) -> None:
+    """Writes the file.
+
+    Raises:
+        DataError: it cannot be written.
+    """
+    save(text(session), path)
+
+
+def is_session(path: str | Path) -> bool:
+    """Whether a TOML file says that it is a session.
+
+    Raises:
+        DataError: no such file, or bad TOML.
+    """
+    return table_of(Path(path)).get("kind") == KIND
+
+
+def read(path: str | Path) -> Session:
+    """A session from its file; files that it names are looked for beside it.
+
+    Raises:
+        DataError: no such file, bad TOML, no session, an unknown key or a value of the wrong type; names file and key.
+    """
+    where = Path(path)
+    table = table_of(where)
+    if table.get("kind") != KIND:
+        said = f"its kind is {table['kind']!r}" if "kind" in table else "it has no kind"
+        raise DataError(f"{where}: is not a session: {said}, expected kind = {KIND!r}")
+    found = _validated(table, str(where))
+    beside = where.resolve().parent
+    events = tuple(_event_of(e, beside) for e in found.event)
+    _in_order(events, found.periods, str(where))
+    s = found.start
+    start = Start(
+        _there(s.study, beside), None if s.controller is None else _there(s.controller, beside), s.scenario,
+        dict(flat(s.changes)), s.seed, s.engine, s.circle,
+        {_there(k, beside): v for k, v in found.files.items()},
+    )  # fmt: skip
+    return Session(start, events, found.periods, found.digest, {int(k): v for k, v in found.marks.items()})
+
+
+def _event_of(e: EventTable, beside: Path) -> Event:
+    return Event(
+        e.period, e.do, dict(flat(e.changes)), _there(e.controller, beside), e.over, e.how, e.by, e.why,
+        compare=e.compare, mark=e.before,
+    )  # fmt: skip
+
+
+def _there(name: str, beside: Path) -> str:
+    return userfile.absolute(name, beside)
+
+
+def _in_order(events: tuple[Event, ...], periods: int, where: str) -> None:
+    """Events follow one another, up to the end; a switch names its controller."""
+    last = 0
+    for i, event in enumerate(events):
+        if not last <= event.period <= periods:
+            raise DataError(
+                f"{where}: event {i + 1} has period = {event.period}; allowed are {last} to {periods}: events stand in "
+                "the order of time"
+            )
+        if (event.do == "switch") != bool(event.controller):
+            raise DataError(f"{where}: event {i + 1}: a switch, and nothing else, names a controller")
+        last = event.period
+
+
+def _validated(table: Mapping[str, Any], where: str) -> SessionFile:
+    try:
+        return SessionFile.model_validate(table)
+    except ValidationError as error:
+        first = error.errors()[0]
+        key = ".".join(map(str, first["loc"]))
+        if first["type"] == "extra_forbidden":
+            known = [f.alias or n for m in (SessionFile, StartTable, EventTable) for n, f in m.model_fields.items()]
+            raise DataError(f"{where}: there is no key {key!r}{nearest(key.rsplit('.', 1)[-1], known)}") from None
+        if first["type"] == "missing":
+            raise DataError(f"{where}: the key {key!r} is missing") from None
+        raise DataError(f"{where}: {key} = {first['input']!r}: {first['msg']}") from None
+
+
+__all__ = ["KIND", "is_session", "read", "text", "write"]

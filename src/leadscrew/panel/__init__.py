@@ -1,0 +1,1 @@
+"""The operator panel: a machine watched and tuned in the browser."""

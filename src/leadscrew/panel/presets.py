@@ -1,0 +1,104 @@
+"""Presets: the parameters of a machine under a name, in one JSON file each, read with suspicion."""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any
+
+from leadscrew import newfile
+from leadscrew.kernel.errors import DataError, NameUnknown
+from leadscrew.kernel.sheet import nearest
+from leadscrew.panel.plain import plain
+
+MOST_BYTES = 256_000
+MOST_FILES = 500
+NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9 _.-]{0,63}\Z")
+"""Names of presets and sessions; no slash, and no leading point."""
+
+
+@dataclass(frozen=True)
+class Preset:
+    """Values by dotted key, of one study under one controller."""
+
+    study: str
+    controller: str
+    values: Mapping[str, Any]
+
+
+def names(folder: Path) -> list[str]:
+    """The presets of a folder, by name."""
+    found = folder.glob("*.json") if folder.is_dir() else ()
+    return sorted(p.stem for p in found if NAME.match(p.stem) and p.is_file() and not p.is_symlink())
+
+
+def save(preset: Preset, folder: Path, name: str) -> Path:
+    """Writes a preset whole; one of that name is replaced.
+
+    Raises:
+        DataError: a name that is not allowed, a full folder, or it cannot be written.
+    """
+    path = _place(folder, name)
+    if not path.exists() and len(names(folder)) >= MOST_FILES:
+        raise DataError(f"{folder} holds {MOST_FILES} presets, the most that it may; delete some of them first")
+    newfile.save(json.dumps({"schema_version": 1, **plain(asdict(preset))}, indent=1, allow_nan=False) + "\n", path)
+    return path
+
+
+def load(folder: Path, name: str) -> Preset:
+    """The preset of that name. Keys and values are checked by the machine when it is set.
+
+    Raises:
+        NameUnknown: there is none.
+        DataError: the file is no preset; says why.
+    """
+    path = _there(folder, name)
+    if path.stat().st_size > MOST_BYTES:
+        raise DataError(f"{path.name}: {path.stat().st_size} bytes; presets up to {MOST_BYTES} bytes are read")
+    try:
+        table = json.loads(path.read_text(encoding="utf-8"), parse_constant=_refuse)
+    except (ValueError, RecursionError) as error:
+        raise DataError(f"{path.name} is no preset: {error}") from None
+    known = {"schema_version", "study", "controller", "values"}
+    if not isinstance(table, dict) or set(table) != known or table["schema_version"] != 1:
+        raise DataError(f"{path.name} is no preset of version 1: it has to hold {', '.join(sorted(known))}")
+    if not (isinstance(table["study"], str) and isinstance(table["controller"], str)):
+        raise DataError(f"{path.name}: study and controller have to be names")
+    if not isinstance(table["values"], dict):
+        raise DataError(f"{path.name}: values has to be a table of numbers by key")
+    return Preset(table["study"], table["controller"], table["values"])
+
+
+def delete(folder: Path, name: str) -> None:
+    """Removes a preset.
+
+    Raises:
+        NameUnknown: there is none.
+    """
+    _there(folder, name).unlink()
+
+
+def _there(folder: Path, name: str) -> Path:
+    path = _place(folder, name)
+    if name not in names(folder):
+        raise NameUnknown(f"there is no preset {name!r}{nearest(name, names(folder))}")
+    return path
+
+
+def _place(folder: Path, name: str) -> Path:
+    if not NAME.match(name) or ".." in name:
+        raise DataError(f"name = {name[:80]!r}: allowed are 1 to 64 letters, digits, blanks and _ . -, no two points")
+    path = folder / f"{name}.json"
+    if path.is_symlink():
+        raise DataError(f"{path.name} is a link; choose another name")
+    return path
+
+
+def _refuse(word: str) -> Any:
+    raise ValueError(f"{word} is no number")
+
+
+__all__ = ["NAME", "Preset", "delete", "load", "names", "save"]
