@@ -131,12 +131,14 @@ def test_a_wrong_token_gets_nothing_at_all_and_stands_in_no_log(tmp_path):
             assert client.get(path).status_code == 401
         assert client.get("/").status_code == 200
         assert link.asked == []
-        assert client.get(f"/api/session.py?token={TOKEN}").text == "text of the session"
-        assert client.get("/api/session.toml", headers={"authorization": f"Bearer {TOKEN}"}).status_code == 200
+        assert client.get(f"/api/session.py?token={TOKEN}").status_code == 401, "no token in an address"
+        bearer = {"authorization": f"Bearer {TOKEN}"}
+        assert client.get("/api/session.py", headers=bearer).text == "text of the session"
+        assert client.get("/api/session.toml", headers=bearer).status_code == 200
         with line(client) as socket:
             assert said(socket, "hello", name="Ann", token=TOKEN)["ok"]
     log = (tmp_path / "audit.jsonl").read_text()
-    assert "wrong-token" not in log and TOKEN not in log and len(errors(audit)) == 5
+    assert "wrong-token" not in log and TOKEN not in log and len(errors(audit)) == 6
 
 
 @pytest.mark.parametrize("first", ['{"id":1,"do":"start"}', "x", '{"id":1,"do":"hello"}', '{"id":1,"do":"take"}'])

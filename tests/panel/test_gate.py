@@ -59,10 +59,10 @@ def test_only_the_token_itself_is_the_token():
 
 @pytest.mark.parametrize(
     "headers, query, found",
-    [([(b"authorization", b"Bearer abc")], b"", "abc"), ([], b"token=a%20b&x=1", "a b"), ([], b"", None),
-     ([(b"authorization", b"Basic abc")], b"", None)],
+    [([(b"authorization", b"Bearer abc")], b"", "abc"), ([], b"token=a%20b&x=1", None), ([], b"", None),
+     ([(b"authorization", b"bearer abc ")], b"token=other", "abc"), ([(b"authorization", b"Basic abc")], b"", None)],
 )  # fmt: skip
-def test_a_download_gives_its_token_in_the_header_or_the_address(headers, query, found):
+def test_a_download_gives_its_token_in_the_header_and_never_in_the_address(headers, query, found):
     assert LOCAL.token_of({"headers": headers, "query_string": query}) == found
 
 

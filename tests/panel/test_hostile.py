@@ -57,7 +57,8 @@ def undisturbed(served, owner, tmp_path):
     state = owner.until(lambda s: s["period"] > period)
     assert state["running"] == "running" and state["changed"] == values and owner.machine["run"] == run
     path = tmp_path / "session.toml"
-    path.write_text(httpx.get(f"http://{served.address}/api/session.toml?token={TOKEN}", timeout=60).text)
+    bearer = {"authorization": f"Bearer {TOKEN}"}
+    path.write_text(httpx.get(f"http://{served.address}/api/session.toml", headers=bearer, timeout=60).text)
     session = session_file.read(path)
     rerun = session.run(record=())
     assert rerun.identical and session.events == () and session.periods > period

@@ -14,7 +14,7 @@ from leadscrew.cli.panel import _spec
 from leadscrew.kernel.errors import NameUnknown, ValueRefused
 from leadscrew.operate import session_file
 from leadscrew.operate.session import Start
-from leadscrew.panel import records
+from leadscrew.panel import describing, records
 from leadscrew.panel.frames import GHOST, LIVE
 from leadscrew.panel.machine import Later
 from leadscrew.panel.sim_machine import SimMachine
@@ -117,6 +117,11 @@ def test_a_controller_that_the_command_line_named_is_in_the_list_and_can_be_chos
         did(machine, "machine", study=told["study"], controller=name, scenario=told["scenario"], seed=None,
             circle=False, changes=None)  # fmt: skip
         assert machine.describe()["controller"] == name
+
+
+def test_a_study_is_called_by_its_title_and_a_machine_file_by_its_name():
+    assert describing._title("vud_lathe") == describing.study_of("vud_lathe").title != "vud_lathe"
+    assert describing._title("/somewhere/of mine/axis.toml") == "axis.toml"
 
 
 @pytest.mark.slow

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import asdict
 from functools import lru_cache
+from pathlib import PurePath
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
@@ -75,7 +76,7 @@ def describe(
             *({"name": n, "bumpless": _bumpless(start.study, n)} for n in own if study and n not in controllers),
         ],
         "scenarios": [{"name": s.name, "doc": s.doc, "duration_s": s.duration_s} for s in scenarios.values()],
-        "studies": [{"name": n, "title": found.title if (found := study_of(n)) else n} for n in studies(named)],
+        "studies": [{"name": n, "title": _title(n)} for n in studies(named)],
     }  # fmt: skip
 
 
@@ -83,6 +84,11 @@ def studies(named: Sequence[str]) -> list[str]:
     """The machines that a page may choose: the catalogue's, and what the command line named."""
     known = catalogue.study_names()
     return [*known, *(n for n in named if n not in known)]
+
+
+def _title(name: str) -> str:
+    """What a page calls a machine: a study by its title, a machine file by its name without the folders."""
+    return found.title if (found := study_of(name)) else PurePath(name).name
 
 
 @lru_cache(maxsize=8)

@@ -10,7 +10,6 @@ import time
 from collections.abc import Awaitable, Callable, Iterable, MutableMapping
 from dataclasses import dataclass, field
 from typing import Any
-from urllib.parse import parse_qs
 
 Scope = MutableMapping[str, Any]
 Receive = Callable[[], Awaitable[MutableMapping[str, Any]]]
@@ -67,12 +66,9 @@ class Gate:
         return hmac.compare_digest((given or "").encode("utf-8", "replace"), self.token.encode())
 
     def token_of(self, scope: Scope) -> str | None:
-        """The token of a request: ``Authorization: Bearer``, or ``?token=``."""
+        """The token of a request: ``Authorization: Bearer``; never in an address, which browsers and proxies keep."""
         header = _header(scope, b"authorization")
-        if header.lower().startswith("bearer "):
-            return header[7:].strip()
-        query = parse_qs(scope.get("query_string", b"").decode("latin-1"), max_num_fields=10)
-        return query["token"][0] if "token" in query else None
+        return header[7:].strip() if header.lower().startswith("bearer ") else None
 
 
 def new_token() -> str:

@@ -94,7 +94,8 @@ class Relay:
         end = "it was started again" if again else "choose a machine to begin again"
         self.audit.note("machine lost", ok=False, error=text)
         self.state = {**BUILDING, "running": "building" if again else "stopped", "message": f"{text}; {end}."}
-        self._all(notice("error", f"{text}; {end}."))
+        kept = "That run cannot be replayed; what was changed in it stands in the audit."
+        self._all(notice("error", f"{text}; {end}. {kept}"))
         self._tell_state()
 
     def _look(self) -> None:
