@@ -28,6 +28,9 @@ class NoMachine:
     def listen(self, heard, lost):
         self.heard, self.lost = heard, lost
 
+    def begin(self):
+        pass
+
     def remember(self, machine):
         pass
 

@@ -14,7 +14,7 @@ from leadscrew.cli.panel import _spec
 from leadscrew.kernel.errors import NameUnknown, ValueRefused
 from leadscrew.operate import session_file
 from leadscrew.operate.session import Start
-from leadscrew.panel import describing, records
+from leadscrew.panel import describing, records, sim_machine
 from leadscrew.panel.frames import GHOST, LIVE
 from leadscrew.panel.machine import Later
 from leadscrew.panel.sim_machine import SimMachine
@@ -270,7 +270,20 @@ def test_a_value_that_the_loop_cannot_compute_with_is_refused_and_the_machine_ru
     machine = begun(tmp_path, "sofnn_tangent")
     did(machine, "start")
     before = machine._here().values()["sensor.trailing_s"]
-    with pytest.raises(ValueRefused, match=r"sensor\.trailing_s = 1e\+308"):
+    with pytest.raises(ValueRefused, match=r"^trailing_s = 1e\+308 .*expected 63 or fewer"):
         did(machine, "set", changes={"sensor.trailing_s": 1e308})
     assert machine.running == "running" and machine._here().values()["sensor.trailing_s"] == before
     ran(machine, 10)
+
+
+@pytest.mark.parametrize("error", [OverflowError("inf"), ZeroDivisionError("0"), ValueError("nan"), IndexError("63")])
+def test_what_a_block_did_not_foresee_in_a_value_is_a_refusal_that_names_the_value(error):
+    def act():
+        raise error
+
+    with pytest.raises(
+        ValueRefused, match=rf"^controller\.kp = 1e\+308: the machine cannot compute with it \({error}\)"
+    ):
+        sim_machine._obeyed("set", {"changes": {"controller.kp": 1e308}}, act)
+    with pytest.raises(NameUnknown, match="as it was said"):
+        sim_machine._obeyed("set", {}, lambda: (_ for _ in ()).throw(NameUnknown("as it was said")))

@@ -61,6 +61,7 @@ class Hub(Relay):
 
     def come(self, hello: Hello, client: Client) -> dict[str, Any]:
         """A page that may come in: it is told everything; the result of its hello."""
+        self.link.begin()
         client.name, client.secret = hello.name, hello.secret or ""
         before = self.control.resume(client.number, client.secret)
         if before is not None and self.control.writer is not None:

@@ -17,12 +17,15 @@ from leadscrew.panel import child
 
 if TYPE_CHECKING:
     from multiprocessing.connection import Connection
+    from multiprocessing.process import BaseProcess
 
     from leadscrew.panel.child import Spec
 
 WAITING = 64
 """Questions that may wait for an answer; more are refused."""
 ANSWER_S = 60.0
+BEGIN_S = 0.6
+"""How long the process waits for a page, so that two cores draw the page first; then it begins in any case."""
 QUICK_S, TRIES = 30.0, 3
 """A process lost so soon after it began counts as a failed try; after so many it is not started again by itself."""
 
@@ -44,7 +47,13 @@ class Link:
         self._tries = 0
         self._heard: Callable[[bytes], None] = lambda data: None
         self._lost: Callable[[str, bool], None] = lambda text, again: None
-        self._start()
+        self._begun = False
+        self.process: BaseProcess | None = None
+
+    def begin(self) -> None:
+        """Begins the process, where it has not begun yet."""
+        if not self._begun:
+            self.restart()
 
     def _start(self) -> None:
         """Begins the process; a Ctrl-C meant for the server does not reach it while it begins."""
@@ -60,15 +69,16 @@ class Link:
                 signal.signal(signal.SIGINT, before)
         theirs.close()
         self._connection: Connection = ours
-        self.alive, self._began = True, time.monotonic()
+        self._begun = self.alive = True
+        self._began = time.monotonic()
 
     def listen(self, heard: Callable[[bytes], None], lost: Callable[[str, bool], None]) -> None:
         """From now on every message goes to ``heard``, in the event loop; ``lost`` is told when the process ends, and
-        whether it is started again.
+        whether it is started again. The process begins with the first page, at the latest after ``BEGIN_S``.
         """
         self._heard, self._lost = heard, lost
         self._loop = asyncio.get_running_loop()
-        self._read_on()
+        self._loop.call_later(BEGIN_S, self.begin)
 
     def _read_on(self) -> None:
         threading.Thread(target=self._read, args=(self._connection,), daemon=True, name="leadscrew-link").start()
@@ -101,7 +111,7 @@ class Link:
 
     def _ended(self, connection: Connection) -> None:
         """The process is gone: what waits for it is told, and another one begins, standing still."""
-        if connection is not self._connection or not self.alive:
+        if connection is not self._connection or not self.alive or self.process is None:
             return
         self.alive = False
         self.process.join(1.0)
@@ -118,7 +128,7 @@ class Link:
             self.restart()
 
     def restart(self) -> None:
-        """Begins another process after one that ended."""
+        """Begins a process, the first or another after one that ended."""
         self._start()
         self._read_on()
 
@@ -135,6 +145,7 @@ class Link:
         Raises:
             NoAnswer: refused, no answer in time, too many wait, or the process is gone.
         """
+        self.begin()
         if not self.alive:
             if do != "machine":
                 raise NoAnswer("the machine's process ended; choose a machine to begin again")
@@ -170,7 +181,9 @@ class Link:
         if self.alive:
             with contextlib.suppress(NoAnswer):
                 self.tell("end", {})
-        self.alive = False
+        self.alive, self._begun = False, True  # none begins from now on
+        if self.process is None:
+            return
         self.process.join(2.0)
         if self.process.is_alive():
             self.process.kill()
