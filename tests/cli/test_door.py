@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from typer.testing import CliRunner
@@ -44,6 +45,7 @@ def test_the_command_line_never_shows_a_traceback(text):
         assert not key.isprintable() or not key.isascii() or "\\" in key or "'" in key or key in result.stderr
 
 
+@pytest.mark.slow
 @settings(max_examples=25, deadline=None)
 @given(st.text(max_size=40))
 def test_any_name_of_a_study_is_refused_in_one_line(name):

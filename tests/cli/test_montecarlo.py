@@ -30,6 +30,7 @@ def asked(tmp_path, monkeypatch):
     return ("montecarlo", NAME, "-c", "p", "-s", "small", "--over", "plant.lag_s=0.02:0.08", "--runs", "200")
 
 
+@pytest.mark.slow
 def test_a_report_with_everything(call, asked, tmp_path):
     needed("SALib", "tune")
     more = (

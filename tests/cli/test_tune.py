@@ -130,6 +130,7 @@ def test_exit_code_1_where_nothing_keeps_the_constraints(call, tmp_path):
     assert tomllib.loads((tmp_path / "t.toml").read_text())["tuning"]["feasible"] is False
 
 
+@pytest.mark.slow
 def test_after_a_kill_resume_gives_the_identical_file(tmp_path, call):
     whole, out = tmp_path / "whole.toml", tmp_path / "t.toml"
     long = (*LATHE, "--budget", "300", "--threads", "1")

@@ -59,6 +59,7 @@ def test_a_controller_of_the_whole_cut_is_told_all_of_it():
     assert run["actual.force"][-1] == pytest.approx(150.0, rel=5e-3)
 
 
+@pytest.mark.slow
 def test_a_fixed_removal_rate_is_held_by_the_speed():
     """At constant force the rate is in proportion to the speed: 80 mm3/s want 80 / 92.9 of 1,200 1/min."""
     run = lathe(three(removal=RemovalRate(rate=80.0)), {}, noise_n=0.0, runout=0.0).run(12.0)

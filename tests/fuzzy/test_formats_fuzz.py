@@ -56,6 +56,7 @@ def mutated(draw, text: str) -> str:
     return "".join(pieces)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("format", formats.READ)
 @given(st.data())
 @settings(max_examples=250, deadline=SOON, suppress_health_check=list(HealthCheck))
@@ -66,6 +67,7 @@ def test_a_mutated_file_is_read_or_refused(format, data):
     read_or_refused(data.draw(mutated(text)), format)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("format", ["fll", "fcl", "fml"])
 @given(st.data())
 @settings(max_examples=100, deadline=SOON, suppress_health_check=list(HealthCheck))

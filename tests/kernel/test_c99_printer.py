@@ -115,6 +115,7 @@ def agreed(seed, count, folder, levels=("-O0", "-O3")):
     return files
 
 
+@pytest.mark.slow
 def test_random_steps_are_the_same_bits_everywhere(tmp_path):
     agreed(1, 6, tmp_path, levels=("-O2",))
 

@@ -26,7 +26,8 @@ MILD = {"q": 0.05, "cap": 4.0, "r": 0.01}
 def correlated(seed=1, size=1.0):
     """A covariance in which every rule hangs on every other."""
     a = np.random.default_rng(seed).normal(size=(49, 60))
-    return size * a @ a.T / 60.0
+    square = a @ a.T  # which need not be symmetric to the last bit: that hangs on the processor
+    return size * (square + square.T) / 120.0
 
 
 def test_one_update_worked_by_hand():

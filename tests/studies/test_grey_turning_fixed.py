@@ -11,6 +11,8 @@ from leadscrew.studies.grey_turning.figures_fixed import fixed_pictures
 from leadscrew.studies.grey_turning.reproduction import Case, Cuts, Told, together, told
 from leadscrew.studies.grey_turning.runs import Loops
 
+pytestmark = pytest.mark.slow
+
 
 @pytest.fixture(scope="module")
 def found():
