@@ -112,9 +112,13 @@ def test_errors_of_an_open_loop_fit_are_those_met_when_a_random_force_disturbs_t
 
 @pytest.mark.slow
 def test_random_axes_with_stribeck_friction_lie_in_their_intervals() -> None:
-    """Four of the truth's axes, all parameters: 95 % intervals; at least 85 % of 25 or so must hold."""
+    """Fifteen of the truth's axes, all parameters: 95 % intervals; at least 85 % of 90 must hold.
+
+    Fewer would not do: where Coulomb friction is out viscous friction is too, and the last bits of LAPACK, which differ
+    between processors, move one or two of the statements.
+    """
     held = []
-    for axis in [a for a in truths((1, 6, 7, 18)) if "/" not in a.kind]:
+    for axis in [a for a in truths(tuple(range(16))) if "/" not in a.kind]:
         sides = ("forward",) if axis.symmetric else ("forward", "backward")
         names = ("coulomb", "viscous") + (("static", "stribeck_speed") if "stribeck" in axis.kind else ())
         true = dict(axis.values)
@@ -128,7 +132,7 @@ def test_random_axes_with_stribeck_friction_lie_in_their_intervals() -> None:
         start = {k: true[k] * (1.0 + 0.1 * r.uniform(-1.0, 1.0)) for k in keys}
         found = refine(axis.log(), start, keys, axis.symmetric, "windows", delay_s=axis.values["delay_s"])
         held += [found.interval[k][0] <= true[k] <= found.interval[k][1] for k in keys]
-    assert len(held) > 20 and np.mean(held) >= 0.85
+    assert len(held) > 80 and np.mean(held) >= 0.85
 
 
 @pytest.mark.slow
