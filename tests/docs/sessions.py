@@ -13,6 +13,9 @@ from tests.docs.snippets import blocks
 MARK = "@@@ session step"
 SAVED = re.compile(r"[Ss]ave as `([^`]+)`:$")
 PROMPT = "halcmd: "
+NUMBER = re.compile(r"(?<![\w.])-?\d+\.\d+(?:e[-+]?\d+)?(?![\w.]*\.\w)")
+"""A number with a decimal point; no version, no name of a file."""
+ANY_NUMBER = r"-?\d+(?:\.\d+)?(?:e[-+]?\d+)?"
 VARIES = (
     (r"^Note: Using POSIX non-realtime$", ""),
     (r"LinuxCNC 2\.9\S*?(?=:|$)", "LinuxCNC 2.9"),
@@ -91,10 +94,10 @@ def prepare(page: Path, folder: Path, tools: dict[str, str], steps: list[Step] |
     return script
 
 
-def compare(page: Path, printed: str, steps: list[Step] | None = None) -> None:
+def compare(page: Path, printed: str, steps: list[Step] | None = None, rel: float = 0.0) -> None:
     """Asserts that what is shown came out, ``...`` being any lines; only what shows a refusal may fail, and must.
 
-    ``steps`` are the commands that were typed, where these are not all of the page.
+    ``steps`` are the commands that were typed, where these are not all of the page; ``rel``: see :func:`assert_shown`.
     """
     said = re.findall(rf"{MARK}\n(.*?)\n{MARK} (\d+)$", printed, re.DOTALL | re.MULTILINE)
     steps = steps_of(page) if steps is None else steps
@@ -102,19 +105,34 @@ def compare(page: Path, printed: str, steps: list[Step] | None = None) -> None:
     for step, (text, code) in zip(steps, said, strict=True):
         refused = any(re.match("leadscrew: (?!note: )", x) for x in step.shown)
         assert (code != "0") == refused, f"{step.command} ended with {code}:\n{text}"
-        assert_shown(step, text)
+        assert_shown(step, text, rel)
 
 
-def assert_shown(step: Step, text: str) -> None:
-    """Asserts that what a page shows of a command is what it printed, if the page shows anything."""
+def assert_shown(step: Step, text: str, rel: float = 0.0) -> None:
+    """Asserts that what a page shows of a command is what it printed, if the page shows anything.
+
+    ``rel``: by which share numbers with a decimal point may differ, for pages whose numbers come out of a search that
+    rounds in another way on another kind of processor, which the page has to say. Whole numbers and words are exact.
+    """
     if not any(x.strip() for x in step.shown):
         return
     said = text.splitlines()
     absent = tuple(name_of(x) for x in (*step.shown, *said) if "  not run  " in x)
     shown, real = (plain([x for x in lines if not (absent and x.startswith(absent))]) for lines in (step.shown, said))
-    pattern = "".join(r"(?:.*\n)*?" if x == "..." else re.escape(f"{x}\n") for x in shown)
+    pattern = "".join(r"(?:.*\n)*?" if x == "..." else _line(x, rel) for x in shown)
     told = f"{step.command} shows\n" + "\n".join(shown) + "\nbut printed\n" + "\n".join(real)
-    assert re.fullmatch(pattern, "".join(f"{x}\n" for x in real)), told
+    found = re.fullmatch(pattern, "".join(f"{x}\n" for x in real))
+    assert found, told
+    numbers = [float(x) for line in shown for x in NUMBER.findall(line)] if rel else []
+    for number, instead in zip(numbers, map(float, found.groups()), strict=True):
+        assert abs(instead - number) <= rel * abs(number), f"{instead:g} where the page has {number:g}; {told}"
+
+
+def _line(shown: str, rel: float) -> str:
+    """What matches a line: itself, or with any numbers in the places of its numbers."""
+    if not rel:
+        return re.escape(f"{shown}\n")
+    return f"({ANY_NUMBER})".join(map(re.escape, NUMBER.split(shown))) + "\n"
 
 
 def name_of(line: str) -> str:
