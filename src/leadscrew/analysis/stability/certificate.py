@@ -80,7 +80,7 @@ class Certificate:
             g = self.grid
             rows.append(
                 f"  grid        {g['from']:.3g} to {g['to']:.5g} rad/s, {g['points']} points"
-                + (f", {g['refined']} more where it is tightest" if g.get("refined") else "")
+                + (", more where it is tightest" if g.get("refined") else "")
             )
         return "\n".join([*rows, *(f"  warning     {w}" for w in self.warnings)])
 
