@@ -3,20 +3,21 @@
     M dv/dt = f u + load - offset - F        dx/dt = v        F = s0 z + s1 dz/dt + s2 v        dz/dt = v - |v| z / g(v)
 
 The axis of :mod:`leadscrew.plants.servo_axis` with bristles (:mod:`leadscrew.friction.asymmetric`) in place of exact
-sticking, and without play. Stiff: while it slides the bristles settle at the rate ``s0 |v| / g``, 2.5e4 1/s at 0.1 m/s
-with the values below, which RK4 at 1 ms cannot follow: ``rodas`` for single runs, ``sdirk3`` at a fixed cost. A start
-in motion has the bristles bent as in steady sliding. Units as in ``servo_axis``.
+sticking, and without play; state and Jacobian are those of :mod:`leadscrew.plants.mass_lugre`. Stiff: while it slides
+the bristles settle at the rate ``s0 |v| / g``, 2.5e4 1/s at 0.1 m/s with the values below, which RK4 at 1 ms cannot
+follow: ``rodas`` for single runs, ``sdirk3`` at a fixed cost. A start in motion has the bristles bent as in steady
+sliding. Units as in ``servo_axis``.
 """
 
 from __future__ import annotations
 
-from typing import Annotated, NamedTuple
+from typing import NamedTuple
 
 from leadscrew.friction.asymmetric import TwoSidedLuGre, one_way_lugre
-from leadscrew.friction.lugre import bristle_rate, friction, rate_by_bristle, rate_by_speed, steady_bristle
+from leadscrew.friction.lugre import bristle_rate, friction, steady_bristle
 from leadscrew.kernel.block import plant
-from leadscrew.kernel.sheet import Doc, Unit
 from leadscrew.plants.backlash import AxisPosition
+from leadscrew.plants.mass_lugre import MassLuGreState, mass_lugre_jacobian
 from leadscrew.plants.servo_axis import EMPS, ForcePerDrive, Mass, Offset, PerSi, StartPosition, StartSpeed
 
 
@@ -32,29 +33,11 @@ class ServoAxisLuGreParams(NamedTuple):
     friction: TwoSidedLuGre = TwoSidedLuGre(stiffness=5e6, damping=5e3, forward=EMPS, backward=EMPS)
 
 
-class ServoAxisLuGreState(NamedTuple):
-    """Motion and bristles."""
-
-    position: Annotated[float, Unit("m")] = 0.0
-    speed: Annotated[float, Unit("m/s")] = 0.0
-    bristle: Annotated[float, Unit("m"), Doc("mean deflection of the bristles, z")] = 0.0
-
-
-def lugre_axis_jacobian(p, s):
-    """Rows of the Jacobian, in the order of the state."""
-    f = one_way_lugre(p.friction, s.speed)
-    by_speed = rate_by_speed(f, s.speed, s.bristle)
-    by_bristle = rate_by_bristle(f, s.speed)
-    speed_by_speed = -(f.damping * by_speed + f.viscous) / p.mass
-    speed_by_bristle = -(f.stiffness + f.damping * by_bristle) / p.mass
-    return ((0.0, 1.0, 0.0), (0.0, speed_by_speed, speed_by_bristle), (0.0, by_speed, by_bristle))
-
-
 def lugre_axis_start(p):
     """At rest with straight bristles, or in steady sliding."""
     f = one_way_lugre(p.friction, p.start_speed)
     bent = steady_bristle(f, p.start_speed) if p.start_speed != 0.0 else 0.0
-    return ServoAxisLuGreState(p.start_position, p.start_speed, bent)
+    return MassLuGreState(p.start_position, p.start_speed, bent)
 
 
 def lugre_axis_shown(p, s):
@@ -64,10 +47,10 @@ def lugre_axis_shown(p, s):
 
 @plant(
     ServoAxisLuGreParams(),
-    ServoAxisLuGreState(),
+    MassLuGreState(),
     output=lugre_axis_shown,
     initial=lugre_axis_start,
-    jacobian=lugre_axis_jacobian,
+    jacobian=mass_lugre_jacobian,
     unit="mm",
 )
 def servo_axis_lugre(p, s, u, load):
@@ -75,4 +58,4 @@ def servo_axis_lugre(p, s, u, load):
     f = one_way_lugre(p.friction, s.speed)
     rate = bristle_rate(f, s.speed, s.bristle)
     force = p.force_per_drive * u + load - p.offset - friction(f, s.speed, s.bristle, rate)
-    return ServoAxisLuGreState(s.speed, force / p.mass, rate)
+    return MassLuGreState(s.speed, force / p.mass, rate)

@@ -14,13 +14,8 @@ from leadscrew.identify.axis.simulation import plant_values, start_state
 from leadscrew.kernel.block import plant, reference
 from leadscrew.kernel.loop import Loop
 from leadscrew.kernel.sheet import Doc, Unit
-from leadscrew.plants.servo_axis_lugre import (
-    ServoAxisLuGreParams,
-    ServoAxisLuGreState,
-    lugre_axis_jacobian,
-    lugre_axis_shown,
-    servo_axis_lugre,
-)
+from leadscrew.plants.mass_lugre import MassLuGreState, mass_lugre_jacobian
+from leadscrew.plants.servo_axis_lugre import ServoAxisLuGreParams, lugre_axis_shown, servo_axis_lugre
 
 if TYPE_CHECKING:
     from leadscrew.logs import AxisLog
@@ -48,7 +43,7 @@ class Prestressed(NamedTuple):
 
 def prestressed_start(p):
     """As measured."""
-    return ServoAxisLuGreState(p.axis.start_position, p.axis.start_speed, p.bristle)
+    return MassLuGreState(p.axis.start_position, p.axis.start_speed, p.bristle)
 
 
 def prestressed_shown(p, s):
@@ -58,11 +53,11 @@ def prestressed_shown(p, s):
 
 def prestressed_jacobian(p, s):
     """That of the axis."""
-    return lugre_axis_jacobian(p.axis, s)
+    return mass_lugre_jacobian(p.axis, s)
 
 
 @plant(
-    Prestressed(), ServoAxisLuGreState(), output=prestressed_shown, initial=prestressed_start,
+    Prestressed(), MassLuGreState(), output=prestressed_shown, initial=prestressed_start,
     jacobian=prestressed_jacobian, unit="m",
 )  # fmt: skip
 def prestressed_axis(p, s, u, load):

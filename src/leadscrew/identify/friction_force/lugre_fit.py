@@ -16,7 +16,7 @@ from leadscrew.friction.asymmetric import TwoSidedLuGre
 from leadscrew.identify.friction_force.models import lugre_force, one_sided
 from leadscrew.identify.friction_force.result import LUGRE, ModelFit
 from leadscrew.identify.friction_force.search import Found, search
-from leadscrew.identify.friction_force.task import STRIBECK_RATIO, VISCOUS_RATIO, Task, judged, parameters
+from leadscrew.identify.friction_force.task import STRIBECK_RATIO, VISCOUS_RATIO, Task, judged, parameters, without_rise
 
 SHARES = (1e-3, 3e-3, 1e-2, 3e-2, 0.1, 0.3)
 """Of the range of the position: relaxation lengths to start from."""
@@ -189,10 +189,5 @@ def _parameters(task: Task, shape: Shape, found: Found, f: TwoSidedLuGre) -> dic
             keys[f"friction.{side}.stribeck_speed"] = ("speed", sum_of("fall"))
         else:
             why = "no fall was found" if task.ratio >= STRIBECK_RATIO else same
-            fixed[f"friction.{side}.static"] = (way.static, "force", f"as Coulomb: {why}")
-            fixed[f"friction.{side}.stribeck_speed"] = (
-                way.stribeck_speed,
-                "speed",
-                "without effect: static is Coulomb",
-            )
+            fixed |= without_rise(way, side, why)
     return parameters(keys, found, task, fixed)

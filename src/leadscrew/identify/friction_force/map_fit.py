@@ -14,7 +14,7 @@ from leadscrew.friction.static_map import Sliding, TwoSided
 from leadscrew.identify.friction_force.models import levels, map_force, one_sided
 from leadscrew.identify.friction_force.result import MAP, STRIBECK, Bin, ModelFit
 from leadscrew.identify.friction_force.search import Found, clusters_of, robust
-from leadscrew.identify.friction_force.task import STRIBECK_RATIO, VISCOUS_RATIO, Task, judged, parameters
+from leadscrew.identify.friction_force.task import STRIBECK_RATIO, VISCOUS_RATIO, Task, judged, parameters, without_rise
 from leadscrew.kernel.errors import DataError
 
 STEADY = 0.98
@@ -150,10 +150,5 @@ def _parameters(task: Task, found: Found, f: TwoSided, viscous: bool, fall: bool
             keys[f"friction.{side}.static"] = ("force", unit[i] + unit[2 + viscous + i])
             keys[f"friction.{side}.stribeck_speed"] = ("speed", unit[4 + viscous])
         else:
-            fixed[f"friction.{side}.static"] = (way.static, "force", f"as Coulomb: {why}")
-            fixed[f"friction.{side}.stribeck_speed"] = (
-                way.stribeck_speed,
-                "speed",
-                "without effect: static is Coulomb",
-            )
+            fixed |= without_rise(way, side, why)
     return parameters(keys, found, task, fixed)

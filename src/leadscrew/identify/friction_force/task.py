@@ -7,6 +7,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from leadscrew.friction.static_map import Sliding
 from leadscrew.identify.axis.result import How, Parameter
 from leadscrew.identify.friction_force.record import ForceRecord
 from leadscrew.identify.friction_force.result import Load, ModelFit
@@ -63,6 +64,14 @@ def sliding_speeds(record: ForceRecord, last: int) -> tuple[float, float]:
     share = np.cumsum(way[order])
     low, high = np.searchsorted(share, [0.05 * share[-1], 0.95 * share[-1]])
     return float(speed[order][low]), float(speed[order][high])
+
+
+def without_rise(way: Sliding, side: str, why: str) -> dict[str, tuple[float, str, str]]:
+    """Static friction and Stribeck speed of a direction, fixed because none was found."""
+    return {
+        f"friction.{side}.static": (way.static, "force", f"as Coulomb: {why}"),
+        f"friction.{side}.stribeck_speed": (way.stribeck_speed, "speed", "without effect: static is Coulomb"),
+    }
 
 
 def parameters(
