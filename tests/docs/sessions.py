@@ -94,18 +94,20 @@ def prepare(page: Path, folder: Path, tools: dict[str, str], steps: list[Step] |
     return script
 
 
-def compare(page: Path, printed: str, steps: list[Step] | None = None, rel: float = 0.0) -> None:
+def compare(page: Path, printed: str, steps: list[Step] | None = None, rel: float = 0.0, since: str = "") -> None:
     """Asserts that what is shown came out, ``...`` being any lines; only what shows a refusal may fail, and must.
 
-    ``steps`` are the commands that were typed, where these are not all of the page; ``rel``: see :func:`assert_shown`.
+    ``steps`` are the commands that were typed, where these are not all of the page. ``rel``: see :func:`assert_shown`;
+    it holds from the first command on that begins with ``since``, those before it are exact.
     """
     said = re.findall(rf"{MARK}\n(.*?)\n{MARK} (\d+)$", printed, re.DOTALL | re.MULTILINE)
     steps = steps_of(page) if steps is None else steps
     assert len(said) == len(steps), printed
-    for step, (text, code) in zip(steps, said, strict=True):
+    searched = next((i for i, step in enumerate(steps) if step.command.startswith(since)), len(steps))
+    for i, (step, (text, code)) in enumerate(zip(steps, said, strict=True)):
         refused = any(re.match("leadscrew: (?!note: )", x) for x in step.shown)
         assert (code != "0") == refused, f"{step.command} ended with {code}:\n{text}"
-        assert_shown(step, text, rel)
+        assert_shown(step, text, rel if i >= searched else 0.0)
 
 
 def assert_shown(step: Step, text: str, rel: float = 0.0) -> None:

@@ -25,8 +25,8 @@ TRUE = {
     "delay_s": 1e-3,
 }
 """Of the stage that makes the log."""
-NEAR = 0.03
-"""Fit and search round in another way on another kind of processor, says the page: 1.2 % is the most that was seen."""
+NEAR = 0.02
+"""From the search on, which rounds in another way on another kind of processor, says the page: 1.2 % was seen."""
 TOOLS = {"python3": f'exec {sys.executable} "$@"'}
 
 
@@ -38,7 +38,7 @@ def typed(folder, steps):
     done = subprocess.run(
         ["bash", str(script)], cwd=folder, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, timeout=900
     )
-    sessions.compare(PAGE, done.stdout, steps, rel=NEAR)
+    sessions.compare(PAGE, done.stdout, steps, rel=NEAR, since="leadscrew tune")
 
 
 @pytest.mark.slow
