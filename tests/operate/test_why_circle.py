@@ -1,8 +1,7 @@
-"""The polar plot of a circle that is being drawn: the last turn, its figures, and what they cost."""
+"""The polar plot of a circle that is being drawn: the last turn, and its figures."""
 
 import json
 import math
-import time
 
 import numpy as np
 import pytest
@@ -136,15 +135,14 @@ def test_what_is_no_circle_is_refused() -> None:
         Circle(loops(), COLUMNS[:4])
 
 
-def test_a_look_costs_less_than_five_milliseconds() -> None:
-    circle = Circle(loops(), COLUMNS)
-    circle.feed(rows(9_000))
-    costs = []
-    for _ in range(20):
-        began = time.perf_counter()
-        circle.look()
-        costs.append(time.perf_counter() - began)
-    assert min(costs) < 5e-3
+def test_a_hundred_turns_are_kept_and_drawn_as_one_is() -> None:
+    """What a look costs hangs on one turn; the milliseconds are a row of ``leadscrew bench``."""
+    one, many = Circle(loops(), COLUMNS), Circle(loops(), COLUMNS)
+    one.feed(rows(8_000))
+    for turn in range(100):
+        many.feed(rows(8_000, first=8_000 * turn))
+    assert many.ring.nbytes == one.ring.nbytes
+    assert len(many.look()["points"]) == len(one.look()["points"]) <= 720
 
 
 @pytest.mark.slow

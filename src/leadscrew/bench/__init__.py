@@ -30,6 +30,7 @@ def run(
         grey,
         machine,
         many,
+        operated,
         others,
         panel,
         robustness,
@@ -64,7 +65,7 @@ def run(
         "turning Monte Carlo": lambda: turning.rows(quick),
         "self-organising network": lambda: sofnn.rows(rounds),
         "tangential table": lambda: tangent.rows(quick),
-        "panel": lambda: panel.rows(quick),
+        "panel": lambda: [*operated.rows(quick), *panel.rows(quick)],
     }
     for i, part in enumerate(parts):
         if progress is not None:
