@@ -12,8 +12,8 @@ from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
 
-LIMIT = 500
-"""Modules kept; beyond, the oldest go."""
+LIMIT = 5000
+"""Files of modules kept, some 100 MB; beyond, the oldest go. The five studies and their pages compile about two thousand."""
 _fallback: Path | None = None
 
 
@@ -109,8 +109,9 @@ def _evict(folder: Path) -> None:
             return 0.0
 
     kept = (".py", ".o", ".so", ".npy")
-    modules = sorted((p for p in folder.glob("*_*") if p.suffix in kept), key=age)
-    for path in modules[: max(0, len(modules) - LIMIT + 1)]:
+    modules = [folder / name for name in os.listdir(folder) if "_" in name and name.endswith(kept)]
+    too_many = len(modules) - LIMIT + 1
+    for path in sorted(modules, key=age)[:too_many] if too_many > 0 else ():
         path.unlink(missing_ok=True)
         for compiled in (folder / "__pycache__").glob(f"{path.stem}.*"):
             compiled.unlink(missing_ok=True)
