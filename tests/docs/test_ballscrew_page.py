@@ -5,9 +5,9 @@ from pathlib import Path
 
 import pytest
 
-from leadscrew.studies.fsmc_ballscrew.claims_paper import paper_claims
 from leadscrew.studies.fsmc_ballscrew.runs import Loops, tail_um
 from leadscrew.studies.fsmc_ballscrew.scenarios import SINES
+from tests.studies.whole import claims_of
 
 PAGE = (Path(__file__).parents[2] / "docs" / "ballscrew.md").read_text(encoding="utf-8")
 
@@ -18,8 +18,9 @@ def loops():
 
 
 @pytest.mark.slow
-def test_the_table_of_what_the_paper_says(loops):
-    found = {c.id.removeprefix("fsmc_ballscrew."): c.measured for c in paper_claims(loops)}
+@pytest.mark.xdist_group("whole fsmc_ballscrew")
+def test_the_table_of_what_the_paper_says():
+    found = {name: c.measured for name, c in claims_of("fsmc_ballscrew").items()}
     assert f"{found['paper_half_sine_wide']:.2f} times on the larger sines" in PAGE
     assert f"{found['paper_half_sine_fast']:.2f}" == f"{found['paper_half_sine_wide']:.2f}"
     assert f"{found['paper_half_sine_slow']:.1f} on the slow one" in PAGE
@@ -38,10 +39,10 @@ def test_the_table_of_largest_errors(loops, name):
 
 
 @pytest.mark.slow
+@pytest.mark.xdist_group("whole fsmc_ballscrew")
 def test_learned_friction_is_as_the_page_says():
-    from leadscrew.studies.fsmc_ballscrew.claims_beaten import beaten_claims
-
-    found = {c.id.removeprefix("fsmc_ballscrew.beaten_"): c.measured for c in beaten_claims(Loops())}
+    claims = claims_of("fsmc_ballscrew").items()
+    found = {name.removeprefix("beaten_"): c.measured for name, c in claims if name.startswith("beaten_")}
     shown = re.search(r"\| `ours.pd_learned`[^|]*\| ([\d./ ]+) \|", PAGE)[1].split(" / ")
     assert [f"{found[f'nominal_{s}']:.2g}" for s in SINES] == shown
     assert max(found["circle_ccw"], found["circle_cw"]) < 0.05

@@ -6,19 +6,19 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from leadscrew.studies.sofnn_tangent.claims_inference import inference_claims
 from leadscrew.studies.sofnn_tangent.inference_runs import groups_kept
-from leadscrew.studies.sofnn_tangent.runs import Loops
+from tests.studies.whole import claims_of
 
 TEXT = " ".join((Path(__file__).parents[2] / "docs" / "inference_network.md").read_text(encoding="utf-8").split())
 
 
 @pytest.fixture(scope="module")
 def measured():
-    return {claim.id.partition(".")[2]: claim.measured for claim in inference_claims(Loops())}
+    return {name: c.measured for name, c in claims_of("sofnn_tangent").items()}
 
 
 @pytest.mark.slow
+@pytest.mark.xdist_group("whole sofnn_tangent")
 @pytest.mark.parametrize(
     ("sentence", "claims"),
     [

@@ -5,6 +5,10 @@ from pathlib import Path
 
 import pytest
 
+from tests.studies.whole import claims_of, together
+
+pytestmark = together("sofnn_tangent")
+
 PAGE = (Path(__file__).parents[2] / "docs" / "piece_learning.md").read_text(encoding="utf-8")
 TEXT = " ".join(PAGE.split())
 ROWS = dict(re.findall(r"^\| `(\w+)` \|.*\| ([\d.]+) \|$", PAGE, re.MULTILINE))
@@ -12,30 +16,20 @@ ROWS = dict(re.findall(r"^\| `(\w+)` \|.*\| ([\d.]+) \|$", PAGE, re.MULTILINE))
 
 @pytest.fixture(scope="module")
 def claims():
-    from leadscrew.studies.sofnn_tangent.claims_feed_forward import feed_forward_claims
-    from leadscrew.studies.sofnn_tangent.claims_moonshots import moonshots_claims
-    from leadscrew.studies.sofnn_tangent.claims_pieces import pieces_claims
-    from leadscrew.studies.sofnn_tangent.runs import Loops
-
-    loops = Loops()
-    made = [*feed_forward_claims(loops), *pieces_claims(loops), *moonshots_claims(loops)]
-    return {c.id.split(".")[1]: c for c in made}
+    return claims_of("sofnn_tangent")
 
 
-@pytest.mark.slow
 def test_every_claim_but_the_one_that_is_said_meets_its_target(claims):
     missed = [name for name, c in claims.items() if c.passed is False]
     assert missed == ["m2_mismatch_prior_rms"]
     assert sum(c.passed is True for c in claims.values()) > 35
 
 
-@pytest.mark.slow
 def test_the_table_is_the_claims(claims):
     assert len(ROWS) == 8
     assert {name: f"{claims[name].measured:.2f}" for name in ROWS} == ROWS
 
 
-@pytest.mark.slow
 def test_the_numbers_in_the_text_are_the_claims(claims):
     said = {
         f"back at {claims['m3'].measured:.2f} deg": "m3",
@@ -59,7 +53,6 @@ def test_the_numbers_in_the_text_are_the_claims(claims):
     assert worst and f"but {worst.group(1)} in the worst cell" in TEXT
 
 
-@pytest.mark.slow
 def test_the_texture_alone_is_as_said():
     import numpy as np
 
@@ -70,7 +63,6 @@ def test_the_texture_alone_is_as_said():
     assert f"alone makes {floor:.2f} deg" in TEXT
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("topic", ["pieces", "feed_forward"])
 def test_pictures_are_drawn(topic):
     import importlib

@@ -7,6 +7,7 @@ import sys
 import pytest
 
 from tests.docs.snippets import ROOT, assert_printed, shown, with_marks
+from tests.studies.whole import claims_of
 
 PAGE = ROOT / "docs" / "spindle_speeds.md"
 ROWS = {
@@ -27,12 +28,11 @@ def test_the_python_of_the_page_prints_what_it_shows(tmp_path):
 
 
 @pytest.mark.slow
+@pytest.mark.xdist_group("whole npid_xytable")
 def test_the_numbers_of_the_page_are_those_of_the_study():
-    from leadscrew.studies.npid_xytable.claims_spindle import spindle_claims
-    from leadscrew.studies.npid_xytable.runs import Loops
     from leadscrew.studies.npid_xytable.spindle_sweep import RPM
 
-    claims = {c.id.removeprefix("npid_xytable.sweep_"): c for c in spindle_claims(Loops())}
+    claims = {n.removeprefix("sweep_"): c for n, c in claims_of("npid_xytable").items() if n.startswith("sweep_")}
     text = " ".join(PAGE.read_text(encoding="utf-8").split())
     for row, name in ROWS.items():
         cells = []

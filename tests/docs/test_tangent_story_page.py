@@ -5,6 +5,10 @@ from pathlib import Path
 
 import pytest
 
+from tests.studies.whole import claims_of, together
+
+pytestmark = together("sofnn_tangent")
+
 PAGE = (Path(__file__).parents[2] / "docs" / "tangent.md").read_text(encoding="utf-8")
 PAPER = {
     "the network has 2": (["weights_18:.0f", "weights_25:.0f"], {"2-6-1"}),
@@ -35,13 +39,9 @@ def cells(first: str) -> list[list[str]]:
 
 @pytest.fixture(scope="module")
 def m():
-    from leadscrew.catalogue import study
-
-    found = study("sofnn_tangent").evaluate()
-    return {c.id.removeprefix("sofnn_tangent."): c.measured for c in found.claims}
+    return {name: c.measured for name, c in claims_of("sofnn_tangent").items()}
 
 
-@pytest.mark.slow
 def test_the_rows_beside_the_paper_are_measured(m):
     rows = cells("the paper")
     assert len(rows) == len(PAPER)
@@ -52,13 +52,11 @@ def test_the_rows_beside_the_paper_are_measured(m):
         assert all(s in row[1] for s in shown), row
 
 
-@pytest.mark.slow
 def test_the_law_that_is_best_at_equal_effort_stands_first(m):
     shown = [row[1] for row in cells("law")]
     assert shown == [f"{m[f'equal_{name}']:.3f}" for name in EQUAL] == sorted(shown)
     assert f"{m['contour_observer']:.1f} times as far" in PAGE
 
 
-@pytest.mark.slow
 def test_what_knows_the_line_has_the_deviations_of_the_page(m):
     assert [row[1] for row in cells("controller")] == [f"{m[name]:.2f}" for name in BEYOND]

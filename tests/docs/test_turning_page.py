@@ -5,6 +5,8 @@ from pathlib import Path
 
 import pytest
 
+from tests.studies.whole import claims_of
+
 PAGE = (Path(__file__).parents[2] / "docs" / "turning.md").read_text(encoding="utf-8")
 TEXT = " ".join(PAGE.split())
 NUMBER = re.compile(r"(?<![\w.])[+-]?\d[\d,]*(?:\.\d+)?")
@@ -48,20 +50,7 @@ def table(first: str) -> dict[str, list[str]]:
 
 @pytest.fixture(scope="module")
 def m():
-    from leadscrew.studies.grey_turning.claims_ablation import ablation_claims
-    from leadscrew.studies.grey_turning.claims_beyond import beyond_claims
-    from leadscrew.studies.grey_turning.claims_errata import errata_claims
-    from leadscrew.studies.grey_turning.claims_falling import falling_claims
-    from leadscrew.studies.grey_turning.claims_fixed import fixed_claims
-    from leadscrew.studies.grey_turning.claims_guard import guard_claims
-    from leadscrew.studies.grey_turning.claims_montecarlo import montecarlo_claims
-    from leadscrew.studies.grey_turning.results import Results
-
-    made = Results()
-    papers = [f(made.loops, made.reproduction) for f in (fixed_claims, falling_claims, errata_claims)]
-    ours = [f(made.loops) for f in (montecarlo_claims, ablation_claims, beyond_claims, guard_claims)]
-    claims = [c for part in (*papers, *ours) for c in part]
-    found = {c.id.removeprefix("grey_turning."): c.measured for c in claims}
+    found = {name: c.measured for name, c in claims_of("grey_turning").items()}
     found["rougher"] = 100.0 * (found["activity_steady_s9_b"] / found["activity_steady_s9_tfc"] - 1.0)
     return found
 
@@ -74,6 +63,7 @@ def test_the_tables_have_their_rows():
 
 
 @pytest.mark.slow
+@pytest.mark.xdist_group("whole grey_turning")
 def test_every_number_beside_the_paper(m):
     for row, (cell,) in table("the paper").items():
         claims, places = next(value for key, value in PAPER.items() if row.startswith(key))
@@ -84,12 +74,14 @@ def test_every_number_beside_the_paper(m):
 
 
 @pytest.mark.slow
+@pytest.mark.xdist_group("whole grey_turning")
 def test_what_predictors_are_worth(m):
     for row, cells in table("predictor").items():
         assert cells == [f"{m[f'ablation_{plant}_{PREDICTORS[row]}']:+.1f}" for plant in "fn"], row
 
 
 @pytest.mark.slow
+@pytest.mark.xdist_group("whole grey_turning")
 def test_what_they_are_worth_under_other_costs(m):
     for row, cells in table("cost").items():
         names = [f"ablation_{plant}_{law}_{COSTS[row]}" for law in ("gpfc_b", "two_point") for plant in "fn"]
@@ -97,6 +89,7 @@ def test_what_they_are_worth_under_other_costs(m):
 
 
 @pytest.mark.slow
+@pytest.mark.xdist_group("whole grey_turning")
 def test_what_beats_it(m):
     for row, cells in table("controller").items():
         overshoot, rise, stairs, tail = (abs(m[name]) for name in BEATEN[row])
@@ -104,6 +97,7 @@ def test_what_beats_it(m):
 
 
 @pytest.mark.slow
+@pytest.mark.xdist_group("whole grey_turning")
 def test_what_the_text_says_of_random_plants_and_the_guard(m):
     assert f"{m['a10_bad_tfc']:.1f} % are bad" in TEXT and f"{m['a10_bad_gpfc']:.1f} % under the GPFC" in TEXT
     assert f"within {m['guard_hold_20ms']:.0f} ms" in TEXT

@@ -7,6 +7,7 @@ import pytest
 
 from leadscrew.studies.npid_xytable.claims_comparison import measured
 from leadscrew.studies.npid_xytable.results import Results
+from tests.studies.whole import claims_of
 
 PAGE = (Path(__file__).parents[2] / "docs" / "xy_table.md").read_text(encoding="utf-8")
 ROWS = re.findall(r"\| `([a-z0-9_.]+)` \| ([\d.]+) \| ([\d.]+) \| ([\d.]+) \|", PAGE)
@@ -29,10 +30,9 @@ def test_the_table_of_controllers(found, name, rms, rows, drive):
 
 
 @pytest.mark.slow
-def test_what_is_said_beside_the_paper(found):
-    from leadscrew.studies.npid_xytable.claims import topics
-
-    m = {c.id.removeprefix("npid_xytable."): c.measured for _, b in topics(found, lambda what, done: None) for c in b}
+@pytest.mark.xdist_group("whole npid_xytable")
+def test_what_is_said_beside_the_paper():
+    m = {name: c.measured for name, c in claims_of("npid_xytable").items()}
     assert f"{m['random_mean_1']:.0f} % in the mean" in PAGE and m["random_worse_1"] == 0.0
     means = [f"{m['table2_mean_1000']:.2f}", *(f"{m[f'table2_mean_{rpm}']:.1f}" for rpm in (2000, 3000))]
     assert f"{means[0]}, {means[1]} and {means[2]} %" in PAGE

@@ -49,17 +49,9 @@ def assert_items_exist(study, result):
             assert name in claims or (name.endswith("*") and any(c.startswith(name[:-1]) for c in claims)), row["item"]
 
 
-def evaluated(study):
-    """The study's result; its progress only goes up, and ends at 1."""
-    said = []
-    result = study.evaluate(lambda what, done: said.append(done))
-    assert sorted(said) == said and said[-1] == 1.0
-    return result
-
-
 @pytest.mark.slow
 class WholeStudy:
-    """What is asked of one evaluation; the fixture ``result`` is of the test's file."""
+    """What is asked of one evaluation; the fixture ``result`` is of the test's file, and its group for xdist too."""
 
     study = None
     least_findings = 5

@@ -9,7 +9,8 @@ from leadscrew.catalogue import study
 from leadscrew.kernel.errors import LeadscrewError
 from leadscrew.studies.fsmc_ballscrew.runs import Loops, tail_um
 from leadscrew.studies.fsmc_ballscrew.scenarios import SINES
-from tests.studies.contract import WholeStudy, evaluated, plain
+from tests.studies.contract import WholeStudy, plain
+from tests.studies.whole import whole
 
 STAGE = study("fsmc_ballscrew")
 
@@ -68,9 +69,10 @@ def test_every_item_of_the_paper_has_a_row_that_says_where_it_is_or_why_not():
 
 @pytest.fixture(scope="module")
 def result():
-    return evaluated(STAGE)
+    return whole(STAGE.name)
 
 
+@pytest.mark.xdist_group("whole fsmc_ballscrew")
 class TestWhole(WholeStudy):
     study = STAGE
     plain_axes = frozenset({"fig16_circles", "fig16_circles_4khz", "fig18_stick_polar", "learned_circle"})
@@ -86,6 +88,7 @@ class TestWhole(WholeStudy):
 
 
 @pytest.mark.slow
+@pytest.mark.xdist_group("whole fsmc_ballscrew")
 def test_order_verdicts_follow_from_the_orders(result):
     claims = plain(STAGE, result.claims)
     orders = {name: c for name, c in claims.items() if name.startswith("paper_order_")}
@@ -97,6 +100,7 @@ def test_order_verdicts_follow_from_the_orders(result):
 
 
 @pytest.mark.slow
+@pytest.mark.xdist_group("whole fsmc_ballscrew")
 def test_pictures_have_names_of_their_own_and_can_be_drawn(result):
     names = [p.name for p in result.pictures]
     assert len(names) == len(set(names)) and {f"fig{n}" for n in (1, 2, 3, 4)} <= {n.split("_")[0] for n in names}
@@ -106,6 +110,7 @@ def test_pictures_have_names_of_their_own_and_can_be_drawn(result):
 
 
 @pytest.mark.slow
+@pytest.mark.xdist_group("whole fsmc_ballscrew")
 def test_findings_carry_the_measured_numbers(result):
     claims = plain(STAGE, result.claims)
     text = " ".join(result.notes)

@@ -6,7 +6,8 @@ import pytest
 
 from leadscrew.catalogue import study
 from leadscrew.studies.grey_turning.runs import Loops
-from tests.studies.contract import WholeStudy, evaluated, plain
+from tests.studies.contract import WholeStudy, plain
+from tests.studies.whole import whole
 
 TABLE = study("grey_turning")
 
@@ -45,9 +46,10 @@ def test_every_item_of_the_paper_has_a_row_that_says_where_it_is_or_why_not():
 
 @pytest.fixture(scope="module")
 def result():
-    return evaluated(TABLE)
+    return whole(TABLE.name)
 
 
+@pytest.mark.xdist_group("whole grey_turning")
 class TestWhole(WholeStudy):
     study = TABLE
     plain_axes = frozenset({"ablation", "one_step_errors"})
@@ -55,6 +57,7 @@ class TestWhole(WholeStudy):
 
 
 @pytest.mark.slow
+@pytest.mark.xdist_group("whole grey_turning")
 def test_fitted_numbers_say_so_and_the_paper_s_rows_have_verdicts(result):
     claims = plain(TABLE, result.claims)
     for name in ("falling_overshoot_tfc", "falling_overshoot_b", "fixed_overshoot_tfc", "fixed_overshoot_b"):

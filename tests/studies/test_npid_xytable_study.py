@@ -6,7 +6,8 @@ import pytest
 
 from leadscrew.catalogue import study
 from leadscrew.studies.npid_xytable.runs import Loops
-from tests.studies.contract import WholeStudy, evaluated
+from tests.studies.contract import WholeStudy
+from tests.studies.whole import whole
 
 TABLE = study("npid_xytable")
 
@@ -43,9 +44,10 @@ def test_every_item_of_the_paper_has_a_row_that_says_where_it_is_or_why_not():
 
 @pytest.fixture(scope="module")
 def result():
-    return evaluated(TABLE)
+    return whole(TABLE.name)
 
 
+@pytest.mark.xdist_group("whole npid_xytable")
 class TestWhole(WholeStudy):
     study = TABLE
     missed = frozenset(

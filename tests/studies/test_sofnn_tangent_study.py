@@ -8,7 +8,8 @@ import pytest
 from leadscrew.catalogue import study
 from leadscrew.studies.sofnn_tangent import lines
 from leadscrew.studies.sofnn_tangent.runs import Loops
-from tests.studies.contract import WholeStudy, evaluated
+from tests.studies.contract import WholeStudy
+from tests.studies.whole import whole
 
 TABLE = study("sofnn_tangent")
 
@@ -64,9 +65,10 @@ def test_every_item_of_the_paper_has_a_row_that_says_where_it_is_or_why_not():
 
 @pytest.fixture(scope="module")
 def result():
-    return evaluated(TABLE)
+    return whole(TABLE.name)
 
 
+@pytest.mark.xdist_group("whole sofnn_tangent")
 class TestWhole(WholeStudy):
     study = TABLE
     plain_axes = frozenset(

@@ -13,7 +13,7 @@ from functools import lru_cache
 from pathlib import Path
 
 LIMIT = 5000
-"""Files of modules kept, some 100 MB; beyond, the oldest go. The five studies and their pages compile about two thousand."""
+"""Files of modules kept, some 100 MB: more than the five studies compile; beyond, the oldest go."""
 _fallback: Path | None = None
 
 
@@ -109,7 +109,8 @@ def _evict(folder: Path) -> None:
             return 0.0
 
     kept = (".py", ".o", ".so", ".npy")
-    modules = [folder / name for name in os.listdir(folder) if "_" in name and name.endswith(kept)]
+    with os.scandir(folder) as entries:
+        modules = [folder / e.name for e in entries if "_" in e.name and e.name.endswith(kept)]
     too_many = len(modules) - LIMIT + 1
     for path in sorted(modules, key=age)[:too_many] if too_many > 0 else ():
         path.unlink(missing_ok=True)
