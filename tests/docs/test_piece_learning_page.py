@@ -61,15 +61,3 @@ def test_the_texture_alone_is_as_said():
 
     floor = np.mean([f.mean for f in texture_floor(Loops()).values()])
     assert f"alone makes {floor:.2f} deg" in TEXT
-
-
-@pytest.mark.parametrize("topic", ["pieces", "feed_forward"])
-def test_pictures_are_drawn(topic):
-    import importlib
-
-    from leadscrew.studies.sofnn_tangent.runs import Loops
-
-    module = importlib.import_module(f"leadscrew.studies.sofnn_tangent.figures_{topic}")
-    for picture in getattr(module, f"{topic}_pictures")(Loops()):
-        figure = next(part for part in picture if callable(part))()
-        assert figure.axes and all(axes.has_data() for axes in figure.axes)

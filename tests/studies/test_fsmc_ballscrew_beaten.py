@@ -9,8 +9,8 @@ import pytest
 
 from leadscrew.plants.ballscrew_stage import INERTIA, TRAVEL_MM_PER_RAD
 from leadscrew.studies.fsmc_ballscrew.beaten import OURS, Runs, slip_foreseen_wrong, wander
-from leadscrew.studies.fsmc_ballscrew.claims_beaten import beaten_claims
 from leadscrew.studies.fsmc_ballscrew.runs import Loops
+from tests.studies.whole import claims_of
 
 PAGE = Path(__file__).parents[2] / "docs" / "friction_compensation.md"
 
@@ -46,16 +46,19 @@ def test_peaks_are_counted_around_reversals_and_not_at_the_start():
 
 @pytest.fixture(scope="module")
 def claims():
-    return {c.id.removeprefix("fsmc_ballscrew.beaten_"): c for c in beaten_claims(Loops())}
+    found = claims_of("fsmc_ballscrew").items()
+    return {name.removeprefix("beaten_"): c for name, c in found if name.startswith("beaten_")}
 
 
 @pytest.mark.slow
+@pytest.mark.xdist_group("whole fsmc_ballscrew")
 def test_what_is_required_holds(claims):
     assert [name for name, c in claims.items() if c.kind == "required" and not c.passed] == []
     assert all(c.verdict == "cannot be checked" and c.paper is None for c in claims.values())
 
 
 @pytest.mark.slow
+@pytest.mark.xdist_group("whole fsmc_ballscrew")
 def test_the_moonshots_that_are_reached_stay_reached(claims):
     """Peaks on three truths and both circles; on Maxwell slip they are not, as the bound says."""
     missed = {name for name, c in claims.items() if c.kind == "moonshot" and not c.passed}
@@ -64,6 +67,7 @@ def test_the_moonshots_that_are_reached_stay_reached(claims):
 
 
 @pytest.mark.slow
+@pytest.mark.xdist_group("whole fsmc_ballscrew")
 def test_the_page_tells_the_numbers_of_the_claims(claims):
     rows = re.findall(r"^\| (\w+) \| ([0-9.]+) \|$", PAGE.read_text(), re.MULTILINE)
     assert len(rows) == 9

@@ -18,12 +18,13 @@ from leadscrew.analysis.circular.paths import CircularTest, Turn
 from leadscrew.analysis.circular.quantities import quantities
 from leadscrew.bench import circles as bench
 from leadscrew.studies.fsmc_ballscrew.circles import CIRCLES, Way, drawn
-from leadscrew.studies.fsmc_ballscrew.claims_circle import IDEAL, Circles, both, circle_claims, one, reversals_of
+from leadscrew.studies.fsmc_ballscrew.claims_circle import IDEAL, Circles, both, one, reversals_of
 from leadscrew.studies.fsmc_ballscrew.claims_circle_analytic import ALL, circle_analytic_claims, only, share_of_allowed
-from leadscrew.studies.fsmc_ballscrew.claims_creep import LAWS, creep_claims, creeps, jumps_um
+from leadscrew.studies.fsmc_ballscrew.claims_creep import LAWS, creeps, jumps_um
 from leadscrew.studies.fsmc_ballscrew.controllers import CONTROLLERS
 from leadscrew.studies.fsmc_ballscrew.figures_circle import circle_pictures
 from leadscrew.studies.fsmc_ballscrew.runs import Loops
+from tests.studies.whole import claims_of
 
 MM = 1.5923
 """Travel of the table per radian, Table 1."""
@@ -50,17 +51,11 @@ def test_the_evaluation_s_claims_hold():
 
 
 @pytest.mark.slow
-def test_the_circles_claims_hold(loops):
-    claims = circle_claims(loops)
-    assert_all_hold(claims)
-    verdicts = {c.id.removeprefix("fsmc_ballscrew."): c.verdict for c in claims}
+@pytest.mark.xdist_group("whole fsmc_ballscrew")
+def test_which_radius_shrinks():
+    verdicts = {name: c.verdict for name, c in claims_of("fsmc_ballscrew").items()}
     # The paper lets the radius shrink under all three.
     assert verdicts["circle_shrinks_fsmc"] == "reproduced" and verdicts["circle_shrinks_smc"] == "not reproduced"
-
-
-@pytest.mark.slow
-def test_the_stick_slip_claims_hold(loops):
-    assert_all_hold(creep_claims(loops))
 
 
 def test_a_diagnosis_of_another_fault_would_not_pass():

@@ -2,20 +2,11 @@
 
 import pytest
 
-from leadscrew.studies.fsmc_ballscrew.claims_selftuned import selftuned_claims
 from leadscrew.studies.fsmc_ballscrew.controllers import CONTROLLERS
 from leadscrew.studies.fsmc_ballscrew.machines import MACHINES
 from leadscrew.studies.fsmc_ballscrew.runs import Loops, tail_um
 from leadscrew.studies.fsmc_ballscrew.selftuned import believing, identified, rounded
 from leadscrew.studies.fsmc_ballscrew.tunings import GAINS
-
-
-@pytest.mark.slow
-def test_every_target_is_met_and_every_claim_has_its_own_name():
-    claims = selftuned_claims(Loops())
-    assert [c.id for c in claims if c.passed is False] == []
-    assert len({c.id for c in claims}) == len(claims) > 15
-    assert all(c.verdict == "cannot be checked" and c.paper is None for c in claims)
 
 
 @pytest.mark.slow

@@ -178,22 +178,3 @@ def test_the_search_can_be_done_again_and_ends_where_the_kept_one_did(loops, pla
     assert once == again and once.cost < start.cost
     kept = next(r for r in ablation.tuned() if (r.plant, r.name, r.search) == (plant, "gpfc_b", 1))
     assert ablation.found_anew(loops, plant, "gpfc_b", 1).cost == pytest.approx(kept.cost, rel=0.01)
-
-
-@pytest.mark.slow
-def test_every_required_claim_of_the_ablation_holds(loops):
-    from leadscrew.studies.grey_turning.claims_ablation import ablation_claims
-
-    claims = ablation_claims(loops)
-    assert len({c.id for c in claims}) == len(claims) > 20
-    assert not [c.id for c in claims if c.passed is False]
-
-
-@pytest.mark.slow
-def test_the_pictures_of_both_studies_can_be_drawn(loops):
-    from leadscrew.studies.grey_turning.figures_ablation import ablation_pictures
-    from leadscrew.studies.grey_turning.figures_montecarlo import montecarlo_pictures
-
-    for picture in (*ablation_pictures(loops), *montecarlo_pictures(loops)):
-        axes = picture.draw().axes
-        assert axes and all(a.get_legend() or a.lines for a in axes)

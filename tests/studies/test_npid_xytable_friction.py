@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 from leadscrew.analysis.contour import contour_error
-from leadscrew.studies.npid_xytable.claims_friction import friction_claims
 from leadscrew.studies.npid_xytable.friction_runs import (
     COUNTS,
     ENCODER_UM,
@@ -14,7 +13,6 @@ from leadscrew.studies.npid_xytable.friction_runs import (
     RADIUS_MM,
     SINES,
     WEAK_Y,
-    FrictionRuns,
     circles,
     counted,
     errors,
@@ -48,18 +46,3 @@ def test_the_circles_deviation_is_the_contour_error(loops):
     off = contour_error(10.0 * np.cos(fine), 10.0 * np.sin(fine), x[::7], y[::7])
     # Left of the direction of travel is inwards.
     assert -1e3 * off.signed == pytest.approx(found.radial[-COUNTS // 5 :][::7], abs=0.01)
-
-
-@pytest.mark.slow
-def test_every_required_claim_and_m5_hold(loops):
-    claims = friction_claims(loops)
-    assert [c.id for c in claims if c.kind != "report" and not c.passed] == []
-    assert len({c.id for c in claims}) == len(claims)
-
-
-@pytest.mark.slow
-def test_pictures_are_drawn(loops):
-    from leadscrew.studies.npid_xytable.figures_friction import friction_pictures
-
-    for picture in friction_pictures(FrictionRuns(loops)):
-        assert picture.draw().axes

@@ -7,7 +7,6 @@ from leadscrew.controllers.pid import TUNINGS as PID
 from leadscrew.controllers.resonant import TUNINGS as RESONANT
 from leadscrew.disturbances.sine_load import sine_load
 from leadscrew.studies.npid_xytable.calibration import LINES_HZ, gain_um_per_mv
-from leadscrew.studies.npid_xytable.claims_rejection import rejection_claims
 from leadscrew.studies.npid_xytable.figures_rejection import rejection_pictures
 from leadscrew.studies.npid_xytable.rejection import BEST, best_pid, let_through, opened, peak, still_to_gain
 from leadscrew.studies.npid_xytable.runs import Loops
@@ -83,15 +82,6 @@ def test_the_batch_is_the_runs_one_by_one(loops):
 def test_resonators_leave_the_loop_its_peak():
     plain, full = (opened(b) for b in (PID["ours.pid_ms_159"], RESONANT["ours.resonant_full"]))
     assert peak(full) == pytest.approx(peak(plain), rel=0.02)
-
-
-@pytest.mark.slow
-def test_every_claim_that_asks_something_holds_and_ids_are_unique(loops):
-    claims = rejection_claims(loops)
-    assert len({c.id for c in claims}) == len(claims) >= 30
-    failed = [c.id for c in claims if c.passed is False]
-    assert not failed and all(c.reason and c.verdict == "cannot be checked" for c in claims)
-    assert {c.kind for c in claims} == {"required", "moonshot", "report"}
 
 
 @pytest.mark.slow

@@ -1,7 +1,6 @@
 """The law of the paper, its variants and add-ons: claims against other ways of finding the same, and the pictures."""
 
 import math
-from collections import Counter
 
 import numpy as np
 import pytest
@@ -13,12 +12,13 @@ from leadscrew.controllers.pid import pid
 from leadscrew.references.eased_sine import eased_sine
 from leadscrew.references.step import step
 from leadscrew.studies.npid_xytable.claims_add_ons import followed_rate, margins_of
-from leadscrew.studies.npid_xytable.claims_law import law_claims, straight_fit
-from leadscrew.studies.npid_xytable.claims_variants import LOADS_UM, swing, variants_claims, volts_of
+from leadscrew.studies.npid_xytable.claims_law import straight_fit
+from leadscrew.studies.npid_xytable.claims_variants import LOADS_UM, swing, volts_of
 from leadscrew.studies.npid_xytable.figures_law import gain_against_e_max, law_pictures, laws
 from leadscrew.studies.npid_xytable.runs import Loops
 from leadscrew.studies.npid_xytable.sines import sines
 from tests.controllers.xy_loop import xy_loop
+from tests.studies.whole import claims_of
 from tests.tools import needed
 
 
@@ -87,13 +87,9 @@ def test_the_difference_is_noisier_than_what_is_followed():
 
 
 @pytest.mark.slow
-def test_every_claim_of_law_and_variants_is_met_and_says_why(loops):
-    claims = [*law_claims(loops), *variants_claims(loops)]
-    assert [c.id for c in claims if c.passed is False] == []
-    assert max(Counter(c.id for c in claims).values()) == 1
-    assert all(c.reason and c.statement and c.source for c in claims)
-    assert all(c.verdict == "cannot be checked" for c in claims if c.paper is None)
-    by_name = {c.id.removeprefix("npid_xytable."): c for c in claims}
+@pytest.mark.xdist_group("whole npid_xytable")
+def test_what_the_paper_recommends_has_its_verdicts():
+    by_name = claims_of("npid_xytable")
     assert by_name["compute_time"].measured < 0.1
     assert by_name["future_differentiator"].verdict == "not reproduced"
     assert by_name["future_dead_zone"].verdict == "reproduced"

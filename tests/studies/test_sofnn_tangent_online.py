@@ -6,11 +6,10 @@ import numpy as np
 import pytest
 
 from leadscrew.neural.performance import GOLDEN
-from leadscrew.studies.sofnn_tangent.claims_online import idle, laps, online_claims
-from leadscrew.studies.sofnn_tangent.claims_recall import crossing_deg, recall_claims, rest
+from leadscrew.studies.sofnn_tangent.claims_online import idle, laps
+from leadscrew.studies.sofnn_tangent.claims_recall import crossing_deg, rest
 from leadscrew.studies.sofnn_tangent.claims_safeguards import LOST_S, pushed
-from leadscrew.studies.sofnn_tangent.claims_signals import folded, identity_rules, jumps, signals_claims
-from leadscrew.studies.sofnn_tangent.figures_online import online_pictures
+from leadscrew.studies.sofnn_tangent.claims_signals import folded, identity_rules, jumps
 from leadscrew.studies.sofnn_tangent.online import (
     PNN,
     TABLE,
@@ -28,19 +27,12 @@ from leadscrew.studies.sofnn_tangent.online import (
     stays_within,
 )
 from leadscrew.studies.sofnn_tangent.runs import Loops
+from tests.studies.whole import claims_of
 
 
 @pytest.fixture(scope="module")
 def loops():
     return Loops()
-
-
-def met(claims):
-    named = {c.id.removeprefix("sofnn_tangent."): c for c in claims}
-    assert [(k, c.measured, c.target) for k, c in named.items() if c.kind == "required" and not c.passed] == []
-    assert [k for k, c in named.items() if c.paper is None and c.verdict != "cannot be checked"] == []
-    assert [k for k, c in named.items() if not (c.reason and c.source and c.statement)] == []
-    return named
 
 
 # ---- worked by hand
@@ -190,26 +182,23 @@ def test_a_tighter_clamp_cuts_as_in_the_second_writing(loops):
 
 
 @pytest.mark.slow
-def test_claims_on_the_signals_are_met(loops):
-    named = met(signals_claims(loops))
+@pytest.mark.xdist_group("whole sofnn_tangent")
+def test_claims_on_the_signals():
+    named = claims_of("sofnn_tangent")
     assert named["rounded_is_fixed"].verdict == "not reproduced"
     assert named["rounded_weights_still"].measured == 0.0
 
 
 @pytest.mark.slow
-def test_claims_on_learning_are_met(loops):
-    named = met(online_claims(loops))
+@pytest.mark.xdist_group("whole sofnn_tangent")
+def test_claims_on_learning():
+    named = claims_of("sofnn_tangent")
     assert named["inner_loops_max"].measured == 2.0 and 0.0 < named["inner_loops_second"].measured < 1.0
 
 
 @pytest.mark.slow
-def test_claims_on_what_is_remembered_are_met(loops):
-    named = met(recall_claims(loops))
+@pytest.mark.xdist_group("whole sofnn_tangent")
+def test_claims_on_what_is_remembered():
+    named = claims_of("sofnn_tangent")
     assert 0.0 < named["recall_share_median"].measured < 50.0
     assert named["recall_few_rules"].verdict == "cannot be checked"
-
-
-@pytest.mark.slow
-def test_pictures_of_the_learning_are_drawn(loops):
-    for picture in online_pictures(loops):
-        assert picture.draw().axes and picture.caption

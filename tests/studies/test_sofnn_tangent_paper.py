@@ -1,15 +1,16 @@
 """What the paper says: areas of its Figure 4, its errata, its conclusions; every item has its place."""
 
 import csv
+import re
 
 import numpy as np
 import pytest
 
 from leadscrew.studies.sofnn_tangent import study
-from leadscrew.studies.sofnn_tangent.claims_errata import MISSING, QUANTITIES, errata_claims
-from leadscrew.studies.sofnn_tangent.claims_paper import paper_claims, passed_areas, sets_of
-from leadscrew.studies.sofnn_tangent.figures_paper import paper_pictures
+from leadscrew.studies.sofnn_tangent.claims_errata import MISSING, QUANTITIES
+from leadscrew.studies.sofnn_tangent.claims_paper import passed_areas, sets_of
 from leadscrew.studies.sofnn_tangent.runs import Loops
+from tests.studies.whole import claims_of, whole
 
 
 @pytest.fixture(scope="module")
@@ -47,23 +48,22 @@ def test_every_numbered_part_of_the_paper_has_a_row():
 
 
 @pytest.mark.slow
-def test_what_the_paper_says_is_judged_from_the_numbers(loops):
-    named = {c.id.removeprefix("sofnn_tangent."): c for c in paper_claims(loops)}
-    assert [(k, c.measured, c.target) for k, c in named.items() if c.kind == "required" and not c.passed] == []
-    assert [k for k, c in named.items() if c.paper is None and c.verdict != "cannot be checked"] == []
+@pytest.mark.xdist_group("whole sofnn_tangent")
+def test_what_the_paper_says_is_judged_from_the_numbers():
+    named = claims_of("sofnn_tangent")
     assert (
         named["paper_offline_training"].verdict == "cannot be checked"
         and named["paper_offline_training"].measured > 0.0
     )
     assert named["paper_compensated_share"].verdict == "cannot be checked"
-    assert not [k for k in named if "pid" in k]  # the paper never mentions one
+    assert not [k for k, c in named.items() if "pid" in k and c.paper is not None]  # the paper never mentions one
     assert [named[f"area_{i}_network"].verdict for i in (1, 2, 3)] == ["reproduced"] * 3
 
 
 @pytest.mark.slow
-def test_every_erratum_of_this_room_is_shown(loops):
-    named = {c.id.removeprefix("sofnn_tangent."): c for c in errata_claims(loops)}
-    assert [(k, c.measured, c.target) for k, c in named.items() if c.kind == "required" and not c.passed] == []
+@pytest.mark.xdist_group("whole sofnn_tangent")
+def test_every_erratum_of_this_room_is_shown():
+    named = claims_of("sofnn_tangent")
     for number in (3, 8, 11, 12, 13, 14, 15, 18, 19):
         assert [k for k in named if k.startswith(f"erratum_{number}_")], number
     assert named["five_passes_without_threshold"].measured > 2.0 * 0.493
@@ -72,12 +72,9 @@ def test_every_erratum_of_this_room_is_shown(loops):
 
 
 @pytest.mark.slow
-def test_the_figures_of_the_paper_are_drawn(loops):
-    names = []
-    for picture in paper_pictures(loops):
-        figure = picture.draw()
-        names.append(picture.name)
-        assert figure.axes and picture.caption
-    assert [n for n in names if n.startswith("fig")] == [
+@pytest.mark.xdist_group("whole sofnn_tangent")
+def test_the_figures_of_the_paper_are_there():
+    names = [p.name for p in whole("sofnn_tangent").pictures]
+    assert [n for n in names if re.match(r"fig\d", n)] == [
         "fig4_step_areas", "fig5_trajectory", "fig6_without_compensation", "fig7_with_compensation",
     ]  # fmt: skip
