@@ -8,8 +8,14 @@ from leadscrew.export.folder import TARGETS, verify
 from leadscrew.export.verdict import IDENTICAL, NOT_RUN
 from tests.export.table import ROWS, complete, exported, folder_of, loop_of
 
+
+def marks(row, quick):
+    """A row is exported and recorded once for all its targets, where xdist keeps groups together."""
+    return [] if quick else [pytest.mark.slow, pytest.mark.xdist_group(f"export {row}")]
+
+
 CELLS = [
-    pytest.param(row, target, marks=() if target in ROWS[row].quick else pytest.mark.slow, id=f"{row}-{target}")
+    pytest.param(row, target, marks=marks(row, target in ROWS[row].quick), id=f"{row}-{target}")
     for row in ROWS
     for target in TARGETS
 ]
@@ -31,7 +37,7 @@ def test_everything_that_runs_an_export_gives_the_bits_of_the_simulation(row, ta
     assert sum("clang" not in v.target for v in judged) == JUDGES[target] - in_single
 
 
-RECORDED = [pytest.param(row, marks=() if ROWS[row].quick else pytest.mark.slow) for row in ROWS]
+RECORDED = [pytest.param(row, marks=marks(row, ROWS[row].quick)) for row in ROWS]
 
 
 @pytest.mark.parametrize("row", RECORDED)
