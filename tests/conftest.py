@@ -4,7 +4,9 @@ import atexit
 import os
 import shutil
 import tempfile
+from collections import Counter
 
+import pytest
 from hypothesis import settings
 
 if "LEADSCREW_CACHE_DIR" not in os.environ:
@@ -16,3 +18,16 @@ if "LEADSCREW_CACHE_DIR" not in os.environ:
 settings.register_profile("ci", derandomize=True)
 if os.environ.get("CI"):
     settings.load_profile("ci")
+
+SMALL = 12
+"""Slow tests of a file that is not worth dividing."""
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """With ``--dist loadgroup`` the slow tests of a small file run in one worker: what they share is made once."""
+    slow = [item for item in items if item.get_closest_marker("slow")]
+    counts = Counter(item.path for item in slow)
+    for item in slow:
+        if counts[item.path] <= SMALL and item.get_closest_marker("xdist_group") is None:
+            item.add_marker(pytest.mark.xdist_group(item.path.stem))

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from leadscrew.identify.axis.refine_replay import LOST, as_logged
+from leadscrew.identify.axis.refine_replay import LOST, as_logged, lengthened
 from leadscrew.identify.axis.simulation import plant_values, start_state
 from leadscrew.kernel.block import plant, reference
 from leadscrew.kernel.loop import Loop
@@ -84,7 +84,7 @@ def play_lugre(
     """
     point = {k: v for k, v in plant_values(values, log.force_per_drive).items() if k != "backlash"}
     point |= {key: values[key] for key in ("friction.stiffness", "friction.damping")}
-    drive = PlayedForce(drive=np.ascontiguousarray(log.drive, dtype=np.float64))
+    drive = PlayedForce(drive=lengthened(log.drive))
     loop = Loop(
         reference=reference(drive, name="played force")(force_at), controller=as_logged, plant=prestressed_axis,
         period=log.period, method="rodas", rtol=1e-6, atol=1e-12, metrics={}, name="replay on bristles",

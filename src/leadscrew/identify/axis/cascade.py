@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING, Annotated, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from leadscrew.identify.axis.refine_replay import LOST, Held, late_axis
+from leadscrew.identify.axis.refine_replay import LOST, Held, late_axis, lengthened
 from leadscrew.kernel import door
 from leadscrew.kernel.block import controller, reference
 from leadscrew.kernel.errors import DataError, ValueRefused
@@ -143,7 +143,7 @@ def closed_loop(log: AxisLog, cascade: Cascade) -> Loop:
     """
     if log.command is None:
         raise DataError(f"{log.source}: has no command; a closed loop needs the column of the commanded position")
-    command = PlayedCommand(np.ascontiguousarray(log.command, dtype=np.float64))
+    command = PlayedCommand(lengthened(log.command))
     law = CascadeParams(
         kp=float(cascade.kp), kv=float(cascade.kv), ki=float(cascade.ki), max_drive=min(cascade.max_drive, 1e30),
         over=int(cascade.over), start_drive=float(log.drive[0]), period=log.period,

@@ -122,9 +122,19 @@ def late_axis(p, s, u, load, dt):
     return servo_axis(p.now, middle, u.now, load, p.now_s)
 
 
+def lengthened(values: np.ndarray) -> np.ndarray:
+    """The signal with its last value repeated, to a length that other logs have too.
+
+    Compiled code knows the lengths of its arrays. Lengths of four steps in each octave let logs of all lengths share
+    it, for at most a quarter more memory; a block that plays a signal holds its last value anyway.
+    """
+    step = 2 ** max(0, (len(values) - 1).bit_length() - 3)
+    return np.pad(np.asarray(values, dtype=np.float64), (0, -len(values) % step), mode="edge")
+
+
 def played(log: AxisLog) -> Loop:
     """The loop that plays a log's drive back on the axis."""
-    drive = PlayedDrive(drive=np.ascontiguousarray(log.drive, dtype=np.float64))
+    drive = PlayedDrive(drive=lengthened(log.drive))
     return Loop(
         reference=reference(drive, name="played drive")(drive_at), controller=as_logged, plant=late_axis,
         period=log.period, metrics={}, name="replay of an axis log",
