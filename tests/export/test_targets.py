@@ -6,6 +6,7 @@ import pytest
 from leadscrew import catalogue
 from leadscrew.export.folder import TARGETS, verify
 from leadscrew.export.verdict import IDENTICAL, NOT_RUN
+from tests.budget import WHOLE
 from tests.export.table import ROWS, complete, exported, folder_of, loop_of
 
 
@@ -14,10 +15,17 @@ def marks(row, quick):
     return [] if quick else [pytest.mark.slow, pytest.mark.xdist_group(f"export {row}")]
 
 
+def asked(number, row, target):
+    """Every row goes to HAL, which is judged as C99 too, and to FMI 2 and 3 in turn; every fourth to C99 by itself."""
+    turn = {"c99": number % 4 == 0, "hal": True, "fmu2": number % 2 == 0, "fmu3": number % 2 == 1}
+    return WHOLE or turn[target] or target in ROWS[row].quick
+
+
 CELLS = [
     pytest.param(row, target, marks=marks(row, target in ROWS[row].quick), id=f"{row}-{target}")
-    for row in ROWS
+    for number, row in enumerate(ROWS)
     for target in TARGETS
+    if asked(number, row, target)
 ]
 
 JUDGES = {"c99": 3, "hal": 5, "fmu2": 3, "fmu3": 3}
