@@ -1,18 +1,14 @@
-"""Shared set-up: a compile cache of its own for each test session, shared by its workers."""
+"""Shared set-up: a compile cache of the tests' own, examples that are the same in CI, groups for xdist."""
 
-import atexit
 import os
-import shutil
-import tempfile
 from collections import Counter
+from pathlib import Path
 
 import pytest
 from hypothesis import settings
 
-if "LEADSCREW_CACHE_DIR" not in os.environ:
-    _folder = tempfile.mkdtemp(prefix="leadscrew-tests-")
-    os.environ["LEADSCREW_CACHE_DIR"] = _folder
-    atexit.register(shutil.rmtree, _folder, ignore_errors=True)
+# Kept from one session to the next: what is in it is named by its source and by that of the compiler.
+os.environ.setdefault("LEADSCREW_CACHE_DIR", str(Path(__file__).parents[1] / "build" / "tests_cache"))
 
 # In CI the same examples every time: a search for new ones belongs to a developer's run, who can act on what it finds.
 settings.register_profile("ci", derandomize=True)
