@@ -1,4 +1,4 @@
-"""Tests with one ``xdist_group`` run in one worker, and so do the slow tests of a small file: they share what they make.
+"""Tests with one ``xdist_group`` run in one worker, and so do the slow tests of a small file: they share much.
 
 For ``--dist loadgroup``. xdist 3.8 hands groups over in the node ids, which pytest 9.2 does not let it write, and says
 nothing (pytest-xdist issue 1386); here the first worker leaves them in a file that the scheduler reads.
