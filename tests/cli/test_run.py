@@ -5,8 +5,6 @@ from __future__ import annotations
 import json
 import shutil
 
-import pytest
-
 from leadscrew.kernel.run import load
 from tests.cli.conftest import FILE, strict_json
 
@@ -77,10 +75,3 @@ def test_demo_is_the_first_study_with_its_time(call, study, tmp_path, monkeypatc
     said = call("demo").stdout
     assert "The whole demo took" in said and str(tmp_path / "report" / "plain" / "report.html") in said
     assert json.loads((tmp_path / "report" / "plain" / "report.json").read_text())["study"] == "plain"
-
-
-@pytest.mark.slow
-def test_the_lathe_study_meets_its_targets(call, tmp_path):
-    found = strict_json(call("run", "vud_lathe", "--out", tmp_path / "r", "--json").stdout)
-    assert found["study"] == "vud_lathe" and all(c["passed"] is not False for c in found["claims"])
-    assert "identical" in call("replay", tmp_path / "r/runs/fig11a_step_m50__corrected.vud_beta_e").stdout

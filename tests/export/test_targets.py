@@ -16,8 +16,8 @@ def marks(row, quick):
 
 
 def asked(number, row, target):
-    """Every row goes to HAL, which is judged as C99 too, and to FMI 2 and 3 in turn; every fourth to C99 by itself."""
-    turn = {"c99": number % 4 == 0, "hal": True, "fmu2": number % 2 == 0, "fmu3": number % 2 == 1}
+    """Every row goes to HAL, which is judged as C99 too; in turn to FMI 2, FMI 3 or C99 by itself."""
+    turn = {"c99": number % 3 == 2, "hal": True, "fmu2": number % 3 == 0, "fmu3": number % 3 == 1}
     return WHOLE or turn[target] or target in ROWS[row].quick
 
 

@@ -14,6 +14,7 @@ from leadscrew.studies.fsmc_ballscrew.controllers import CONTROLLERS
 from leadscrew.studies.fsmc_ballscrew.runs import Loops, build
 from leadscrew.studies.fsmc_ballscrew.scenarios import SCENARIOS
 from leadscrew.studies.fsmc_ballscrew.tracking import at_rest, elsewhere, place_of_largest, reversal, time_constant
+from tests.budget import some
 from tests.fuzzy.formats_systems import shared
 from tests.studies import stage_oracle as oracle
 
@@ -138,7 +139,7 @@ def test_creeping_the_printed_rules_oscillate_once_and_then_follow_radau_again()
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("law", ["corrected.smc", "paper.smc"])
+@pytest.mark.parametrize("law", some(["corrected.smc", "paper.smc"], 2))
 def test_where_the_stage_sticks_and_slips_the_statistics_agree(law):
     """Point by point any two solvers part: each slip grows by up to 2.6e5 1/s."""
     seconds = 1.2

@@ -6,6 +6,7 @@ import pytest
 
 from leadscrew.catalogue import study
 from leadscrew.studies.npid_xytable.runs import Loops
+from tests.budget import WHOLE
 from tests.studies.contract import WholeStudy
 from tests.studies.whole import whole
 
@@ -19,10 +20,11 @@ def test_every_controller_runs_under_cutting_and_every_scenario_runs():
 
 
 @pytest.mark.slow
-def test_every_controller_fits_into_every_scenario():
-    for name in TABLE.controllers:
-        for scenario in TABLE.scenarios:
-            assert TABLE.loop(name, scenario).signals["output"] is not None, (name, scenario)
+def test_every_controller_fits_into_scenarios_of_all_kinds():
+    for i, name in enumerate(TABLE.controllers):
+        for j, scenario in enumerate(TABLE.scenarios):
+            if WHOLE or (i + j) % 3 == 0:
+                assert TABLE.loop(name, scenario).signals["output"] is not None, (name, scenario)
 
 
 def test_loops_that_differ_in_values_share_a_program():
