@@ -2,12 +2,15 @@
 
     python docs/generate.py            writes docs/studies/generated and docs/reference/generated
 
-Nothing is computed here: claims, figures and notes come from the study, sheets from the blocks.
+Nothing is computed here: claims, figures and notes come from the study, sheets from the blocks. Where the variable
+``LEADSCREW_STUDY_PAGES`` is ``keep``, pages of studies that exist stay: in CI the tests have written them of the
+evaluation that they judge.
 """
 
 from __future__ import annotations
 
 import csv
+import os
 import re
 import sys
 from collections import Counter
@@ -19,6 +22,8 @@ from leadscrew.kernel.sheet import entries
 from leadscrew.report import tables
 from leadscrew.report.claim import Claim
 from leadscrew.studies.study import Study, StudyResult
+
+KEPT = "LEADSCREW_STUDY_PAGES"
 
 
 def cell(value: object) -> str:
@@ -58,9 +63,8 @@ def items_table(study: Study) -> str:
     return table(head, rows)
 
 
-def study_page(study: Study, folder: Path) -> str:
+def study_page(study: Study, folder: Path, result: StudyResult) -> str:
     """The page of a study; its figures go to ``folder``."""
-    result = study.evaluate(lambda what, done: None)
     verdicts = Counter(c.verdict for c in result.claims)
     parts = [
         f"# {study.title}",
@@ -116,16 +120,30 @@ def write(file: Path, text: str) -> None:
     """Writes a page unless it stands there already, so that Sphinx need not read it again."""
     file.parent.mkdir(parents=True, exist_ok=True)
     if not file.exists() or file.read_text(encoding="utf-8") != text:
-        file.write_text(text, encoding="utf-8", newline="\n")
+        beside = file.with_suffix(".partial")
+        beside.write_text(text, encoding="utf-8", newline="\n")
+        beside.replace(file)
 
 
 def everything(docs: Path) -> None:
     """All generated pages."""
     write(docs / "reference" / "generated" / "blocks_by_name.md", blocks_page())
-    pages = docs / "studies" / "generated"
-    pages.mkdir(parents=True, exist_ok=True)
     for name in catalogue.STUDIES:
-        write(pages / f"{name}.md", study_page(catalogue.study(name), pages))
+        if not (os.environ.get(KEPT) == "keep" and page_of(docs, name).exists()):
+            study = catalogue.study(name)
+            write_study(docs, study, study.evaluate(lambda what, done: None))
+
+
+def page_of(docs: Path, name: str) -> Path:
+    """Where the page of a study lies."""
+    return docs / "studies" / "generated" / f"{name}.md"
+
+
+def write_study(docs: Path, study: Study, result: StudyResult) -> None:
+    """The page of a study, of an evaluation of it; the page itself comes last."""
+    page = page_of(docs, study.name)
+    page.parent.mkdir(parents=True, exist_ok=True)
+    write(page, study_page(study, page.parent, result))
 
 
 if __name__ == "__main__":

@@ -1,9 +1,13 @@
 """Whole evaluations, each made once: its tests and those of the pages that quote it run in one process.
 
 ``pytest --dist loadgroup`` keeps tests with one ``xdist_group`` together; without it each worker evaluates for itself.
+Where ``LEADSCREW_STUDY_PAGES`` is ``keep``, as in CI, the page of the documentation is written of the same evaluation.
 """
 
+import os
+import runpy
 from functools import cache
+from pathlib import Path
 
 import pytest
 
@@ -12,6 +16,8 @@ from leadscrew.report.claim import Claim
 from leadscrew.studies.study import StudyResult
 from tests.studies.contract import plain
 
+DOCS = Path(__file__).parents[2] / "docs"
+
 
 @cache
 def whole(name: str) -> StudyResult:
@@ -19,6 +25,9 @@ def whole(name: str) -> StudyResult:
     said: list[float] = []
     result = catalogue.study(name).evaluate(lambda what, done: said.append(done))
     assert sorted(said) == said and said[-1] == 1.0
+    if os.environ.get("LEADSCREW_STUDY_PAGES") == "keep":
+        writer = runpy.run_path(str(DOCS / "generate.py"))
+        writer["write_study"](DOCS, catalogue.study(name), result)
     return result
 
 
