@@ -2,7 +2,6 @@
 
 import math
 from functools import lru_cache
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -224,16 +223,3 @@ def test_at_rest_a_limit_cycle_has_no_mean_and_a_constant_torque_no_swing():
     )
     still = at_rest(made(t, np.full_like(t, -0.17), np.full_like(t, -6.4)))
     assert still.swing == 0.0 and still.mean == pytest.approx(-6.4) and still.variation == 0.0
-
-
-@pytest.mark.slow
-def test_the_claims_about_continuous_time_are_met_and_only_judge_what_the_paper_says():
-    from leadscrew.studies.fsmc_ballscrew.claims_continuous import continuous_claims
-    from leadscrew.studies.fsmc_ballscrew.claims_paper import paper_claims
-    from tests.studies.contract import assert_no_verdict_without_a_paper, assert_required_met_and_explained
-
-    loops = Loops()
-    claims = [*continuous_claims(loops), *paper_claims(loops)]
-    result = SimpleNamespace(claims=claims, topics=(("all", len(claims)),))
-    assert_required_met_and_explained(result)
-    assert_no_verdict_without_a_paper(result)

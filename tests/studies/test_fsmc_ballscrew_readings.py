@@ -22,11 +22,10 @@ from leadscrew.studies.fsmc_ballscrew.attraction import (
     ultimate_band,
     ultimate_error_um,
 )
-from leadscrew.studies.fsmc_ballscrew.claims_attraction import attraction_claims
-from leadscrew.studies.fsmc_ballscrew.claims_errata import BALL_BAR_FIGURES, errata_claims
-from leadscrew.studies.fsmc_ballscrew.claims_fuzzy import MATLAB, fuzzy_claims
-from leadscrew.studies.fsmc_ballscrew.claims_readings import readings_claims, unit_changes
-from leadscrew.studies.fsmc_ballscrew.claims_robust_continuous import fuzzy_slope, robust_continuous_claims
+from leadscrew.studies.fsmc_ballscrew.claims_errata import BALL_BAR_FIGURES
+from leadscrew.studies.fsmc_ballscrew.claims_fuzzy import MATLAB
+from leadscrew.studies.fsmc_ballscrew.claims_readings import unit_changes
+from leadscrew.studies.fsmc_ballscrew.claims_robust_continuous import fuzzy_slope
 from leadscrew.studies.fsmc_ballscrew.figures_fuzzy import fuzzy_pictures
 from leadscrew.studies.fsmc_ballscrew.readings import (
     COMPLEMENTARY,
@@ -41,6 +40,7 @@ from leadscrew.studies.fsmc_ballscrew.readings import (
 )
 from leadscrew.studies.fsmc_ballscrew.runs import Loops, tail_um
 from tests.fuzzy.formats_systems import shared
+from tests.studies.whole import claims_of
 
 LAM = 150.0
 
@@ -299,25 +299,12 @@ def test_the_stage_comes_back_from_everywhere_up_to_the_load_that_the_rules_hold
 
 
 # ---- claims
-TOPICS = {
-    "readings": readings_claims, "fuzzy": fuzzy_claims, "errata": errata_claims,
-    "robust_continuous": robust_continuous_claims, "attraction": attraction_claims,
-}  # fmt: skip
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("topic", list(TOPICS))
-def test_every_claim_meets_its_target(loops, topic):
-    claims = TOPICS[topic](loops)
-    assert len({c.id for c in claims}) == len(claims) and all(c.id.startswith("fsmc_ballscrew.") for c in claims)
-    assert [(c.id, c.measured, c.target) for c in claims if c.passed is False] == []
-    assert all(c.verdict == "cannot be checked" for c in claims if c.paper is None)
-    assert all(c.reason and len(c.reason) < 260 for c in claims)
-
-
-@pytest.mark.slow
-def test_every_erratum_has_its_number(loops):
-    numbers = {int(n) for c in errata_claims(loops) for n in re.findall(r"erratum_(\d+)", c.id)}
+@pytest.mark.xdist_group("whole fsmc_ballscrew")
+def test_every_erratum_has_its_number():
+    numbers = {int(n) for name in claims_of("fsmc_ballscrew") for n in re.findall(r"erratum_(\d+)", name)}
     assert numbers == set(range(1, 16))
 
 

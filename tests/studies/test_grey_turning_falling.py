@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 from turning_runs import reproduction
 
-from leadscrew.studies.grey_turning.claims_falling import falling_claims
 from leadscrew.studies.grey_turning.figures_falling import falling_pictures
+from tests.studies.whole import claims_of, together
 
-pytestmark = pytest.mark.slow
+pytestmark = together("grey_turning")
 
 
 @pytest.fixture(scope="module")
@@ -16,13 +16,8 @@ def found():
 
 
 @pytest.fixture(scope="module")
-def claims(found):
-    return {c.id.removeprefix("grey_turning."): c for c in falling_claims(found.loops, found)}
-
-
-def test_all_that_is_required_is_met(claims):
-    assert [(k, c.measured, c.target) for k, c in claims.items() if c.kind == "required" and not c.passed] == []
-    assert [k for k, c in claims.items() if c.paper is None and c.verdict != "cannot be checked"] == []
+def claims():
+    return claims_of("grey_turning")
 
 
 def test_the_largest_force_comes_before_the_depth_changes(found):

@@ -5,13 +5,12 @@ import pytest
 from turning_oracle import Fuzzy, Lathe, run
 from turning_runs import reproduction
 
-from leadscrew.studies.grey_turning.claims_errata import errata_claims
-from leadscrew.studies.grey_turning.claims_fixed import fixed_claims
 from leadscrew.studies.grey_turning.figures_fixed import fixed_pictures
 from leadscrew.studies.grey_turning.reproduction import Case, Cuts, Told, together, told
 from leadscrew.studies.grey_turning.runs import Loops
+from tests.studies.whole import claims_of
 
-pytestmark = pytest.mark.slow
+pytestmark = [pytest.mark.slow, pytest.mark.xdist_group("whole grey_turning")]
 
 
 @pytest.fixture(scope="module")
@@ -20,9 +19,8 @@ def found():
 
 
 @pytest.fixture(scope="module")
-def claims(found):
-    judged = (*fixed_claims(found.loops, found), *errata_claims(found.loops, found))
-    return {c.id.removeprefix("grey_turning."): c for c in judged}
+def claims():
+    return claims_of("grey_turning")
 
 
 def test_under_the_same_noise_a_second_program_gives_the_same_force():
@@ -32,12 +30,6 @@ def test_under_the_same_noise_a_second_program_gives_the_same_force():
     assert noise.std() == pytest.approx(2.0, rel=0.25)
     theirs = run(Fuzzy((4.2, 1.35, 0.00307), "B"), 2.0, Lathe(rpm=1171.875), noise=noise)["y"]
     np.testing.assert_allclose(ours["feedback"], theirs, rtol=0, atol=1e-7)
-
-
-def test_all_that_is_required_is_met(claims):
-    assert [(k, c.measured, c.target) for k, c in claims.items() if c.kind == "required" and not c.passed] == []
-    assert [k for k, c in claims.items() if c.paper is None and c.verdict != "cannot be checked"] == []
-    assert [k for k, c in claims.items() if not (c.reason and c.source and c.statement)] == []
 
 
 def test_the_rise_time_of_the_paper_is_not_reproduced_and_said_so(claims):

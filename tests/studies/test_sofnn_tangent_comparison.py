@@ -6,10 +6,7 @@ import numpy as np
 import pytest
 
 from leadscrew.studies.sofnn_tangent.changing import answer, changes_of
-from leadscrew.studies.sofnn_tangent.claims_change import change_claims
-from leadscrew.studies.sofnn_tangent.claims_comparison import comparison_claims
-from leadscrew.studies.sofnn_tangent.claims_contour import contour_claims
-from leadscrew.studies.sofnn_tangent.claims_plant import integrated_anew, plant_claims
+from leadscrew.studies.sofnn_tangent.claims_plant import integrated_anew
 from leadscrew.studies.sofnn_tangent.comparison import DIGEST, PID, Standing, comparison_of, names_of
 from leadscrew.studies.sofnn_tangent.figures_comparison import comparison_pictures
 from leadscrew.studies.sofnn_tangent.fixed_fuzzy import system
@@ -81,16 +78,6 @@ def test_the_allowance_of_a_mean_of_cells_knows_which_of_them_share_a_texture():
 def test_the_plant_follows_scipy_and_eulers_rule_would_not(loops):
     exact, euler = integrated_anew(loops, samples=30)
     assert exact < 1e-8 < 1e-2 < euler
-
-
-@pytest.mark.slow
-def test_every_claim_of_the_comparison_meets_its_target(loops):
-    claims = [c for made in (comparison_claims, contour_claims, change_claims, plant_claims) for c in made(loops)]
-    assert len({c.id for c in claims}) == len(claims) > 120
-    assert [c.id for c in claims if c.passed is False] == []
-    assert sum(c.passed is True for c in claims) > 100
-    assert all(c.reason and c.source for c in claims)
-    assert all(c.verdict == "cannot be checked" for c in claims if c.paper is None)
 
 
 @pytest.mark.slow
