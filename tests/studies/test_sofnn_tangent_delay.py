@@ -5,7 +5,6 @@ import pytest
 
 from leadscrew.studies.sofnn_tangent.claims_delay import DIGEST_MAP, gap, kind_of
 from leadscrew.studies.sofnn_tangent.delay import AXIS_KEEP, RULE_SLOPE, TABLE_SLOPE, kalman_gain, radius, tooth_gain
-from leadscrew.studies.sofnn_tangent.figures_delay import delay_pictures
 from leadscrew.studies.sofnn_tangent.online import STRAIGHT, TABLE, deviations, loop_of
 from leadscrew.studies.sofnn_tangent.runs import Loops
 from tests.studies.whole import claims_of
@@ -124,10 +123,3 @@ def test_claims_on_the_delay():
 
 def test_a_limit_may_lie_anywhere_between_the_values_that_it_parts():
     assert gap([(0.1, 0.3), (0.2, 0.0)], 0.25) == (0.2, 0.3)
-
-
-@pytest.mark.slow
-def test_pictures_of_the_delay_are_drawn(loops):
-    for picture in delay_pictures(loops):
-        figure = picture.draw()
-        assert figure.axes and all(axes.get_xlabel() for axes in figure.axes)

@@ -40,11 +40,3 @@ def test_with_consequents_alone_it_is_the_studys_network(loops):
     theirs = loops.cells(TABLE).rms.mean(axis=2)
     assert ours[:, 0] == pytest.approx(theirs[:, 0], rel=1e-9)  # in fabric; other materials have other textures there
     assert np.abs(ours / theirs - 1.0).max() < 0.05
-
-
-@pytest.mark.slow
-def test_the_pictures_are_drawn(loops):
-    from leadscrew.studies.sofnn_tangent.figures_inference import inference_pictures
-
-    for picture in inference_pictures(loops):
-        assert picture.draw().axes and picture.caption

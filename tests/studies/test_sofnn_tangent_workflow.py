@@ -4,9 +4,7 @@ import numpy as np
 import pytest
 
 from leadscrew.studies.sofnn_tangent import workflow
-from leadscrew.studies.sofnn_tangent.figures_workflow import workflow_pictures
 from leadscrew.studies.sofnn_tangent.lines import MATERIAL_NAMES
-from leadscrew.studies.sofnn_tangent.runs import Loops
 
 
 def test_a_piece_of_the_table_comes_out_again():
@@ -35,9 +33,3 @@ def test_the_table_has_every_drawing_in_every_material_with_every_scan():
     keys = set(workflow.kept_table())
     assert keys == {(d, m, s) for d in ("wave", "flower", "rrect", "leaf.svg", "petal.dxf") for m in MATERIAL_NAMES
                     for s in ("exact", "scanner", "shape")}  # fmt: skip
-
-
-@pytest.mark.slow
-def test_the_pictures_are_drawn():
-    for picture in workflow_pictures(Loops()):
-        assert len(picture.draw().axes) >= 1 and picture.caption.endswith(".")
