@@ -8,6 +8,7 @@ import pytest
 from leadscrew.fuzzy import evaluate, norms
 from leadscrew.fuzzy.formats import fll
 from leadscrew.fuzzy.system import System
+from tests.budget import WHOLE
 from tests.fuzzy.oracle import generator
 from tests.fuzzy.oracle.fuzzylite import Fuzzylite
 
@@ -115,7 +116,8 @@ def test_machine_code_agrees_with_fuzzylite(monkeypatch):
 
 @pytest.mark.slow
 def test_hundreds_of_generated_systems_agree_with_fuzzylite(monkeypatch):
-    systems, numbers, ties = compared(0, 700, monkeypatch)
+    first, end = (0, 700) if WHOLE else (90, 400)  # the first ninety above
+    systems, numbers, ties = compared(first, end, monkeypatch)
     print(f"{systems} systems, {numbers} numbers, {ties} ties")
-    assert systems == 700
+    assert systems == end - first
     assert ties <= 0.02 * numbers
