@@ -23,7 +23,10 @@ from leadscrew.report import tables
 from leadscrew.report.claim import Claim
 from leadscrew.studies.study import Study, StudyResult
 
-KEPT = "LEADSCREW_STUDY_PAGES"
+
+def kept() -> bool:
+    """Whether pages of studies that exist stay."""
+    return os.environ.get("LEADSCREW_STUDY_PAGES") == "keep"
 
 
 def cell(value: object) -> str:
@@ -129,7 +132,7 @@ def everything(docs: Path) -> None:
     """All generated pages."""
     write(docs / "reference" / "generated" / "blocks_by_name.md", blocks_page())
     for name in catalogue.STUDIES:
-        if not (os.environ.get(KEPT) == "keep" and page_of(docs, name).exists()):
+        if not (kept() and page_of(docs, name).exists()):
             study = catalogue.study(name)
             write_study(docs, study, study.evaluate(lambda what, done: None))
 

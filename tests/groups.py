@@ -8,6 +8,7 @@ import json
 import os
 import tempfile
 from collections import Counter
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -31,9 +32,13 @@ def group(item: pytest.Item, counts: Counter[Path]) -> str:
 class Together(LoadScopeScheduling):
     """Sends a group as a whole, the largest first."""
 
+    @cached_property
+    def groups(self) -> dict[str, str]:
+        """The group of each test; it is there when all workers have collected."""
+        found: dict[str, str] = json.loads(Path(os.environ[FILE]).read_text(encoding="utf-8"))
+        return found
+
     def _split_scope(self, nodeid: str) -> str:
-        if not hasattr(self, "groups"):
-            self.groups: dict[str, str] = json.loads(Path(os.environ[FILE]).read_text(encoding="utf-8"))
         return self.groups[nodeid]
 
 

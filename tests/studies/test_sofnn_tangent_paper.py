@@ -9,13 +9,7 @@ import pytest
 from leadscrew.studies.sofnn_tangent import study
 from leadscrew.studies.sofnn_tangent.claims_errata import MISSING, QUANTITIES
 from leadscrew.studies.sofnn_tangent.claims_paper import passed_areas, sets_of
-from leadscrew.studies.sofnn_tangent.runs import Loops
 from tests.studies.whole import claims_of, whole
-
-
-@pytest.fixture(scope="module")
-def loops():
-    return Loops()
 
 
 def test_the_set_of_a_level_is_the_nearest_and_half_way_it_is_both():

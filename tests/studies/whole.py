@@ -4,7 +4,6 @@
 Where ``LEADSCREW_STUDY_PAGES`` is ``keep``, as in CI, the page of the documentation is written of the same evaluation.
 """
 
-import os
 import runpy
 from functools import cache
 from pathlib import Path
@@ -25,8 +24,8 @@ def whole(name: str) -> StudyResult:
     said: list[float] = []
     result = catalogue.study(name).evaluate(lambda what, done: said.append(done))
     assert sorted(said) == said and said[-1] == 1.0
-    if os.environ.get("LEADSCREW_STUDY_PAGES") == "keep":
-        writer = runpy.run_path(str(DOCS / "generate.py"))
+    writer = runpy.run_path(str(DOCS / "generate.py"))
+    if writer["kept"]():
         writer["write_study"](DOCS, catalogue.study(name), result)
     return result
 
