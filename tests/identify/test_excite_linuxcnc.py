@@ -77,5 +77,9 @@ def test_linuxcnc_runs_the_move_inside_its_limits_and_its_recorder_s_log_is_read
     assert np.abs(reached).max() < 1e-6
     half_a_second = slice(0, 400)
     assert np.abs(seen[half_a_second] - wanted[begun:][half_a_second]).max() < 0.5e-3
-    stood = np.flatnonzero(np.diff(position) != 0.0)
-    assert (stood[-1] - first) * 1e-3 == pytest.approx(proposal.move.duration - 1.5, rel=0.03)
+    # Strokes take their time in periods of the servo thread; rests are ended by the task, on a busy machine later.
+    moves = np.flatnonzero(np.diff(seen) != 0.0)
+    wanted_moves = np.flatnonzero(np.abs(np.diff(wanted[begun:])) > 1e-9)
+    step = proposal.samples.time[1] - proposal.samples.time[0]
+    assert len(moves) * 1e-3 == pytest.approx(len(wanted_moves) * step, rel=0.005)
+    assert (moves[-1] - len(moves)) * 1e-3 > 0.99 * (wanted_moves[-1] - len(wanted_moves)) * step
