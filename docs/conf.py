@@ -42,9 +42,28 @@ def plain_bars(app, what, name, obj, options, lines):
         lines[at] = "``".join(parts)
 
 
+TREES = {}
+"""The tree of pages as those of source code at one depth show it; resolving it for each took half of the time."""
+
+
+def one_tree(app, pagename, templatename, context, doctree):
+    """Pages of source code stand nowhere in the tree: it differs by the ``../`` of its links alone."""
+    if pagename.startswith("_modules/") and "toctree" in context:
+        resolved, depth = context["toctree"], pagename.count("/")
+
+        def toctree(**how):
+            asked = (depth, *sorted(how.items()))
+            if asked not in TREES:
+                TREES[asked] = resolved(**how)
+            return TREES[asked]
+
+        context["toctree"] = toctree
+
+
 def setup(app):
     """Writes what is generated: a page for each study, the pages of blocks."""
     import generate
 
     app.connect("autodoc-process-docstring", plain_bars)
+    app.connect("html-page-context", one_tree, priority=400)  # before the theme's
     app.connect("builder-inited", lambda app: generate.everything(Path(app.srcdir)))

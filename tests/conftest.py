@@ -10,6 +10,9 @@ pytest_plugins = ["tests.groups"]
 # Kept from one session to the next: what is in it is named by its source and by that of the compiler.
 os.environ.setdefault("LEADSCREW_CACHE_DIR", str(Path(__file__).parents[1] / "build" / "tests_cache"))
 
+# Several workers share the cores: more threads of BLAS in each would only wait for one another.
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+
 # In CI the same examples every time: a search for new ones belongs to a developer's run, who can act on what it finds.
 settings.register_profile("ci", derandomize=True)
 if os.environ.get("CI"):

@@ -8,6 +8,7 @@ import pytest
 from leadscrew.catalogue import study
 from leadscrew.studies.sofnn_tangent import lines
 from leadscrew.studies.sofnn_tangent.runs import Loops
+from tests.budget import WHOLE
 from tests.studies.contract import WholeStudy
 from tests.studies.whole import whole
 
@@ -23,9 +24,10 @@ def test_every_scenario_runs_and_controllers_of_all_kinds_fit():
 
 @pytest.mark.slow
 def test_every_controller_fits_into_every_scenario():
-    for name in TABLE.controllers:
-        for scenario in TABLE.scenarios:
-            assert TABLE.loop(name, scenario).signals["output"] is not None, (name, scenario)
+    for i, name in enumerate(TABLE.controllers):
+        for j, scenario in enumerate(TABLE.scenarios):
+            if WHOLE or (i + j) % 3 == 0:
+                assert TABLE.loop(name, scenario).signals["output"] is not None, (name, scenario)
 
 
 def test_scenarios_on_different_lines_and_materials_share_a_program():

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from leadscrew.catalogue import study
+from tests.budget import some
 
 LATHE = study("vud_lathe")
 FIRST, PLAIN = next(iter(LATHE.scenarios)), "corrected.vud_beta_e"
@@ -35,7 +36,7 @@ def test_python_and_machine_code_agree_on_every_signal(controller, scenario):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("controller", "scenario"), different_loops())
+@pytest.mark.parametrize(("controller", "scenario"), some(different_loops(), 3))
 def test_all_three_engines_agree_over_the_whole_run(controller, scenario):
     duration = LATHE.scenarios[scenario].duration_s
     runs = [every_signal(controller, scenario, e, duration) for e in ("llvm", "python", "numba")]

@@ -24,6 +24,7 @@ from leadscrew.analysis.following_lag import Told, lag_of_error, shift
 from leadscrew.analysis.following_odd import Track, faults, folded, looked_at, stretches
 from leadscrew.kernel.door import positive
 from leadscrew.kernel.errors import DataError, ValueRefused
+from leadscrew.kernel.one_thread import one_thread
 from leadscrew.logs.finding import Finding
 from leadscrew.logs.units import length_in
 
@@ -114,6 +115,7 @@ class _Rows:
     """Of one log."""
 
 
+@one_thread()
 def following(logs: Sequence[Log]) -> Following:
     """The tables of some logs with the same period.
 
@@ -121,13 +123,6 @@ def following(logs: Sequence[Log]) -> Following:
         ValueRefused: no logs, unequal or impossible periods, or an axis in two units.
         DataError: a log without axes or with fewer than three rows.
     """
-    from threadpoolctl import threadpool_limits
-
-    with threadpool_limits(1):  # the matrices are narrow: more threads only wait for each other
-        return _following(logs)
-
-
-def _following(logs: Sequence[Log]) -> Following:
     period = _period(logs)
     names = list(dict.fromkeys(name for log in logs for name in log.tracks))
     for name in names:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from contextlib import AbstractContextManager, nullcontext
+from contextlib import nullcontext
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
@@ -16,6 +16,7 @@ from leadscrew.kernel.engines import ENGINES
 from leadscrew.kernel.errors import NameUnknown, ValueRefused
 from leadscrew.kernel.layout import numbers_of, reader_of
 from leadscrew.kernel.linker import LANES
+from leadscrew.kernel.one_thread import one_thread
 from leadscrew.kernel.run import Metrics, recorded
 from leadscrew.kernel.sheet import nearest, put
 
@@ -163,7 +164,7 @@ def _prepared(
     dt = loop.step if slot == "plant" else loop.period
     read = reader_of(loop.prepared(block, slot))
     made = []
-    with _one_thread_each(len(firsts)):
+    with one_thread() if len(firsts) >= 16 else nullcontext():
         for values in (*zip(*typed, strict=True), ()):
             params = block.params
             if flat:
@@ -179,19 +180,6 @@ def _prepared(
     if with_state:
         where += plan.state.places(slot, sizes[2], sizes[0] + sizes[1])
     return np.array(where), np.array(made, dtype=np.float64), inverse.ravel()
-
-
-def _one_thread_each(sets: int) -> AbstractContextManager[Any]:
-    """Linear algebra on one thread, where it is asked for often: on small matrices the threads of BLAS wait for each
-    other, 2 ms in place of 0.05 where the machine is busy.
-    """
-    if sets < 16:
-        return nullcontext()
-    import scipy.linalg  # noqa: F401  its BLAS is another one than NumPy's, and only what is there is limited
-    from threadpoolctl import threadpool_limits
-
-    limits: AbstractContextManager[Any] = threadpool_limits(1)
-    return limits
 
 
 def run_batch(

@@ -14,6 +14,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from leadscrew.kernel.one_thread import one_thread
 from leadscrew.neural.genetic import Cost
 from leadscrew.neural.performance import LEVELS, looked_up
 from leadscrew.neural.performance_shape import Shape
@@ -96,10 +97,9 @@ class Loss:
 def polish(row: np.ndarray, loss: Loss, box: float = 15.0, most: int = 200) -> np.ndarray:
     """The row of weights at the foot of the valley: least squares inside ``-box .. box`` (SciPy, trust region)."""
     from scipy.optimize import least_squares
-    from threadpoolctl import threadpool_limits
 
     inside = np.clip(row, -0.999 * box, 0.999 * box)
-    with threadpool_limits(1):  # The matrices are small: more threads only wait for each other.
+    with one_thread():
         found = least_squares(
             loss.residuals, inside, jac=loss.jacobian, bounds=(-box, box), method="trf", max_nfev=most, xtol=1e-9,
             ftol=1e-9,

@@ -37,6 +37,7 @@ from leadscrew.identify.axis.stage import Line
 from leadscrew.identify.axis.stretches import all_judged
 from leadscrew.identify.axis.terms import Terms
 from leadscrew.identify.axis.worth import faults
+from leadscrew.kernel.one_thread import one_thread
 
 if TYPE_CHECKING:
     from leadscrew.identify.axis.cascade import Cascade
@@ -53,6 +54,7 @@ SETTLED = 0.05
 """Change of the delay, in periods, after which the models are compared once more."""
 
 
+@one_thread()
 def identify_axis(
     log: AxisLog,
     *,

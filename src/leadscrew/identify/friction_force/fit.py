@@ -15,6 +15,7 @@ from leadscrew.identify.friction_force.record import LEAST, ForceRecord
 from leadscrew.identify.friction_force.result import Bin, FrictionForceFit, Load, ModelFit
 from leadscrew.identify.friction_force.task import STRIBECK_RATIO, VISCOUS_RATIO, Task, task_of
 from leadscrew.kernel.errors import DataError, ValueRefused
+from leadscrew.kernel.one_thread import one_thread
 
 Progress = Callable[[str, float], None]
 LOADS = ("auto", "force", "coefficient")
@@ -26,6 +27,7 @@ NORMAL_CHANGES = 0.1
 """Change of the normal force while sliding, as a share of it, below which the log cannot say how friction scales."""
 
 
+@one_thread()
 def identify_friction_force(
     record: ForceRecord, *, holdout: float = 0.5, load: Literal["auto", "force", "coefficient"] = "auto",
     progress: Progress | None = None,
@@ -61,15 +63,7 @@ def identify_friction_force(
         raise DataError(
             f"{record.source}: the force does not change in the part that is judged; choose another hold-out"
         )
-    import scipy.linalg  # noqa: F401  (its BLAS must be there to be limited)
-    from threadpoolctl import threadpool_limits
-
     report = progress or (lambda what, done: None)
-    with threadpool_limits(1):  # the matrices are small: more threads only wait for each other
-        return _fit(record, wanted, last, amplitude, report)
-
-
-def _fit(record: ForceRecord, wanted: Load, last: int, amplitude: float, report: Progress) -> FrictionForceFit:
     task = task_of(record, wanted, last)
     models, rows, bins = _all(task, amplitude, lambda what, done: report(what, 0.8 * done))
     others: dict[str, ModelFit] = {}

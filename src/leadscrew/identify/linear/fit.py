@@ -14,7 +14,6 @@ from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
-from threadpoolctl import threadpool_limits
 
 from leadscrew.identify.linear import advice, signs
 from leadscrew.identify.linear.choose import Fitted, Task, alone, choose, fitted, held_out
@@ -26,6 +25,7 @@ from leadscrew.identify.linear.result import Candidate, LinearFit, Stretch
 from leadscrew.identify.linear.structure import Structure, candidates
 from leadscrew.kernel.door import number, whole
 from leadscrew.kernel.errors import DataError, ValueRefused
+from leadscrew.kernel.one_thread import one_thread
 
 LONGEST = 20.0
 """Sample periods up to which the delay is searched."""
@@ -34,6 +34,7 @@ MARGIN = 0.02
 MOST = 6
 
 
+@one_thread()
 def identify_linear(
     record: LinearRecord,
     *,
@@ -68,16 +69,13 @@ def identify_linear(
     structures = _structures(structure, max_order, max_zeros, integrators)
     task = _task(record, delay, max_delay, holdout)
     _in_range("margin", margin, 0.0, 1.0)
-    import scipy.linalg  # noqa: F401  its threads are limited only once it is there
-
-    with threadpool_limits(1):
-        if len(structures) > 1:
-            best, table = choose(task, structures, margin, progress, lambda f: estimate(task, f).tells)
-        else:
-            progress(f"fitting {structures[0].text}", 0.1)
-            best = fitted(task, structures[0], [], thorough=True, start=alone(task, structures[0]).theta)
-            table = [Candidate(best.structure, best.solved.delay_s, best.train_rms, best.holdout_rms, "chosen")]
-        return _told(task, best, estimate(task, best), table, margin, asked=structure is not None)
+    if len(structures) > 1:
+        best, table = choose(task, structures, margin, progress, lambda f: estimate(task, f).tells)
+    else:
+        progress(f"fitting {structures[0].text}", 0.1)
+        best = fitted(task, structures[0], [], thorough=True, start=alone(task, structures[0]).theta)
+        table = [Candidate(best.structure, best.solved.delay_s, best.train_rms, best.holdout_rms, "chosen")]
+    return _told(task, best, estimate(task, best), table, margin, asked=structure is not None)
 
 
 def _told(task: Task, best: Fitted, its: Estimate, table: list[Candidate], margin: float, asked: bool) -> LinearFit:

@@ -12,6 +12,7 @@ import numpy as np
 
 from leadscrew.identify.gain import GainFit, Record, fit_gain, unit_travel
 from leadscrew.identify.output_error import OutputErrorFit
+from leadscrew.kernel.one_thread import one_thread
 from leadscrew.report.claim import Basis, Claim, Kind, Sense
 from leadscrew.studies.vud_lathe.claims_data import LAGS_S, RATE_SCALE_MM, gain_fits
 from leadscrew.studies.vud_lathe.original import (
@@ -48,9 +49,7 @@ LATE_S = 0.002
 
 def original_claims(loops: Loops, moves: Mapping[str, Move], found: OriginalResults | None = None) -> list[Claim]:
     """All of them; ``found`` is what :func:`original_results` gave, so that pictures can share it."""
-    from threadpoolctl import threadpool_limits
-
-    with threadpool_limits(1, "blas"):  # small matrices: more threads only wait for each other
+    with one_thread():
         gains = gain_fits(moves)
         static = _static_gain(moves, gains)
         fits, played = found or original_results(loops, moves)
