@@ -18,9 +18,6 @@ from leadscrew.kernel.errors import DataError, ValueRefused
 from tests.cli.conftest import strict_json
 from tests.tools import needed
 from tests.tune.noisy_loop import DIVERGING, FILE, NAME
-from tests.tune.shared import registered
-
-registered()
 
 
 @pytest.fixture

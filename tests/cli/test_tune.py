@@ -12,9 +12,6 @@ import tomllib
 import pyarrow.parquet as pq
 import pytest
 
-from leadscrew.cli import app
-from leadscrew.cli import compare as compare_command
-from leadscrew.cli import tune as tune_command
 from tests.cli.conftest import strict_json
 from tests.tools import needed
 from tests.tune.shared import dask
@@ -26,18 +23,7 @@ WANTED = ("--minimise", "mean:rms_error", "--subject-to", "overshoot<=0.02", "--
 LATHE = ("tune", "vud_lathe", "-c", "corrected.vud_beta_e", *STEPS, *VARY, *OVER, *WANTED)
 SMALL = (*LATHE, "--budget", "40")
 
-PROGRAM = """
-from leadscrew import cli
-from leadscrew.cli import app, compare, tune
-for name, command in (("tune", tune.tune), ("compare", compare.compare)):
-    if not any(c.name == name for c in app.registered_commands):
-        app.command(name)(command)
-cli.main()
-"""
-
-for _name, _command in (("tune", tune_command.tune), ("compare", compare_command.compare)):
-    if not any(c.name == _name for c in app.registered_commands):
-        app.command(_name)(_command)
+PROGRAM = "from leadscrew.cli import main; main()"
 
 
 def process(*args):

@@ -21,7 +21,6 @@ from leadscrew.studies.fsmc_ballscrew.integrators import (
     sharp_pd,
     soft_pd,
 )
-from leadscrew.studies.fsmc_ballscrew.runs import Loops
 
 PAGE = Path(__file__).parents[2] / "docs" / "stiff_friction.md"
 
@@ -40,13 +39,12 @@ def scheme(said):
 
 @pytest.mark.slow
 def test_each_scheme_errs_as_much_as_the_table_says():
-    loops = Loops()
-    truth = {(s, law): angles(s, TRUTH, loops=loops, law=law) for law in (soft_pd, sharp_pd) for s in SMOOTH}
+    truth = {(s, law): angles(s, TRUTH, law=law) for law in (soft_pd, sharp_pd) for s in SMOOTH}
     rows = table("errors")
     assert len(rows) == 10
     for name, *cells in rows:
         for (sine, law), said in zip(truth, cells, strict=True):
-            found = error_nm(sine, scheme(name), truth[sine, law], loops, law=law)
+            found = error_nm(sine, scheme(name), truth[sine, law], law=law)
             if said == "diverges":
                 assert not found < 1e6, name
             elif float(said) < 1e-4:  # what is left of rounding: another machine rounds the same, but let it be said

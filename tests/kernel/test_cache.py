@@ -1,6 +1,7 @@
 """The cache: nothing compiled twice, nothing half-written, private, bounded."""
 
 import os
+import shutil
 import stat
 import subprocess
 import sys
@@ -100,3 +101,17 @@ def test_a_cache_that_cannot_be_written_falls_back_with_one_warning(tmp_path, mo
 def test_without_the_variable_it_lies_where_the_platform_says(monkeypatch):
     monkeypatch.delenv("LEADSCREW_CACHE_DIR", raising=False)
     assert cache.root().name == "leadscrew"
+
+
+def test_a_change_of_any_file_of_the_kernel_compiles_anew(tmp_path, monkeypatch):
+    kernel = tmp_path / "kernel"
+    shutil.copytree(Path(cache.__file__).parent, kernel, ignore=shutil.ignore_patterns("__pycache__"))
+    monkeypatch.setattr(cache, "__file__", str(kernel / "cache.py"))
+    key = cache.sources.__wrapped__
+    before = key()
+    for file in (kernel / "module.py", kernel / "portable" / "__init__.py", kernel / "drivers" / "lanes.py"):
+        text = file.read_bytes()
+        file.write_bytes(text + b"\n")
+        assert key() != before
+        file.write_bytes(text)
+    assert key() == before

@@ -1,11 +1,13 @@
-"""A loop on the compiled program of another: the same bits, and never where the steps differ."""
+"""Loops that differ in values alone run on one compiled program: the same bits, and never where the steps differ."""
 
 import numpy as np
+import pytest
 
 from leadscrew.controllers.pid import pid
 from leadscrew.kernel.block import controller
 from leadscrew.kernel.loop import Loop
 from leadscrew.kernel.metrics import rms_error
+from leadscrew.kernel.program import programs
 from leadscrew.plants.mass_lugre import mass_lugre
 from leadscrew.references.sine import sine
 from leadscrew.references.step import step
@@ -34,10 +36,16 @@ def test_other_values_starts_and_periods_run_on_the_same_program_with_their_own_
         {"metrics": {"rms": rms_error(from_time=0.1)}},
         {"seed": 3},
     ):
-        alone, shared = axis(**changes), axis(**changes)
-        assert shared.shares(first) and shared.program is first.program
-        assert np.array_equal(run_of(alone), run_of(shared))
-        assert not np.array_equal(run_of(alone)[:100], run_of(first)[:100]) or "metrics" in changes or "seed" in changes
+        shared = axis(**changes)
+        bits = run_of(shared)
+        assert shared.program is first.program
+        programs.clear()
+        alone = axis(**changes)
+        assert np.array_equal(run_of(alone), bits) and alone.program is not first.program
+        assert not np.array_equal(bits[:100], run_of(first)[:100]) or "metrics" in changes or "seed" in changes
+        programs.clear()
+        first = axis()
+        run_of(first)
 
 
 @controller()
@@ -46,9 +54,9 @@ def other(command, feedback):
     return 20.0 * (command - feedback)
 
 
-def test_what_is_compiled_differently_is_not_shared():
-    first = axis()
-    changed = (
+@pytest.mark.parametrize(
+    "changes",
+    [
         {"controller": other},
         {"reference": step()},
         {"rtol": 1e-8},
@@ -56,8 +64,69 @@ def test_what_is_compiled_differently_is_not_shared():
         {"computation_delay": 1e-3},
         {"transport_delay": 1e-3},
         {"metrics": {}},
-    )
-    for changes in changed:
-        loop = axis(**changes)
-        assert not loop.shares(first)
-        assert "program" not in loop.__dict__ and "signals" not in loop.__dict__
+    ],
+    ids=lambda changes: next(iter(changes)),
+)
+def test_what_is_compiled_differently_has_a_program_of_its_own(changes):
+    assert axis(**changes).program is not axis().program
+
+
+GAIN = 20.0
+TABLE = np.array([20.0, 1.0])
+
+
+@controller()
+def reads_outside(command, feedback):
+    """A law with a gain and a table from outside the step."""
+    return GAIN * TABLE[0] * (command - feedback)
+
+
+def made(gain):
+    """A law with its gain in a closure that can be changed."""
+
+    @controller()
+    def law(command, feedback):
+        return gain * (command - feedback)
+
+    def change(value):
+        nonlocal gain
+        gain = value
+
+    return law, change
+
+
+def first_output(law):
+    return axis(controller=law, reference=step()).run(0.002)["output"][0]
+
+
+def test_a_global_or_a_table_changed_between_two_loops_counts_in_the_second(monkeypatch):
+    before = first_output(reads_outside)
+    assert first_output(reads_outside) == before != 0.0
+    monkeypatch.setitem(globals(), "GAIN", 40.0)
+    assert first_output(reads_outside) == 2.0 * before
+    monkeypatch.setitem(globals(), "GAIN", 20.0)
+    monkeypatch.setitem(globals(), "TABLE", TABLE.copy())
+    assert first_output(reads_outside) == before
+    TABLE[0] = 60.0
+    assert first_output(reads_outside) == 3.0 * before
+
+
+def test_a_closure_variable_changed_between_two_loops_counts_in_the_second():
+    law, change = made(5.0)
+    before = first_output(law)
+    change(10.0)
+    assert first_output(law) == 2.0 * before
+
+
+def test_code_replaced_in_place_as_autoreload_does_counts_in_the_next_loop():
+    law, _ = made(5.0)
+    before = first_output(law)
+
+    def tripled(gain):
+        def law(command, feedback):
+            return 3.0 * gain * (command - feedback)
+
+        return law
+
+    law.step.__code__ = tripled(5.0).__code__
+    assert first_output(law) == 3.0 * before

@@ -18,24 +18,7 @@ from leadscrew.tune.job import Job
 from leadscrew.tune.measure import Samples
 from tests.tune.noisy_loop import NAME
 
-PROGRAM = """
-import sys
-from leadscrew import cli
-from leadscrew.cli import app, montecarlo
-if not any(c.name == "montecarlo" for c in app.registered_commands):
-    app.command("montecarlo")(montecarlo.montecarlo)
-cli.main()
-"""
-"""The command line, whether or not it has the command already."""
-
-
-def registered() -> Any:
-    """The command line in this process, with the command."""
-    from leadscrew.cli import app, montecarlo
-
-    if not any(c.name == "montecarlo" for c in app.registered_commands):
-        app.command("montecarlo")(montecarlo.montecarlo)
-    return app
+PROGRAM = "from leadscrew.cli import main; main()"
 
 
 def job(*scenarios: str, duration: float | None = None, controller: str = "p", **more: Any) -> Job:

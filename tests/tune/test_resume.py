@@ -15,9 +15,10 @@ from pathlib import Path
 import pytest
 from typer.testing import CliRunner
 
+from leadscrew.cli import app
 from tests.budget import some
 from tests.tune.noisy_loop import NAME
-from tests.tune.shared import PROGRAM, environment, process, registered, waited
+from tests.tune.shared import PROGRAM, environment, process, waited
 
 pytestmark = pytest.mark.skipif(os.name != "posix", reason="signals of POSIX")
 COMMAND = (
@@ -34,7 +35,7 @@ def asked(folder: Path, *more: str) -> tuple[str, ...]:
 
 def finished(folder: Path, *more: str) -> dict[str, bytes]:
     """Runs to the end; gives the files of the report without what differs from run to run."""
-    done = CliRunner().invoke(registered(), [*asked(folder, *more)])
+    done = CliRunner().invoke(app, [*asked(folder, *more)])
     assert done.exit_code == 0, done.output
     return answer(folder / "report")
 

@@ -1,6 +1,6 @@
-"""The command line: ``leadscrew list | run | simulate | export | verify-export | replay | tune | compare | ...``.
+"""The command line: one row a command, imported when it is called.
 
-It adds nothing that the library lacks, and imports nothing heavy before a command needs it. Exit codes: 0 well, 1 a
+It adds nothing that the library lacks. Exit codes: 0 well, 1 a
 required target missed (or a replay that is not identical), 2 bad input, 3 a loop diverged, 130 interrupted.
 """
 
@@ -9,46 +9,90 @@ from __future__ import annotations
 import os
 import sys
 import traceback
-from typing import Annotated
+from collections.abc import Iterator, Mapping
+from functools import cache
+from importlib import import_module
+from typing import Annotated, Any
 
 import typer
 
-from leadscrew.cli import (
-    ballbar,
-    bench,
-    cache,
-    certify,
-    compare,
-    demo,
-    design,
-    diff,
-    excite,
-    export,
-    following_error,
-    frequency_response,
-    fuzzy,
-    harmonics,
-    identify,
-    listing,
-    log,
-    montecarlo,
-    panel,
-    positioning,
-    predict,
-    replay,
-    run,
-    simulate,
-    tangent,
-    tune,
-    version,
-)
 from leadscrew.cli.door import INTERNAL, INTERRUPTED, PIPE_CLOSED, Door, to_nowhere
+from leadscrew.cli.version import print_and_exit
 
 __all__ = ["app", "main"]
 
+COMMANDS = {
+    "demo": "demo:demo",
+    "list": "listing:list_",
+    "run": "run:run",
+    "simulate": "simulate:simulate",
+    "export": "export:export",
+    "verify-export": "export:verify_export",
+    "replay": "replay:replay",
+    "diff": "diff:diff",
+    "tune": "tune:tune",
+    "compare": "compare:compare",
+    "montecarlo": "montecarlo:montecarlo",
+    "certify": "certify:certify",
+    "positioning": "positioning:positioning",
+    "ballbar": "ballbar:ballbar",
+    "harmonics": "harmonics:harmonics",
+    "excite": "excite:excite",
+    "following-error": "following_error:following_error",
+    "frequency-response": "frequency_response:frequency_response",
+    "predict": "predict:predict",
+    "fuzzy": "fuzzy:app",
+    "design": "design:app",
+    "log": "log:log",
+    "identify": "identify:app",
+    "tangent": "tangent:app",
+    "panel": "panel:panel",
+    "bench": "bench:bench",
+    "cache": "cache:app",
+    "version": "version:version",
+}
+"""Each command and where it is: the module in this package, and the function or the group of commands in it."""
+
+
+class Commands(Door):
+    """The commands of :data:`COMMANDS`; a module is imported, and its options are read, when a command needs them."""
+
+    def __init__(self, **more: Any) -> None:
+        super().__init__(**more)
+        self.commands = Made()  # type: ignore[assignment]
+
+
+class Made(Mapping[str, Any]):
+    """Each command by its name, made when it is asked for."""
+
+    def __getitem__(self, name: str) -> Any:
+        if name not in COMMANDS:
+            raise KeyError(name)
+        return _command(name)
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(COMMANDS)
+
+    def __len__(self) -> int:
+        return len(COMMANDS)
+
+
+@cache
+def _command(name: str) -> Any:
+    module, attribute = COMMANDS[name].split(":")
+    found = getattr(import_module(f"leadscrew.cli.{module}"), attribute)
+    if not isinstance(found, typer.Typer):
+        alone = typer.Typer(add_completion=False, pretty_exceptions_enable=False)
+        alone.command(name)(found)
+        found = alone
+    command = typer.main.get_command(found)
+    command.name = name
+    return command
+
+
 app = typer.Typer(
     name="leadscrew",
-    cls=Door,
+    cls=Commands,
     no_args_is_help=True,
     add_completion=False,
     pretty_exceptions_enable=False,
@@ -63,40 +107,10 @@ def _leadscrew(
     ] = False,
     show_version: Annotated[
         bool,
-        typer.Option("--version", help="Print the version and exit.", callback=version.print_and_exit, is_eager=True),
+        typer.Option("--version", help="Print the version and exit.", callback=print_and_exit, is_eager=True),
     ] = False,
 ) -> None:
     """A workbench for intelligent control of machine-tool axes and cutting processes."""
-
-
-app.command("demo")(demo.demo)
-app.command("list")(listing.list_)
-app.command("run")(run.run)
-app.command("simulate")(simulate.simulate)
-app.command("export")(export.export)
-app.command("verify-export")(export.verify_export)
-app.command("replay")(replay.replay)
-app.command("diff")(diff.diff)
-app.command("tune")(tune.tune)
-app.command("compare")(compare.compare)
-app.command("montecarlo")(montecarlo.montecarlo)
-app.command("certify")(certify.certify)
-app.command("positioning")(positioning.positioning)
-app.command("ballbar")(ballbar.ballbar)
-app.command("harmonics")(harmonics.harmonics)
-app.command("excite")(excite.excite)
-app.command("following-error")(following_error.following_error)
-app.command("frequency-response")(frequency_response.frequency_response)
-app.command("predict")(predict.predict)
-app.add_typer(fuzzy.app, name="fuzzy")
-app.add_typer(design.app, name="design")
-app.command("log")(log.log)
-app.add_typer(identify.app, name="identify")
-app.add_typer(tangent.app, name="tangent")
-app.command("panel")(panel.panel)
-app.command("bench")(bench.bench)
-app.add_typer(cache.app, name="cache")
-app.command("version")(version.version)
 
 
 def main() -> None:

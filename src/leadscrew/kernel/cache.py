@@ -27,6 +27,16 @@ def stamp() -> str:
     return f"{__version__}-py{sys.version_info.major}.{sys.version_info.minor}-llvmlite{version('llvmlite')}"
 
 
+@lru_cache(maxsize=1)
+def sources() -> str:
+    """The hash of every file of the kernel: of all that turns a step into machine code."""
+    here = Path(__file__).parent
+    found = hashlib.sha256()
+    for file in sorted(here.rglob("*.py")):
+        found.update(f"{file.relative_to(here).as_posix()}\n".encode() + file.read_bytes())
+    return found.hexdigest()[:16]
+
+
 def root() -> Path:
     """The cache directory; ``LEADSCREW_CACHE_DIR`` sets it."""
     chosen = os.environ.get("LEADSCREW_CACHE_DIR")

@@ -26,8 +26,6 @@ FLAGS = ("-std=c99", "-march=native", "-ffp-contract=off", "-fno-math-errno", "-
 """None of these changes a result: contraction is off, the other three say what the code never looks at or relies on."""
 LEVELS = {"single": "-O2"}
 """A single run has nothing to vectorise: -O3 is no faster there, and takes longer to compile. Else -O3."""
-SOURCES = ("branchless.py", "fuse.py", "returns.py", "scalarise.py", "trees.py", "compiler.py", "c99")
-"""The files between a module and its C."""
 
 
 @lru_cache(maxsize=1)
@@ -57,11 +55,9 @@ def _identity() -> str:
         flags = next((x for x in lines if x.startswith(("flags", "Features"))), "")
     except OSError:
         flags = platform.processor()
-    here = Path(__file__).parent
-    files = [f for name in SOURCES for f in (sorted((here / name).glob("*.py")) or [here / name])]
-    code = b"".join(f.read_bytes() for f in files)
-    parts = (str(path), str(stat.st_size), str(stat.st_mtime_ns), platform.machine(), flags, str(FLAGS), str(LEVELS))
-    return hashlib.sha256("\n".join(parts).encode() + code).hexdigest()[:12]
+    stamp = (str(path), str(stat.st_size), str(stat.st_mtime_ns))
+    parts = (cache.sources(), *stamp, platform.machine(), flags, str(FLAGS), str(LEVELS))
+    return hashlib.sha256("\n".join(parts).encode()).hexdigest()[:12]
 
 
 def build(source: str, folder: Path, name: str, *flags: str) -> Path:

@@ -202,19 +202,15 @@ class Live:
         self.params = (saved.params[0].copy(), saved.params[1].copy())
         self.diverged = None
 
-    def switch(self, controller: Block, like: Loop | None = None) -> Live:
+    def switch(self, controller: Block) -> Live:
         """The loop from here on under another controller, started bumplessly where it supplies ``align``.
 
         The new live loop has the same plant, sensor and reference state; ``bumpless`` says whether it was aligned.
-        ``like``: a loop of that controller whose compiled program is taken over where it fits (``Loop.shares``): the
-        switch then compiles nothing.
         """
         loop = self.loop.using()
-        for built in ("program", "signals"):
+        for built in ("program", "signals", "module"):
             loop.__dict__.pop(built, None)
         loop.blocks["controller"] = controller
-        if like is not None:
-            loop.shares(like)
         new = Live(loop, self.engine, self.run_number)
         old_state = self.program.plan.state.unpack(*self.state)
         params, fresh = loop.values()

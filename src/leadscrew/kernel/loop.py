@@ -5,7 +5,7 @@ from __future__ import annotations
 import platform
 import time
 import warnings
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Hashable, Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
@@ -21,7 +21,7 @@ from leadscrew.kernel.layout import Layout
 from leadscrew.kernel.linker import LARGEST, METHODS, Plan
 from leadscrew.kernel.module import Module
 from leadscrew.kernel.probe import example_signals
-from leadscrew.kernel.program import Program
+from leadscrew.kernel.program import Program, programs
 from leadscrew.kernel.sheet import Entry, entries, nearest
 
 if TYPE_CHECKING:
@@ -211,8 +211,9 @@ class Loop:
 
     @cached_property
     def module(self) -> Module:
-        """The module that this loop's steps go into: first for a look at its signals, then for the engines."""
-        return Module()
+        """The module of this loop's steps: that of a program with the same steps where there is one, else a new one."""
+        known = programs.like(self._compiled_from())
+        return known[0].module if known else Module()
 
     @cached_property
     def signals(self) -> dict[str, Any]:
@@ -221,44 +222,36 @@ class Loop:
 
     @cached_property
     def program(self) -> Program:
-        """The generated module of this loop."""
+        """The generated module of this loop; shared with the loops that differ from it in values alone."""
         params, state = self.values()
         plan = Plan(
             blocks=dict(self.blocks), metrics=dict(self.metrics), params=Layout(params), state=Layout(state),
             signals=self.signals, method=self.method, sent=divmod(self.sent, self.substeps), seen=self.seen,
             continuous=self.continuous, rtol=self.rtol, atol=self.atol,
         )  # fmt: skip
-        return Program(plan, self.module)
+        key = self._compiled_from()
+        known = programs.like(key)
+        for program in known:
+            if program.plan.layout() == plan.layout():
+                return program
+        program = Program(plan, Module() if self.module in [p.module for p in known] else self.module)
+        programs.add(key, program)
+        return program
+
+    def _compiled_from(self) -> Hashable:
+        """What of a loop decides its program, but for the layout of its values."""
+        blocks = tuple(
+            b and (b.step, b.output, b.jacobian, b.signals, b.prepare, type(b.params), type(b.state))
+            for b in [*self.blocks.values(), *self.metrics.values()]
+        )
+        options = (self.method, self.continuous, self.seen, self.rtol, self.atol, divmod(self.sent, self.substeps))
+        return blocks, tuple(self.metrics), options
 
     def fits(self, program: Program) -> bool:
         """Whether a program built for another loop serves this one: the same places for the same things."""
         params, state = self.values()
         mine, theirs = (Layout(params), Layout(state)), (program.plan.params, program.plan.state)
         return all(a.keys == b.keys for a, b in zip(mine, theirs, strict=True))
-
-    def shares(self, other: Loop) -> bool:
-        """Take over the compiled program of ``other`` where that loop has the same steps and differs in values alone.
-
-        Values are parameters, states at the start, period and seed. Returns whether it does: a loop that does not
-        compiles its own.
-        """
-        mine = [*self.blocks.values(), *self.metrics.values()]
-        theirs = [*other.blocks.values(), *other.metrics.values()]
-        plans = ("method", "continuous", "seen", "rtol", "atol")
-        same = (
-            list(self.metrics) == list(other.metrics)
-            and [_steps(b) for b in mine] == [_steps(b) for b in theirs]
-            and all(getattr(self, k) == getattr(other, k) for k in plans)
-            and divmod(self.sent, self.substeps) == divmod(other.sent, other.substeps)
-        )
-        if not same:
-            return False
-        self.__dict__["signals"] = other.signals
-        if not self.fits(other.program):
-            del self.__dict__["signals"]
-            return False
-        self.__dict__["program"] = other.program
-        return True
 
     # ---- running
     def periods(self, duration: float) -> int:
@@ -386,8 +379,3 @@ def warn_diverged(text: str) -> None:
 
 
 __all__ = ["RECORDED", "DivergenceWarning", "Loop", "warn_diverged"]
-
-
-def _steps(block: Block | None) -> Any:
-    """What of a block is compiled."""
-    return None if block is None else (block.step, block.output, block.jacobian, block.signals)

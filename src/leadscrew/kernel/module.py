@@ -27,7 +27,8 @@ from leadscrew.kernel.ieee import OPERATORS, Ieee, Table
 from leadscrew.kernel.normalise import Normaliser
 from leadscrew.kernel.scalarise import Scalariser, fields_of, without_copies, without_dead
 from leadscrew.kernel.sheet import hints, leaf_type
-from leadscrew.kernel.subset import MATHS, call, is_named_tuple_type
+from leadscrew.kernel.source import MISSING, lookup
+from leadscrew.kernel.subset import MATHS, NUMBERS, call, is_named_tuple_type
 from leadscrew.kernel.trees import copied, each, fingerprint
 
 HEAD = '''\
@@ -64,6 +65,12 @@ class Item:
     """``class``, ``array``, ``leaf`` or ``entry``."""
     value: Any = None
     trusted: bool = False
+    source: tuple[Any, ...] = ()
+    """Of a function of the user: its code and defaults when it was added."""
+
+
+def _compiled_from(function: Any) -> tuple[Any, ...]:
+    return (function.__code__, function.__defaults__)
 
 
 class Module:
@@ -76,6 +83,8 @@ class Module:
         self.constants: dict[str, float | int | bool] = {}
         """Values of the named holes of the drivers that are plain numbers."""
         self.arguments: dict[tuple[int, str], type] = {}
+        self._reads: dict[tuple[int, str], tuple[Any, str, Any, bytes]] = {}
+        self._space: dict[str, Any] = {}
         self._working: set[int] = set()
         self._followed: set[str] = set()
         self._flow = Flow(self)
@@ -102,6 +111,22 @@ class Module:
         """Makes the driver's ``hole`` stand for the definition ``name``."""
         self.names[id(hole)] = name
         self.kept.append(hole)
+
+    def note(self, holder: Any, name: str, value: Any) -> None:
+        """Remembers what a step read from outside itself: a name of a function, or an attribute of an object."""
+        content = value.tobytes() if isinstance(value, np.ndarray) else b""
+        self._reads[id(holder), name] = (holder, name, value, content)
+
+    def is_current(self) -> bool:
+        """Whether every function and every global, closure variable and table that was compiled in is unchanged."""
+        for holder, name, value, content in self._reads.values():
+            now: Any = (
+                lookup(holder, name) if isinstance(holder, types.FunctionType) else getattr(holder, name, MISSING)
+            )
+            same = now is value or (type(now) is type(value) and isinstance(now, NUMBERS) and repr(now) == repr(value))
+            if not same or (content and now.tobytes() != content):
+                return False
+        return all(_compiled_from(i.value) == i.source for i in self.items.values() if i.source)
 
     def argument_type(self, function: Callable[..., Any], argument: str) -> type | None:
         """The NamedTuple class of a step's ``p`` or ``s``, where the loop knows it."""
@@ -145,7 +170,7 @@ class Module:
         if trusted is None:
             trusted = home.startswith("leadscrew.kernel.")
         name = self.fresh(function.__name__)
-        item = Item(name, ast.Pass(), "", kind, function, trusted)
+        item = Item(name, ast.Pass(), "", kind, function, trusted, () if trusted else _compiled_from(function))
         self._register(function, item)
         self._working.add(id(function))
         try:
@@ -296,10 +321,13 @@ class Module:
         """The module for the Python engine: the same trees, under the user's own files and lines."""
         import math
 
-        space: dict[str, Any] = {"__name__": "leadscrew.generated", "np": np, "math": math, **OPERATORS}
-        for name in bits.INTRINSICS:
-            space[name] = getattr(bits, name)
+        space = self._space
+        if not space:
+            space.update(__name__="leadscrew.generated", np=np, math=math, **OPERATORS)
+            space.update((name, getattr(bits, name)) for name in bits.INTRINSICS)
         for item in self.ordered():
+            if item.name in space:
+                continue
             if item.kind in ("class", "array"):
                 whole = item.kind == "array" and item.value.dtype.kind == "i"
                 space[item.name] = Table(item.value) if whole else item.value

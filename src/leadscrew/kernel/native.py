@@ -11,7 +11,6 @@ import ctypes
 import hashlib
 from collections.abc import Callable, Mapping
 from functools import lru_cache
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -20,20 +19,6 @@ from leadscrew.kernel import cache
 
 if TYPE_CHECKING:
     from leadscrew.kernel.module import Module
-
-
-PIPELINE = (
-    "branchless.py",
-    "fuse.py",
-    "lower.py",
-    "lower_locals.py",
-    "lower_values.py",
-    "native.py",
-    "returns.py",
-    "scalarise.py",
-    "trees.py",
-)
-"""The files between a module and its machine code."""
 
 
 @lru_cache(maxsize=1)
@@ -54,13 +39,6 @@ def _machine() -> tuple[Any, str]:
     target = llvm.Target.from_default_triple()
     machine = target.create_target_machine(cpu=cpu, features=features, opt=3, reloc="default", codemodel="jitdefault")
     return machine, f"{target.triple} {cpu} {features} llvm{'.'.join(map(str, llvm.llvm_version_info))}"
-
-
-@lru_cache(maxsize=1)
-def _compiler() -> str:
-    """What identifies the way to machine code itself: the hash of its source."""
-    folder = Path(__file__).parent
-    return hashlib.sha256(b"".join((folder / f).read_bytes() for f in PIPELINE)).hexdigest()[:16]
 
 
 def optimised(module: Any) -> Any:
@@ -98,7 +76,7 @@ def compiled(module: Module, name: str, title: str, ranks: Mapping[str, tuple[in
     ``title`` identifies the module and the entry; the entry is fused and lowered only if the code is not in the cache.
     """
     target, machine = _machine()
-    mark = hashlib.sha256(f"{_compiler()}\n{machine}".encode()).hexdigest()[:12]
+    mark = hashlib.sha256(f"{cache.sources()}\n{machine}".encode()).hexdigest()[:12]
     file = f"{title}_{mark}.o"
     code = cache.read(file)
     if code is None:

@@ -165,11 +165,18 @@ class Normaliser(Calls):
     def value(self, node: ast.expr) -> Any:
         """The Python object that a name or dotted name stands for, ``MISSING`` for a local or unknown one."""
         if isinstance(node, ast.Name):
-            return MISSING if node.id in self.locals else lookup(self.function, node.id)
+            return MISSING if node.id in self.locals else self.outside(self.function, node.id)
         if isinstance(node, ast.Attribute):
             base = self.value(node.value)
-            return MISSING if base is MISSING else getattr(base, node.attr, MISSING)
+            return MISSING if base is MISSING else self.outside(base, node.attr)
         return MISSING
+
+    def outside(self, holder: Any, name: str) -> Any:
+        """What a free name of this function, or an attribute of an object, stands for; the module takes note."""
+        found = lookup(holder, name) if holder is self.function else getattr(holder, name, MISSING)
+        if not self.trusted:
+            self.module.note(holder, name, found)
+        return found
 
     def constant(self, node: ast.expr) -> Any:
         """The number that an expression always has, or ``None``."""
@@ -226,7 +233,7 @@ class Normaliser(Calls):
         if isinstance(node.ctx, ast.Store) or node.id in self.locals:
             node.is_local = True  # type: ignore[attr-defined]
             return node
-        found = lookup(self.function, node.id)
+        found = self.outside(self.function, node.id)
         if found is MISSING:
             self.refuse(node, f"the name {node.id!r} is not defined")
         return self.named(node, found)

@@ -40,6 +40,11 @@ class Plan:
     columns: list[str] = field(default_factory=list)
     """What can be recorded, in order; filled by the linker."""
 
+    def layout(self) -> tuple[Any, ...]:
+        """Where every value lies, and the types that hold them."""
+        signals = {k: Layout(v).tree for k, v in self.signals.items()}
+        return self.params.tree, self.state.tree, signals
+
 
 def body_of(node: Leaf | Branch, module: Module, leaf: Callable[[Leaf], ast.expr]) -> ast.expr:
     """Syntax that builds a value, with an expression for every leaf."""

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import threading
+from collections import OrderedDict
+from collections.abc import Callable, Hashable
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -77,4 +79,47 @@ class Program:
         return self._compiled[name, engine]
 
 
-__all__ = ["ENGINES", "Program"]
+class Programs:
+    """The latest programs of this process: a loop that differs from one of them in values alone is not linked again.
+
+    A program serves a loop with the same steps, metrics, options and layout of parameters and state, as long as every
+    function, global, closure variable and table that was compiled into it is unchanged.
+    """
+
+    LIMIT = 128
+
+    def __init__(self) -> None:
+        self._kept: OrderedDict[Hashable, list[Program]] = OrderedDict()
+        self._lock = threading.Lock()
+
+    def like(self, key: Hashable) -> list[Program]:
+        """The programs under a key that are still current, the newest first."""
+        with self._lock:
+            kept = [p for p in self._kept.get(key, ()) if p.module.is_current()]
+            if kept:
+                self._kept[key] = kept
+                self._kept.move_to_end(key)
+            else:
+                self._kept.pop(key, None)
+            return list(kept)
+
+    def add(self, key: Hashable, program: Program) -> None:
+        """Keeps a program; beyond the limit the one whose key was not asked for the longest goes."""
+        with self._lock:
+            self._kept.setdefault(key, []).insert(0, program)
+            self._kept.move_to_end(key)
+            while sum(map(len, self._kept.values())) > self.LIMIT:
+                oldest = next(iter(self._kept))
+                self._kept[oldest].pop()
+                if not self._kept[oldest]:
+                    del self._kept[oldest]
+
+    def clear(self) -> None:
+        """Forgets all of them: the next loops are linked anew."""
+        with self._lock:
+            self._kept.clear()
+
+
+programs = Programs()
+
+__all__ = ["ENGINES", "Program", "programs"]

@@ -81,17 +81,17 @@ def tree_of(function: Callable[..., Any]) -> tuple[ast.FunctionDef, str]:
     return node, filename
 
 
-def lookup(function: Callable[..., Any], name: str) -> Any:
-    """What a free name of ``function`` stands for now: closure, global or builtin, else ``MISSING``."""
+def lookup(function: Callable[..., Any], name: str, default: Any = MISSING) -> Any:
+    """What a free name of ``function`` stands for now: closure, global or builtin, else the default."""
     code = function.__code__
     if name in code.co_freevars and function.__closure__ is not None:
         try:
             return function.__closure__[code.co_freevars.index(name)].cell_contents
         except ValueError:
-            return MISSING
+            return default
     if name in function.__globals__:
         return function.__globals__[name]
-    return getattr(builtins, name, MISSING)
+    return getattr(builtins, name, default)
 
 
 def local_names(node: ast.FunctionDef) -> set[str]:

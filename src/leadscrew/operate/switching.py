@@ -97,7 +97,7 @@ def refusal(prepared: Loop, running: Loop) -> str:
 def switched(axes: Axes, prepared: Prepared, parts: list[dict[str, Any]]) -> Axes:
     """The machine from here on under another controller, each axis with its own values."""
     both = zip(axes.lives, parts, strict=True)
-    lives = [live.switch(_with(prepared.block, part), like=prepared.loop) for live, part in both]
+    lives = [live.switch(_with(prepared.block, part)) for live, part in both]
     new = Axes(lives)
     new.period = axes.period
     for x in axes.pending:

@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import hashlib
 import sys
+from importlib.metadata import version
 from typing import Annotated, NamedTuple
 
 import numpy as np
@@ -67,7 +68,7 @@ def _exponential(matrix: np.ndarray) -> np.ndarray:
         from scipy.linalg import expm
 
         return np.ascontiguousarray(expm(matrix))
-    name = f"hold_{hashlib.sha256(matrix.tobytes()).hexdigest()[:24]}.npy"
+    name = f"hold_{hashlib.sha256(version('scipy').encode() + matrix.tobytes()).hexdigest()[:24]}.npy"
     kept = cache.read(name)
     if kept is not None and len(kept) == matrix.nbytes:
         return np.frombuffer(kept).reshape(matrix.shape)

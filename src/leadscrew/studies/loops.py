@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 
 class StudyLoops:
-    """Loops of a study; those that differ in values alone share one compiled program. Runs are kept.
+    """Loops of a study. Runs are kept.
 
     Args:
         controllers, scenarios: of the study, by name.
@@ -33,19 +33,12 @@ class StudyLoops:
         signals: tuple[str, ...],
     ) -> None:
         self.controllers, self.scenarios, self.build, self.signals = controllers, scenarios, build, signals
-        self._built: list[Loop] = []
         self._runs: dict[Any, Any] = {}
 
     def get(self, controller: str | Block, scenario: str | Scenario, **options: Any) -> Loop:
-        """The loop that ``build`` makes for these names, on a program that exists where there is one."""
+        """The loop that ``build`` makes for these names."""
         block = self.controllers[controller] if isinstance(controller, str) else controller
-        return self.adopt(self.build(block, self.asked(scenario), **options))
-
-    def adopt(self, loop: Loop) -> Loop:
-        """A loop of one's own, on a program that exists where there is one."""
-        if not any(loop.shares(other) for other in self._built):
-            self._built.append(loop)
-        return loop
+        return self.build(block, self.asked(scenario), **options)
 
     def run(
         self,

@@ -121,7 +121,7 @@ class Runs:
         key = (block.name, "wander", seconds)
         if key not in self._kept:
             loop = self.loops.get(block, "sine_fast")
-            e = 1e3 * self.loops.adopt(_on(loop, wander)).run(seconds, record="true_error")["true_error"]
+            e = 1e3 * _on(loop, wander).run(seconds, record="true_error")["true_error"]
             e = e[len(e) // 2 :]
             self._kept[key] = float(np.abs(e).max()), math.sqrt(float(np.mean(e * e)))
         return self._kept[key]
@@ -154,7 +154,7 @@ def maxwell_loop(loops: Loops, block: Block, scenario: str) -> Loop:
     asked = SCENARIOS[scenario]
     assert isinstance(asked.params, SineMove)
     plant = sliding_at(ballscrew_gms(travel_per_rad=TRAVEL_MM_PER_RAD, longest_step=4e-6), start_speed(asked.params))
-    return loops.adopt(
+    return (
         Built(
             reference=command(asked.params), controller=block, plant=plant, period=PERIOD_S, metrics={},
             sensor=ruler(resolution_mm=1e-6 * ENCODER_NM),

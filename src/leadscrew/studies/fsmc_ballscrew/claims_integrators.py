@@ -46,10 +46,10 @@ def _key(name: str) -> str:
 
 def _errors(loops: Loops) -> Iterator[Claim]:
     for at, sine in enumerate(SMOOTH):
-        truth = angles(sine, TRUTH, loops=loops)
+        truth = angles(sine, TRUTH)
         for kind, table in (("required", ACCEPTED), ("required", DIGEST), ("report", SHOWN)):
             for scheme, *bounds in table:
-                found = error_nm(sine, scheme, truth, loops)
+                found = error_nm(sine, scheme, truth)
                 yield _claim(
                     f"{_key(scheme.name)}_{sine}", f"largest error of {scheme.name} on {WAY[sine]}", found, "nm", "<=",
                     bounds[at], 0.0, f"against RODAS at 1e-11 over {len(truth)} holds of 250 us; {NO_SOLVER}",
@@ -58,10 +58,10 @@ def _errors(loops: Loops) -> Iterator[Claim]:
 
 
 def _leap(loops: Loops) -> Iterator[Claim]:
-    truth = angles("sine_wide", TRUTH, loops=loops, law=sharp_pd)
+    truth = angles("sine_wide", TRUTH, law=sharp_pd)
     for us in (50.0, 10.0):
         scheme = every("fixed", us)
-        found = error_nm("sine_wide", scheme, truth, loops, law=sharp_pd)
+        found = error_nm("sine_wide", scheme, truth, law=sharp_pd)
         yield _claim(
             f"{_key(scheme.name)}_leap", f"largest error of {scheme.name} on 5 sin t where the torque leaps", found,
             "nm", "<=", None, 0.0,

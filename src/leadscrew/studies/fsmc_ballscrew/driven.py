@@ -116,7 +116,7 @@ def driven(loops: Loops, controller: str | Block, scenario: str, drive: str | Dr
         **ADAPTIVE,
     )
     more = asked.changes | {key.replace("__", "."): value for key, value in changes.items()}
-    return loops.adopt(loop.using({key: value for key, value in more.items() if key in loop.sheet}))
+    return loop.using({key: value for key, value in more.items() if key in loop.sheet})
 
 
 class Found(NamedTuple):

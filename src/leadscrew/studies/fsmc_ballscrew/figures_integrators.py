@@ -68,10 +68,10 @@ def error_figure(loops: Loops) -> Figure:
 
     figure = Figure(figsize=(9.0, 3.8), layout="constrained")
     for axes, sine in zip(figure.subplots(1, 2, sharey=True), SMOOTH, strict=True):
-        truth = angles(sine, TRUTH, loops=loops)
+        truth = angles(sine, TRUTH)
         time = PERIOD_S * np.arange(len(truth))
         for scheme, colour, line in SHOWN:
-            error = NM * np.abs(angles(sine, scheme, loops=loops) - truth)
+            error = NM * np.abs(angles(sine, scheme) - truth)
             axes.semilogy(time, np.maximum(error, FLOOR_NM), color=colour, linestyle=line, label=scheme.name)
         axes.set_title(WAY[sine])
         axes.set_xlabel("time, s")

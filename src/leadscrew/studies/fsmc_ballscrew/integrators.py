@@ -126,20 +126,19 @@ def benchmark(sine: str, scheme: Scheme, law: Block = soft_pd) -> Loop:
     )  # fmt: skip
 
 
-def angles(sine: str, scheme: Scheme, seconds: float | None = None, loops: Any = None, law: Block = soft_pd) -> Any:
-    """The angle at the start of each hold, rad; ``loops`` shares compiled programs."""
+def angles(sine: str, scheme: Scheme, seconds: float | None = None, law: Block = soft_pd) -> Any:
+    """The angle at the start of each hold, rad."""
     loop = benchmark(sine, scheme, law)
-    loop = loop if loops is None else loops.adopt(loop)
     return loop.run(SINES[sine].seconds if seconds is None else seconds, record="plant.angle")["plant.angle"]
 
 
-def error_nm(sine: str, scheme: Scheme, truth: np.ndarray, loops: Any = None, law: Block = soft_pd) -> float:
+def error_nm(sine: str, scheme: Scheme, truth: np.ndarray, law: Block = soft_pd) -> float:
     """The largest distance from the truth over the run, nm of the table; infinite where the scheme diverges."""
     import warnings
 
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
-        found = angles(sine, scheme, loops=loops, law=law)
+        found = angles(sine, scheme, law=law)
     if len(found) < len(truth):
         return math.inf
     return float(NM * np.abs(found - truth).max())

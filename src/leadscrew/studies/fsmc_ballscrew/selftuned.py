@@ -77,7 +77,7 @@ def identified(
 ) -> FrictionFit:
     """Friction from a record of ``kind``: torque and reading of the scale, nothing else."""
     loop, seconds = record_loop(kind, machine, changes)
-    run = loops.adopt(loop).run(seconds, record=("output", "feedback"))
+    run = loop.run(seconds, record=("output", "feedback"))
     return fit_friction(run.time, run["output"], run["feedback"] / TRAVEL_MM_PER_RAD)
 
 

@@ -102,7 +102,7 @@ def broken_cell(loops: Loops) -> Figure:
              ("wrong scale", 0.5, PURPLE))  # fmt: skip
     changes = {"sensor.fault": [KINDS[k] for k, _, _ in kinds], "sensor.size_n": [n for _, n, _ in kinds]}
     seen = ("feedback.raw", "actual.feed")
-    loop = loops.adopt(build(g.SLOW_GUARD, scenario, sensor=faulty_load_cell, metrics={}))
+    loop = build(g.SLOW_GUARD, scenario, sensor=faulty_load_cell, metrics={})
     run = loop.using({"controller.cell.range_n": 390.0}).batch(3.0, changes, record=seen)
     off = loop.using(g.OFF).batch(3.0, changes, record=seen)
     figure = Figure(figsize=(8.2, 5.0), layout="constrained")

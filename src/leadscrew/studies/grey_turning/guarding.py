@@ -67,7 +67,7 @@ CASES = (
 def fast_loop(loops: Loops) -> Loop:
     """A loop of 1 ms whose inner controller runs every 20 ms; the guard looks in each ``controller.clock.looks``-th."""
     scenario = SCENARIOS["fig6_fixed_depth"]
-    return loops.adopt(build(FAST, scenario, period=1e-3, substeps=1, metrics={}, disturbance=hard_spot))
+    return build(FAST, scenario, period=1e-3, substeps=1, metrics={}, disturbance=hard_spot)
 
 
 def changes_of(cases: list[Case]) -> dict[str, np.ndarray]:
@@ -230,7 +230,7 @@ class Broken(NamedTuple):
 def broken(loops: Loops, seconds: float = 60.0) -> Broken:
     """The guarded loop of 20 ms with every fault, in the entry and in the steady cut."""
     scenario = SCENARIOS["fig6_fixed_depth"]
-    loop = loops.adopt(build(SLOW_GUARD, scenario, sensor=faulty_load_cell, metrics={}))
+    loop = build(SLOW_GUARD, scenario, sensor=faulty_load_cell, metrics={})
     count = len(FAULTS)
     changes = {
         "sensor.fault": np.repeat([KINDS[f.kind] for f in FAULTS], 2),
@@ -269,7 +269,7 @@ class Frozen(NamedTuple):
 
 def frozen(loops: Loops, seconds: float = 60.0, changes: dict[str, Any] | None = None) -> Frozen:
     """The guarded loop of 20 ms, its cell standing at a level under noise, from the entry or the steady cut on."""
-    loop = loops.adopt(build(SLOW_GUARD, SCENARIOS["fig6_fixed_depth"], sensor=faulty_load_cell, metrics={}))
+    loop = build(SLOW_GUARD, SCENARIOS["fig6_fixed_depth"], sensor=faulty_load_cell, metrics={})
     shape = len(FROZEN_AT), len(FROZEN_NOISE) * 2
     level, noise, from_s = (v.ravel() for v in np.meshgrid(FROZEN_AT, FROZEN_NOISE, BROKEN_S, indexing="ij"))
     rows = {"sensor.fault": np.full(level.size, KINDS["frozen"]), "sensor.size_n": FORCE_N * level,
@@ -293,7 +293,7 @@ def doubted(loops: Loops, count: int = 10) -> tuple[int, int]:
     hits = total = 0
     for plant, names in SOUND.items():
         varied = draws(plant, count)
-        loop = loops.adopt(build(SLOW_GUARD, SCENARIOS["fig6_fixed_depth"], machine=plant, metrics={}))
+        loop = build(SLOW_GUARD, SCENARIOS["fig6_fixed_depth"], machine=plant, metrics={})
         for name, step in ((n, s) for n in names for s in SOUND_STEPS):
             sizes, start = FACTORS[name], varied["plant.depth.start"]
             own = {"controller.inner.error_scale": sizes.error, "controller.inner.change_scale": sizes.change,

@@ -112,13 +112,12 @@ class LatheRuns:
 
     @cached_property
     def standing(self) -> Loop:
-        """Everything at rest, no force asked for; the program is that of :attr:`running`."""
+        """Everything at rest, no force asked for."""
         controller = self.running.blocks["controller"]
         assert controller is not None
         plant = turning_lathe(**{"start.rpm": 0.0, "spindle.droop": 0.0})
         still = {"reference.force": 0.0, "sensor.cell.noise_n": 0.0}
         loop = whole_lathe(controller.starting(**{"spindle.output": 0.0}), plant=plant)
-        loop.shares(self.running)
         return loop.using(still)
 
     @staticmethod

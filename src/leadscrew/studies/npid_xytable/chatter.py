@@ -138,7 +138,7 @@ class Rows:
         self, keys: Mapping[str, Any], controller: Block = npid, seconds: float = RUN_S, **options: Any
     ) -> Chatter:
         """A batch; keys by parameter, arrays one value a run."""
-        loop = self.adopt(chatter_loop(controller, **options))
+        loop = chatter_loop(controller, **options)
         count = max(len(np.atleast_1d(x)) for x in keys.values())
         arrays = {key: np.broadcast_to(np.asarray(x, dtype=float), count).copy() for key, x in keys.items()}
         done = loop.batch(seconds, arrays, record=("true_error",))
@@ -204,13 +204,11 @@ class Rows:
     def sweep(self) -> tuple[np.ndarray, np.ndarray]:
         """Load in um, and peak to peak in um of each 0.1 s, up and down again, without the slow integral."""
         low, high = SWEEP_UM
-        loop = self.adopt(
-            chatter_loop(
-                npid(ki=0.0),
-                disturbance=kicked_load(
-                    size=float(volts(low)), rate=float(volts(high - low)) / SWEEP_S, turn_s=SWEEP_S, kick=0.0
-                ),
-            )
+        loop = chatter_loop(
+            npid(ki=0.0),
+            disturbance=kicked_load(
+                size=float(volts(low)), rate=float(volts(high - low)) / SWEEP_S, turn_s=SWEEP_S, kick=0.0
+            ),
         )
         run = loop.run(2.0 * SWEEP_S, record=("true_error",))
         parts = 1e3 * run["true_error"].reshape(-1, round(0.1 / PERIOD_S))
@@ -267,7 +265,7 @@ class Rows:
         """Error in um, rms, on a sine of 1 mm on a perturbed axis with 10 V of supply: NPID, and Table I's PID."""
         rows = [(*axis, alpha) for axis in PERTURBED.values() for alpha in (GAINS.alpha, 0.0)]
         gain, delay, damping, alpha = (np.array(x) for x in zip(*rows, strict=True))
-        loop = self.adopt(chatter_loop(npid))
+        loop = chatter_loop(npid)
         keys = {
             "plant.gain": gain * AXIS.gain, "plant.dead_time_s": delay, "plant.damping": damping * AXIS.damping,
             "controller.alpha": alpha, "controller.max_output": np.full(len(rows), LIMIT_V),

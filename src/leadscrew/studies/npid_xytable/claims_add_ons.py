@@ -144,7 +144,7 @@ def _as(block: Any) -> dict[str, np.ndarray]:
 
 def _dead_zone(loops: Loops) -> Iterator[Claim]:
     source = "abstract, section IV"
-    loop = loops.adopt(build(dead_zone_inverse(pid), SCENARIOS["sine_1mm"], actuator=DRIVE))
+    loop = build(dead_zone_inverse(pid), SCENARIOS["sine_1mm"], actuator=DRIVE)
     shares = np.array([0.0, 0.8, 1.0, 1.0, 1.2])
     changes = {"controller.width": DRIVE.params.threshold * shares,
                "controller.softness": np.array([1e-3, 1e-3, 1e-3, 0.0, 1e-3])}

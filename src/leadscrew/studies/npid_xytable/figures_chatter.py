@@ -67,7 +67,7 @@ def in_time(rows: c.Rows) -> Figure:
     """Traces under four loads."""
     figure = Figure(figsize=(7.6, 4.6), layout="constrained")
     panels = figure.subplots(len(TIME_UM), 1, sharex=True)
-    loop = rows.adopt(c.chatter_loop(c.npid))
+    loop = c.chatter_loop(c.npid)
     done = loop.batch(c.RUN_S, {"disturbance.size": c.volts(TIME_UM)}, record=("true_error",))
     shown = slice(-round(0.06 / c.PERIOD_S), None)
     for axes, load, error in zip(panels, TIME_UM, done["true_error"], strict=True):

@@ -116,7 +116,7 @@ def add_ons(loops: Loops) -> Figure:
     """Error with a dead zone, and the error's rate."""
     figure = Figure(figsize=(10.0, 4.2), layout="constrained")
     zone, rate = figure.subplots(1, 2)
-    loop = loops.adopt(build(dead_zone_inverse(pid), SCENARIOS["sine_1mm"], actuator=DRIVE))
+    loop = build(dead_zone_inverse(pid), SCENARIOS["sine_1mm"], actuator=DRIVE)
     shares = np.array([0.0, 0.8, 1.0])
     run = loop.batch(6.0, {"controller.width": DRIVE.params.threshold * shares}, record="true_error")
     late = slice(round(3.0 / PERIOD_S), None)

@@ -36,7 +36,7 @@ def measured_loop(loops: Loops) -> FrequencyResponse:
     """The gain of the broken loop L* under Table I's PID, from a swept command and an encoder of 0.5 um with noise."""
     from leadscrew.kernel.loop import Loop
 
-    swept = loops.adopt(
+    swept = (
         Loop(
             reference=log_chirp(amplitude=0.1, start_frequency=0.5, end_frequency=900.0, duration=SWEPT_S),
             controller=pid, plant=xy_table_cutting, sensor=noisy_ruler(resolution_mm=5e-4, noise_mm=1e-4),
