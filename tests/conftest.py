@@ -1,17 +1,22 @@
 """Shared set-up: a compile cache of the tests' own, examples that are the same in CI, groups for xdist."""
 
 import os
+import signal
 from pathlib import Path
 
 from hypothesis import settings
 
-pytest_plugins = ["tests.groups"]
+pytest_plugins = ["tests.groups", "tests.costs"]
 
 # Kept from one session to the next: what is in it is named by its source and by that of the compiler.
 os.environ.setdefault("LEADSCREW_CACHE_DIR", str(Path(__file__).parents[1] / "build" / "tests_cache"))
 
 # Several workers share the cores: more threads of BLAS in each would only wait for one another.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+
+# A shell that starts the tests in the background has Ctrl-C ignored, and so would every program that a test interrupts.
+if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
+    signal.signal(signal.SIGINT, signal.default_int_handler)
 
 # In CI the same examples every time: a search for new ones belongs to a developer's run, who can act on what it finds.
 settings.register_profile("ci", derandomize=True)

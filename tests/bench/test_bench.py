@@ -11,7 +11,7 @@ from leadscrew.bench.row import row
 from leadscrew.bench.servo import INTEGRATORS
 from leadscrew.bench.table import HEAD, markdown
 from leadscrew.kernel.portable.powers import pow as portable_pow
-from tests.tools import missing, needed
+from tests.tools import missing
 
 
 @pytest.fixture(scope="module", params=sorted(INTEGRATORS))
@@ -71,7 +71,6 @@ def test_both_forms_are_as_accurate_as_the_bench_says():
 @pytest.mark.parametrize("fused", [False, True])
 @pytest.mark.parametrize("substeps", [1, loops.SUBSTEPS])
 def test_python_control_runs_the_same_loop(fused, substeps):
-    needed("control")
     p = yardstick.Yardstick.parameters(loops.lathe())
     theirs = peers.python_control(p, 40, substeps, fused)
     form = "hold" if substeps == 1 else "rk4"

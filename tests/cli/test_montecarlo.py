@@ -16,7 +16,6 @@ import pytest
 from leadscrew.cli.montecarlo_work import Asked, peak_memory
 from leadscrew.kernel.errors import DataError, ValueRefused
 from tests.cli.conftest import strict_json
-from tests.tools import needed
 from tests.tune.noisy_loop import DIVERGING, FILE, NAME
 
 
@@ -29,7 +28,6 @@ def asked(tmp_path, monkeypatch):
 
 @pytest.mark.slow
 def test_a_report_with_everything(call, asked, tmp_path):
-    needed("SALib", "tune")
     more = (
         "-s", "large", "--over", "controller.kp=normal:4:0.5", "--tolerance", "rms_error@small<=0.3", "--tolerance",
         "overshoot<=0.1", "--sobol", "16", "--wear", "plant.lag_s=x1:x2", "--life", "3", "--worst", "2", "-o", "out",
@@ -98,7 +96,6 @@ def test_runs_that_are_one_run_are_said_to_be(call, tmp_path, monkeypatch):
 
 @pytest.mark.slow
 def test_sobol_indices_that_nobody_can_know_are_not_shown(call, tmp_path, monkeypatch):
-    needed("SALib", "tune")
     monkeypatch.chdir(tmp_path)
     # At the shortest lags the error grows a hundredfold, yet nothing diverges.
     wild = ("--over", "plant.lag_s=0.0016:0.08:log", "--over", "controller.kp=3:4", "--duration", "0.05")

@@ -45,7 +45,7 @@ def test_a_fault_of_ours_is_not_mistaken_for_a_missed_target():
     assert done.returncode == 70 and "Traceback" in done.stderr
 
 
-@pytest.mark.skipif(os.name != "posix", reason="pipes and signals of POSIX")
+@pytest.mark.skipif(os.name != "posix", reason="posix: pipes and signals")
 def test_a_closed_pipe_is_quiet():
     with subprocess.Popen(
         [sys.executable, "-m", "leadscrew", "list", "step"], stdout=subprocess.PIPE, stderr=subprocess.PIPE
@@ -56,12 +56,7 @@ def test_a_closed_pipe_is_quiet():
     assert said == b"" and code == 141
 
 
-def heard():
-    """A shell that starts this in the background has Ctrl-C ignored, and so would the child."""
-    signal.signal(signal.SIGINT, signal.SIG_DFL)
-
-
-@pytest.mark.skipif(os.name != "posix", reason="pipes and signals of POSIX")
+@pytest.mark.skipif(os.name != "posix", reason="posix: pipes and signals")
 def test_ctrl_c_is_quiet(tmp_path):
     slow = tmp_path / "slow.py"
     slow.write_text("import time\nprint('there', flush=True)\ntime.sleep(60)\n")
@@ -69,7 +64,6 @@ def test_ctrl_c_is_quiet(tmp_path):
         [sys.executable, "-m", "leadscrew", "list", f"{slow}:x"],
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
-        preexec_fn=heard,
     ) as process:
         assert process.stdout.readline() == b"there\n"
         process.send_signal(signal.SIGINT)
@@ -90,7 +84,7 @@ for k in range(100_000):
 """
 
 
-@pytest.mark.skipif(os.name != "posix", reason="SIGKILL")
+@pytest.mark.skipif(os.name != "posix", reason="posix: no SIGKILL")
 def test_a_killed_save_leaves_nothing_that_passes_for_a_whole_run(tmp_path):
     whole = 0
     for attempt, delay in enumerate((0.011, 0.037, 0.083)):

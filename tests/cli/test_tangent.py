@@ -10,7 +10,6 @@ import numpy as np
 import pytest
 
 from tests.cli.conftest import left, strict_json
-from tests.tools import needed
 
 SVG = """<svg xmlns="http://www.w3.org/2000/svg" width="200mm" height="120mm" viewBox="0 0 400 240">
   <g transform="translate(40,40) rotate(8) scale(1.5,1.2)">
@@ -32,7 +31,6 @@ M2
 
 @pytest.fixture
 def svg(tmp_path):
-    needed("svgelements", "dev")
     path = tmp_path / "leaf.svg"
     path.write_text(SVG, encoding="utf-8")
     return path

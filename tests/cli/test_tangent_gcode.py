@@ -55,9 +55,7 @@ def test_a_rounding_that_is_turned_at_depth_is_said_and_a_corner_is_not(call, pl
 
 
 def test_inch_is_a_unit_of_a_drawing(call, tmp_path):
-    from tests.tools import needed
 
-    needed("svgelements", "dev")
     file = tmp_path / "a.svg"
     file.write_text('<svg xmlns="http://www.w3.org/2000/svg"><path d="M0,0 L3,0"/></svg>', encoding="utf-8")
     for unit in ("inch", "in"):

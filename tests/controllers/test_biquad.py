@@ -18,7 +18,6 @@ from leadscrew.references.sine import sine, sine_motion
 from tests.controllers.xy_loop import PERIOD, xy_loop
 from tests.export.hal_bench import Bench
 from tests.export.hal_bench import needed as hal_needed
-from tests.tools import needed
 
 RNG = np.random.default_rng(3)
 GAIN = pid(kp=1.0, ki=0.0, kd=0.0)
@@ -37,7 +36,6 @@ def through(block, inputs):
 
 @pytest.mark.parametrize("section", [Notch(), HIGH, LowPass(), LowPass(corner_hz=900.0, damping=0.1)])
 def test_the_numbers_are_those_of_python_controls_prewarped_bilinear_rule(section):
-    needed("control")
     import control
 
     if isinstance(section, Notch):

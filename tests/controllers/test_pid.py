@@ -11,7 +11,6 @@ from leadscrew.plants.xy_table import xy_table
 from leadscrew.references.sine import sine
 from leadscrew.references.step import step
 from tests.controllers.xy_loop import PERIOD, outputs, xy_loop
-from tests.tools import needed
 
 RNG = np.random.default_rng(11)
 COMMANDS, FEEDBACKS = RNG.normal(size=400), RNG.normal(size=400)
@@ -130,7 +129,6 @@ def open_loop(block):
     [("paper.pid", 2.510, 1.87), ("ours.pid_ms_159", 3.70, 1.59), ("ours.pid_ms_185", 2.89, 1.85)],
 )
 def test_the_loop_becomes_unstable_at_python_controls_gain_margin(name, gain_margin, peak):
-    needed("control")
     import control
 
     block = TUNINGS[name]

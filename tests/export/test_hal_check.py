@@ -26,6 +26,7 @@ def test_golden_vectors_come_back_identical_from_halrun(tmp_path, real):
 
 
 def test_the_check_leaves_no_module_and_no_folder_behind(tmp_path):
+    needed()
     before = sorted(hal_run.MODULES.iterdir())
     hal_check.check(*exported(tmp_path, rows=20))
     assert sorted(hal_run.MODULES.iterdir()) == before

@@ -132,7 +132,7 @@ def test_with_contraction_the_bits_would_differ(tmp_path):
         "fma"
         not in subprocess.run(["gcc", "-march=native", "-Q", "--help=target"], capture_output=True, text=True).stdout
     ):
-        pytest.skip("this processor has no fused multiply-add")
+        pytest.skip("fma: this processor has none")
     source = entry_text(loop.program.module, "single", RANKS["single"])
     flags = ("-std=gnu99", "-O2", "-mfma", "-ffp-contract=fast")
     made = compiler.build(source, tmp_path, "fused", *flags)

@@ -291,7 +291,7 @@ def test_rising_functions_rise_between_neighbours_a_few_ulp_apart(name):
         assert all(f(a) <= f(b) for a, b in itertools.pairwise(x)), start
 
 
-@pytest.mark.skipif(platform.machine() not in ("x86_64", "AMD64"), reason="reads x86 assembly")
+@pytest.mark.skipif(platform.machine() not in ("x86_64", "AMD64"), reason="x86-64: reads its assembly")
 @pytest.mark.parametrize("name", ["exp", "sin", "pow"])
 def test_hot_functions_vectorise(name, numba_leaves):
     looped(numba_leaves[name], [np.ones(8)] * (2 if name == "pow" else 1))

@@ -108,7 +108,7 @@ KILLED = textwrap.dedent(
 )
 
 
-@pytest.mark.skipif(not hasattr(signal, "SIGKILL"), reason="needs SIGKILL")
+@pytest.mark.skipif(not hasattr(signal, "SIGKILL"), reason="posix: no SIGKILL")
 def test_a_killed_run_leaves_no_half_folder_that_passes_for_a_whole_one(tmp_path):
     root = str(Path(__file__).parents[2])
     for delay in (0.05, 0.11, 0.2):

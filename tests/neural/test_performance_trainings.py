@@ -9,7 +9,6 @@ from leadscrew.studies.sofnn_tangent import performance_runs as runs
 from leadscrew.studies.sofnn_tangent.claims_performance import performance_claims
 from leadscrew.studies.sofnn_tangent.claims_performance_training import performance_training_claims
 from leadscrew.studies.sofnn_tangent.performance_facts import nearest_plane, rises, uneven_pairs
-from tests.tools import needed
 
 DIGEST_PAIRS = {
     (0, 3), (0, 4), (0, 5), (0, 6), (1, -6), (1, -4), (1, 3), (1, 4), (1, 5), (1, 6), (2, -4), (2, 2), (2, 4), (3, 4),
@@ -75,8 +74,6 @@ def test_no_training_of_18_weights_has_a_smaller_rmse_than_the_one_that_runs_awa
 )  # fmt: skip
 def test_trainings_done_again_end_as_they_did(reading, method, count):
     """Median of the first seeds; another processor rounds otherwise, and a search may then end in the next valley."""
-    if method.startswith("pymoo"):
-        needed("pymoo", "tune")
     again = [runs.row_of(reading, method, s, runs.trained(reading, method, s)) for s in range(count)]
     kept = [r for r in runs.of(reading, method) if r.seed < count]
     assert len(kept) == count

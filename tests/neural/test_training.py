@@ -15,7 +15,6 @@ from leadscrew.neural.safety import crossing, safety, table_faults
 from leadscrew.neural.searches import cma_search, pymoo_search
 from leadscrew.neural.training import METHODS, train
 from leadscrew.studies.sofnn_tangent.performance_runs import nets
-from tests.tools import needed
 
 COUNTS = {"18": 18, "18_linear": 18, "19": 19, "24": 24, "25": 25, "16_four_hidden": 16, "16_five_hidden": 16}
 
@@ -94,7 +93,6 @@ def test_cma_finds_the_same_foot():
 
 @pytest.mark.slow
 def test_pymoo_finds_it_too():
-    needed("pymoo", "tune")
     assert pymoo_search(sphere, 5, 0, 40, 80).best == pytest.approx(np.arange(1.0, 6.0), abs=0.2)
 
 
@@ -252,8 +250,6 @@ def test_the_command_refuses_in_one_sentence(options, said):
 @pytest.mark.slow
 @pytest.mark.parametrize("method", METHODS)
 def test_every_method_gives_a_safe_network(method):
-    if method.startswith("pymoo"):
-        needed("pymoo", "tune")
     found = train(method=method, seed=2)
     assert found.safety.right_way
     assert found.safety.rmse <= 0.65 or "+" not in method

@@ -47,7 +47,7 @@ def test_a_log_that_is_a_link_is_not_written_through(tmp_path):
         Audit(tmp_path)
 
 
-@pytest.mark.skipif(not Path("/dev/full").exists(), reason="needs /dev/full")
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="posix: no /dev/full")
 def test_a_full_disk_does_not_stop_the_panel(tmp_path):
     log = Audit(tmp_path)
     log._file = open("/dev/full", "w")  # noqa: PTH123, SIM115

@@ -3,7 +3,6 @@
 import pytest
 
 from leadscrew.studies.fsmc_ballscrew.controllers import CONTROLLERS
-from leadscrew.studies.fsmc_ballscrew.machines import MACHINES
 from leadscrew.studies.fsmc_ballscrew.runs import Loops, tail_um
 from leadscrew.studies.fsmc_ballscrew.selftuned import believing, identified, rounded
 from leadscrew.studies.fsmc_ballscrew.tunings import GAINS
@@ -21,8 +20,6 @@ def test_after_a_change_of_friction_a_new_record_brings_the_error_back():
 
 @pytest.mark.slow
 def test_on_friction_that_is_not_lugre_the_fit_says_so():
-    if "gms" not in MACHINES:
-        pytest.skip("the study has no machine with Maxwell slip")
     fit = identified(Loops(), "test", "gms")
     assert not fit.consistent
     assert abs(fit.friction.coulomb / 6.24 - 1.0) < 1e-3 and abs(fit.friction.viscous / 0.4 - 1.0) < 1e-3

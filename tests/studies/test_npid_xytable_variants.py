@@ -19,7 +19,6 @@ from leadscrew.studies.npid_xytable.runs import Loops
 from leadscrew.studies.npid_xytable.sines import sines
 from tests.controllers.xy_loop import xy_loop
 from tests.studies.whole import claims_of
-from tests.tools import needed
 
 
 @pytest.fixture(scope="module")
@@ -36,7 +35,6 @@ def test_the_straight_line_through_the_gain_is_scipys():
 
 def test_the_integral_of_table_1_takes_1600_seconds():
     """Slowest pole of the closed loop of Table I and equation (1), by python-control."""
-    needed("control")
     import control
 
     loop = control.tf([0.006805, 1.32, 0.000825], [1.0, 0.0]) * control.tf([69380.0], [1.0, 144.8, 166.3])

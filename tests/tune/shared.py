@@ -40,10 +40,27 @@ def same(a: Samples, b: Samples) -> bool:
     return bits(a) == bits(b) and a.scenarios == b.scenarios
 
 
-def process(*args: str) -> subprocess.Popen[bytes]:
+def stopped_after(chunks: int, number: int) -> str:
+    """The command line as a program that sends itself a signal as soon as it has kept so many chunks."""
+    return f"""
+import os, time
+from leadscrew.tune.journal import Journal
+put, left = Journal.put, [{chunks}]
+def put_and_stop(self, *args):
+    put(self, *args)
+    left[0] -= 1
+    if left[0] == 0:
+        os.kill(os.getpid(), {int(number)})
+        time.sleep(5)
+Journal.put = put_and_stop
+{PROGRAM}
+"""
+
+
+def process(*args: str, program: str = PROGRAM) -> subprocess.Popen[bytes]:
     """The command line as a process."""
     return subprocess.Popen(
-        [sys.executable, "-c", PROGRAM, *args], stdout=subprocess.PIPE, stderr=subprocess.PIPE, env=environment()
+        [sys.executable, "-c", program, *args], stdout=subprocess.PIPE, stderr=subprocess.PIPE, env=environment()
     )
 
 
@@ -82,7 +99,7 @@ def on_kernels(program: str, *options: str) -> dict[str, str]:
         if done.returncode == 0 and name and " " not in name:  # one that this processor lacks is killed
             found[name] = "\n".join(said)
     if len(found) < 2:
-        pytest.skip("needs a processor and a NumPy with several kernels of OpenBLAS")
+        pytest.skip("openblas: needs a processor and a NumPy with several kernels of it")
     return found
 
 

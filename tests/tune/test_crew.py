@@ -15,7 +15,6 @@ from leadscrew.kernel.errors import LeadscrewError, ValueRefused
 from leadscrew.tune.crew import CrewLost, Threads, crew
 from leadscrew.tune.montecarlo import montecarlo
 from leadscrew.tune.space import Space
-from tests.tools import needed
 from tests.tune.shared import dask, environment, job, lathe, same, waited
 
 SPACE = Space.of(["plant.full_duty_speed_mm_s=259:334", "plant.mechanical_lag_s=normal:0.017:0.002"])
@@ -31,7 +30,6 @@ def test_one_thread_and_two_give_the_same_bits():
 
 @pytest.mark.slow
 def test_a_killed_worker_loses_nothing(tmp_path):
-    needed("distributed", "cluster")
     j, runs = lathe(2.0), 15_000
     alone = montecarlo(j, SPACE, runs, crew=Threads(2)).samples
     with dask(tmp_path, 2) as (address, workers), crew(address) as cluster:
@@ -51,7 +49,6 @@ def test_a_killed_worker_loses_nothing(tmp_path):
 
 
 def test_a_cluster_of_this_machine_gives_the_same_bits_and_the_same_refusals(tmp_path):
-    needed("distributed", "cluster")
     j = job("small", "large", duration=1.0, changes={"controller.kp": 15.0})
     with crew("local:2") as cluster:
         assert cluster.name == "local:2"
@@ -66,7 +63,6 @@ def test_a_cluster_of_this_machine_gives_the_same_bits_and_the_same_refusals(tmp
 
 
 def test_a_scheduler_that_is_not_there_is_said_at_once():
-    needed("distributed", "cluster")
     with socket.socket() as closed:
         closed.bind(("127.0.0.1", 0))
         address = f"tcp://127.0.0.1:{closed.getsockname()[1]}"
@@ -78,7 +74,6 @@ def test_a_scheduler_that_is_not_there_is_said_at_once():
 
 
 def test_something_else_at_the_address_is_no_scheduler(monkeypatch):
-    needed("distributed", "cluster")
     monkeypatch.setattr("leadscrew.tune.crew.PATIENCE_S", 0.5)
     with socket.socket() as mute:
         mute.bind(("127.0.0.1", 0))
@@ -90,7 +85,6 @@ def test_something_else_at_the_address_is_no_scheduler(monkeypatch):
 
 @pytest.mark.slow
 def test_a_scheduler_without_workers_is_said(tmp_path, monkeypatch):
-    needed("distributed", "cluster")
     with dask(tmp_path, 0) as (address, _):
         monkeypatch.setattr("leadscrew.tune.crew.PATIENCE_S", 2.0)
         with pytest.raises(LeadscrewError, match="has no workers"), crew(address):
@@ -113,7 +107,6 @@ def test_what_is_no_crew_is_refused(options, words):
 
 
 def test_a_scheduler_that_dies_is_said_and_not_waited_for(tmp_path):
-    needed("distributed", "cluster")
     with dask(tmp_path, 1) as (address, _), crew(address) as cluster:
         scheduler = cluster.client.run_on_scheduler(os.getpid)
         with pytest.raises(CrewLost, match=f"the Dask scheduler at {address} is gone"):
@@ -123,7 +116,6 @@ def test_a_scheduler_that_dies_is_said_and_not_waited_for(tmp_path):
 @pytest.mark.slow
 @pytest.mark.parametrize(("stopped", "words"), [("scheduler", "is gone"), ("worker", "has lost all of its workers")])
 def test_a_silent_cluster_is_not_waited_for(tmp_path, monkeypatch, stopped, words):
-    needed("distributed", "cluster")
     monkeypatch.setattr("leadscrew.tune.crew.LOOK_S", 0.2)
     monkeypatch.setattr("leadscrew.tune.crew.LOST_S", 2.0)
     with dask(tmp_path, 1) as (address, workers), crew(address) as cluster:
@@ -153,7 +145,6 @@ with crew("local:2") as workers:
 
 @pytest.mark.slow
 def test_a_script_without_a_main_guard_may_take_workers_of_this_machine(tmp_path):
-    needed("distributed", "cluster")
     (tmp_path / "script.py").write_text(SCRIPT.replace("DIE", ""))
     done = subprocess.run([sys.executable, "script.py"], cwd=tmp_path, capture_output=True, text=True, timeout=120,
                           env=environment())  # fmt: skip
@@ -162,7 +153,6 @@ def test_a_script_without_a_main_guard_may_take_workers_of_this_machine(tmp_path
 
 @pytest.mark.slow
 def test_workers_of_this_machine_leave_when_their_script_is_killed(tmp_path):
-    needed("distributed", "cluster")
     killed = "import os; print(workers.client.cluster.scheduler_address, flush=True); os.kill(os.getpid(), 9)"
     (tmp_path / "script.py").write_text(SCRIPT.replace("DIE", killed))
     done = subprocess.run([sys.executable, "script.py"], cwd=tmp_path, capture_output=True, text=True, timeout=120,
@@ -173,7 +163,6 @@ def test_workers_of_this_machine_leave_when_their_script_is_killed(tmp_path):
 
 
 def test_workers_that_do_not_start_are_said(monkeypatch):
-    needed("distributed", "cluster")
     monkeypatch.setattr(sys, "executable", "/bin/false")
     with pytest.raises(LeadscrewError, match="the 2 workers on this machine did not start"), crew("local:2"):
         pass

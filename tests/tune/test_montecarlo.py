@@ -18,7 +18,6 @@ from leadscrew.tune.montecarlo_sobol import sobol_indices
 from leadscrew.tune.space import Space
 from leadscrew.tune.wear import envelope
 from leadscrew.tune.worst import worst, write
-from tests.tools import needed
 from tests.tune.noisy_loop import DIVERGING
 from tests.tune.shared import job, same
 
@@ -62,7 +61,6 @@ def test_the_parameter_that_matters_stands_out():
     rms = {c.key: c for c in m.correlations if c.metric == "rms_error"}
     assert rms["plant.lag_s"].value > 0.5 > abs(rms["controller.kp"].value)
     assert rms["controller.stages"].partial < -0.8
-    needed("SALib", "tune")
     rows = {s.key: s for s in sobol_indices(m, 128, crew=CREW) if s.metric == "rms_error"}
     assert rows["plant.lag_s"].total > rows["controller.kp"].total
     assert 0.8 < sum(s.first for s in rows.values()) < 1.2
@@ -98,7 +96,6 @@ def test_what_is_given_plainly_is_the_same_question(tmp_path):
         job(), plain, 100, journal=tmp_path / "runs", resume=True, progress=lambda *x: told.append(x), **asked
     )
     assert same(kept.samples, again.samples) and told == [(100, 100)]
-    needed("SALib", "tune")
     for more in ({}, {"resume": True}):
         rows = sobol_indices(kept, 16, journal=tmp_path / "sobol", **more)
         assert rows == sobol_indices(want, 16, crew=CREW)

@@ -18,9 +18,9 @@ from typer.testing import CliRunner
 from leadscrew.cli import app
 from tests.budget import some
 from tests.tune.noisy_loop import NAME
-from tests.tune.shared import PROGRAM, environment, process, waited
+from tests.tune.shared import PROGRAM, environment, process, stopped_after, waited
 
-pytestmark = pytest.mark.skipif(os.name != "posix", reason="signals of POSIX")
+pytestmark = pytest.mark.skipif(os.name != "posix", reason="posix: signals")
 COMMAND = (
     "montecarlo", NAME, "-c", "p", "-s", "small", "-s", "large", "--over", "plant.lag_s=0.02:0.08", "--over",
     "controller.kp=normal:4:0.5", "--tolerance", "overshoot<=0.05", "--no-figures", "--wear", "plant.lag_s=x1:x1.5",
@@ -52,25 +52,27 @@ def answer(report: Path) -> dict[str, bytes]:
 
 @pytest.fixture(scope="module")
 def whole(tmp_path_factory):
-    """The answer of a job that nobody disturbed, and the seconds between its start and its end."""
-    folder = tmp_path_factory.mktemp("whole")
-    (folder / "first").mkdir()
-    first = finished(folder / "first")  # it compiles
+    """The answer of a job that nobody disturbed."""
+    return finished(tmp_path_factory.mktemp("whole"))
+
+
+@pytest.fixture(scope="module")
+def took(tmp_path_factory, whole):
+    """Seconds between the start and the end of a job that nobody disturbed."""
+    folder = tmp_path_factory.mktemp("took")
     with process(*asked(folder)) as p:
         waited(lambda: (folder / "journal" / "question.json").exists())
         began = time.monotonic()
         assert p.wait(120) == 0
-        took = time.monotonic() - began
-    assert answer(folder / "report") == first
-    return first, took
+    assert answer(folder / "report") == whole
+    return time.monotonic() - began
 
 
-def killed_and_resumed(folder: Path, whole, part: float) -> int:
-    """Kills a job after a part of its time, resumes it, compares; gives how many chunks were kept."""
-    expected, took = whole
+def killed_and_resumed(folder: Path, expected, moment: float) -> int:
+    """Kills a job after so many seconds, resumes it, compares; gives how many chunks were kept."""
     with process(*asked(folder)) as p:
         waited(lambda: (folder / "journal" / "question.json").exists())
-        time.sleep(part * took)
+        time.sleep(moment)
         p.send_signal(signal.SIGKILL)
         p.wait(30)
     shown = [q for q in folder.rglob("*") if not q.name.startswith(".") and ".partial" not in str(q)]
@@ -83,37 +85,35 @@ def killed_and_resumed(folder: Path, whole, part: float) -> int:
     return kept
 
 
-def test_a_killed_job_goes_on_to_the_identical_result(tmp_path, whole):
-    seed = random.randrange(2**32)
-    moments = random.Random(seed)
-    for k in range(3):
-        (tmp_path / str(k)).mkdir()
-        kept = killed_and_resumed(tmp_path / str(k), whole, moments.uniform(k / 3, (k + 1) / 3))
-        print(f"seed {seed}: {kept} chunks were kept")
+@pytest.mark.parametrize("chunks", [1, 4])
+def test_a_killed_job_goes_on_to_the_identical_result(tmp_path, whole, chunks):
+    with process(*asked(tmp_path), program=stopped_after(chunks, signal.SIGKILL)) as p:
+        assert p.wait(120) == -signal.SIGKILL
+    assert len(list(tmp_path.glob("journal/chunk_*"))) >= chunks and not (tmp_path / "report").exists()
+    assert finished(tmp_path, "--resume") == whole
+    assert not list(tmp_path.glob("journal/.*"))
 
 
 @pytest.mark.slow
-def test_random_kills_all_give_the_identical_result(tmp_path, whole):
+def test_random_kills_all_give_the_identical_result(tmp_path, whole, took):
     seed = random.randrange(2**32)
     moments = random.Random(seed)
     print(f"seed {seed}")
     kept = []
     for k in some(range(20), 2):
         (tmp_path / str(k)).mkdir()
-        kept.append(killed_and_resumed(tmp_path / str(k), whole, moments.uniform(0.0, 1.1)))
+        kept.append(killed_and_resumed(tmp_path / str(k), whole, took * moments.uniform(0.0, 1.1)))
     assert min(kept) < max(kept)
 
 
 def test_ctrl_c_keeps_what_is_done_and_says_how_to_go_on(tmp_path, whole):
-    with process(*asked(tmp_path)) as p:
-        waited(lambda: list(tmp_path.glob("journal/chunk_*")))
-        p.send_signal(signal.SIGINT)
-        _, said = p.communicate(timeout=60)
+    with process(*asked(tmp_path), program=stopped_after(2, signal.SIGINT)) as p:
+        _, said = p.communicate(timeout=120)
         assert p.returncode == 130
     lines = said.decode().splitlines()
     assert len(lines) == 1 and re.match(r"leadscrew: interrupted; [1-9]\d* runs are kept in ", lines[0]), lines
     assert "go on with: leadscrew montecarlo" in lines[0] and lines[0].endswith("--resume")
-    assert finished(tmp_path, "--resume") == whole[0]
+    assert finished(tmp_path, "--resume") == whole
 
 
 def test_a_disk_that_takes_no_more_is_one_sentence(tmp_path, whole):
@@ -125,4 +125,4 @@ def test_a_disk_that_takes_no_more_is_one_sentence(tmp_path, whole):
     assert done.stderr.count("\n") == 1 and "cannot be written: File too large" in done.stderr
     assert not (tmp_path / "report").exists()
     assert not [p for p in tmp_path.rglob("*") if p.name.startswith(".")]
-    assert finished(tmp_path, "--resume") == whole[0]
+    assert finished(tmp_path, "--resume") == whole

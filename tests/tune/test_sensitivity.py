@@ -12,7 +12,6 @@ from scipy import stats
 from leadscrew.kernel.errors import LeadscrewError, ValueRefused
 from leadscrew.tune import sensitivity
 from leadscrew.tune.sensitivity import fisher, rank_correlations
-from tests.tools import needed
 
 
 def drawn(n=400, seed=1):
@@ -72,7 +71,6 @@ def ishigami(unit):
 
 
 def test_sobol_indices_of_the_ishigami_function():
-    needed("SALib", "tune")
     rows = sensitivity.sobol(ishigami, ("x1", "x2", "x3"), 4096, seed=3)
     exact = {"x1": (0.3139, 0.5576), "x2": (0.4424, 0.4424), "x3": (0.0, 0.2437)}
     for row in rows:
@@ -84,7 +82,6 @@ def test_sobol_indices_of_the_ishigami_function():
 
 
 def test_sobol_indices_need_every_value():
-    needed("SALib", "tune")
     values = np.arange(64 * 4, dtype=float)
     values[5] = np.nan
     rows = sensitivity.indices(values, ("a", "b"))
@@ -93,7 +90,6 @@ def test_sobol_indices_need_every_value():
 
 
 def test_indices_with_intervals_wider_than_what_they_can_be_are_not_known():
-    needed("SALib", "tune")
     rng = np.random.default_rng(2)
     wild = rng.random(64 * 4)
     wild[5] = 1e6

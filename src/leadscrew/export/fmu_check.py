@@ -40,11 +40,11 @@ def check(folder: Path, manifest: dict[str, Any]) -> list[Verdict]:
     found = []
     for label, importer, compiles in _ROWS:
         target = f"fmu{version[:1]} {label}"
-        if importlib.util.find_spec(importer) is None:
+        if not binary and not compiles:
+            found.append(Verdict(target, NOT_RUN, note="the FMU holds sources only"))
+        elif importlib.util.find_spec(importer) is None:
             note = f"{importer} is not installed: pip install leadscrew[verify]"
             found.append(Verdict(target, NOT_RUN, note=note))
-        elif not binary and not compiles:
-            found.append(Verdict(target, NOT_RUN, note="the FMU holds sources only"))
         else:
             found.append(_played(target, importer, compiles, file, manifest, rows))
     return found
