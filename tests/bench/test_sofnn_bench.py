@@ -49,10 +49,3 @@ def test_a_step_must_not_cost_more_than_a_microsecond(monkeypatch):
     rows = {r["what"]: r for r in sofnn.rows(1)}
     assert rows["C by hand, four rules"]["value"] is None and rows["C by hand, four rules"]["remark"] == "no gcc"
     assert rows["Kalman, four rules, marginal cost of a step in the loop"]["passed"] is True
-
-
-@pytest.mark.slow
-def test_learning_costs_more_than_none_and_less_than_with_dense_matrices():
-    ns = sofnn.nanoseconds(3)
-    assert ns["fixed network"] < ns[sofnn.IDLE] < ns[sofnn.KALMAN] < ns[sofnn.DENSE]
-    assert ns[sofnn.KALMAN] - ns[sofnn.IDLE] > 50.0

@@ -55,16 +55,13 @@ def test_a_page_that_reads_nothing_slows_nobody(served, page):
     lazy = served.page(name="Bob")
     lazy.socket.socket.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 4096)
     page.did("start")
-    page.listen(0.2)
-    rates = []
-    for reading in (False, True):  # beside one who reads nothing, and alone
-        if reading:
-            lazy.drop()
-            page.listen(0.3)
-        began, n = time.monotonic(), len(page.frames)
-        page.listen(2.0)
-        rates.append((len(page.frames) - n) / (time.monotonic() - began))
-    assert rates[0] > 0.5 * rates[1] > 0.0
+    n = len(page.frames)
+    for _ in range(120):
+        page.listen(0.5)
+        if len(page.frames) > n + 100:  # more than the other's buffers take
+            break
+    assert len(page.frames) > n + 100
+    lazy.drop()
     assert page.did("ping", t=1.0) == {"t": 1.0}
 
 
