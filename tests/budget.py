@@ -1,4 +1,4 @@
-"""How much of the widest sweeps is run: CI has 90 minutes on two cores; ``LEADSCREW_SWEEPS=whole`` runs all of it."""
+"""How much of the widest sweeps is run: CI runs a part; ``LEADSCREW_SWEEPS=whole`` runs all, before a release."""
 
 import os
 from collections.abc import Sequence

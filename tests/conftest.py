@@ -4,7 +4,10 @@ import os
 import signal
 from pathlib import Path
 
+import pytest
 from hypothesis import settings
+
+from tests.budget import WHOLE
 
 pytest_plugins = ["tests.groups", "tests.costs"]
 
@@ -22,3 +25,11 @@ if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
 settings.register_profile("ci", derandomize=True)
 if os.environ.get("CI"):
     settings.load_profile("ci")
+
+
+def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
+    """Tests marked ``sweep`` run with ``LEADSCREW_SWEEPS=whole`` only: before a release."""
+    if not WHOLE:
+        left_out = [i for i in items if i.get_closest_marker("sweep")]
+        config.hook.pytest_deselected(items=left_out)
+        items[:] = [i for i in items if not i.get_closest_marker("sweep")]

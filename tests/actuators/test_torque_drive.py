@@ -53,6 +53,7 @@ def test_no_limit_at_all_is_refused():
         torque_drive(max_torque=0.0)
 
 
+@pytest.mark.sweep
 def test_all_engines_give_the_same_bits():
     loop = stage_loop(pd_dob, "fast", actuator=torque_drive)
     fast, plain = (loop.run(0.02, record=("applied", "actual"), engine=engine) for engine in ("llvm", "python"))

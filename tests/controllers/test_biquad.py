@@ -108,6 +108,7 @@ def test_a_live_switch_shows_no_jump():
     assert after.bumpless and after.advance(1)["output"][0] == pytest.approx(expected, abs=1e-14)
 
 
+@pytest.mark.sweep
 def test_all_engines_give_the_same_bits():
     loop = xy_loop(biquad(TUNED, Notch(), LowPass()), sine(amplitude=4.0, frequency=3.0))
     record = ("output", "actual", "controller")

@@ -93,6 +93,7 @@ def test_the_first_output_after_an_align_is_the_last_one_before():
     assert u == pytest.approx(1.5, abs=1e-12)
 
 
+@pytest.mark.sweep
 def test_all_engines_give_the_same_bits():
     loop = table_axis(TUNINGS["ours.cascade"])
     record = ("output", "actual", "controller")

@@ -57,6 +57,7 @@ def test_the_first_output_after_an_align_is_the_last_one_before(softness, output
     assert u == pytest.approx(output, abs=1e-12)
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize("softness", [1e-3, 0.0])
 def test_all_engines_give_the_same_bits(softness):
     loop = xy_loop(dead_zone_inverse(pid, softness=softness), eased_sine(amplitude=4.0, frequency=3.0), actuator=DRIVE)

@@ -103,6 +103,7 @@ def test_a_dead_load_cell_gives_no_more_than_the_feed_of_air_and_a_sound_one_let
     assert run["controller.guard.holds"][1].max() == 1 and abs(run["actual.force"][1, -50:] - 150.0).max() < 4.0
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize("engine", [e for e in TRIED if e != "llvm"])
 @pytest.mark.parametrize("which", [pytest.param("fast", marks=pytest.mark.slow), "breaking"])
 def test_all_engines_give_the_same_bits(request, which, engine):

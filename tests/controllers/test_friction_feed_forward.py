@@ -91,6 +91,7 @@ def test_the_first_output_after_an_align_is_the_last_one_before(presliding):
     assert u == pytest.approx(0.5, abs=1e-12)
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize("presliding", [0.0, 5.0])
 def test_all_engines_give_the_same_bits(presliding):
     loop = table_axis(friction_feed_forward(inverse_feed_forward(pid), presliding_um=presliding))

@@ -287,6 +287,7 @@ def test_at_the_torque_limit_the_integral_waits():
     assert u == 12.0 and s.xi == 0.0
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize(
     "block", [TUNINGS["ours.fsmc_4khz"](friction_from=2), TUNINGS["ours.fsmc_printed_4khz"]], ids=["fsmc", "printed"]
 )

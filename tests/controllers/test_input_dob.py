@@ -122,6 +122,7 @@ def test_from_rest_it_takes_over_without_a_bump(block):
         assert u == pytest.approx(0.0123, abs=1e-12)
 
 
+@pytest.mark.sweep
 def test_all_engines_give_the_same_bits():
     loop = table_axis(input_dob(pid, max_output=0.02), disturbance=sine_load(amplitude=1e-2))
     record = ("output", "actual", "controller")

@@ -67,6 +67,7 @@ def test_the_first_output_after_an_align_is_the_last_one_before(inner):
     assert u == pytest.approx(1.5, abs=1e-9)
 
 
+@pytest.mark.sweep
 def test_all_engines_give_the_same_bits():
     loop = table_axis(inverse_feed_forward(npid, share=0.9))
     fast, plain = (loop.run(0.2, record=("output", "actual"), engine=engine) for engine in ("llvm", "python"))

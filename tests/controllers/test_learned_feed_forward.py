@@ -80,6 +80,7 @@ def test_the_first_output_after_an_align_is_the_last_one_before():
     assert u == pytest.approx(1.5, abs=1e-9)
 
 
+@pytest.mark.sweep
 def test_all_engines_give_the_same_bits():
     loop = rough(learned_feed_forward(pid))
     fast, plain = (loop.run(0.1, record=("output", "actual"), engine=engine) for engine in ("llvm", "python"))

@@ -93,6 +93,7 @@ def test_from_rest_the_first_output_after_an_align_is_the_last_one_before():
     assert u == pytest.approx(4.0, abs=1e-9)
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize("inner", [pd_dob, super_twisting])
 def test_all_engines_give_the_same_bits(inner):
     loop = stage_loop(look_ahead(inner, acts_late_s=DT, seen_late_s=1e-4), "fast", encoder_mm=1e-5)

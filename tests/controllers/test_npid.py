@@ -110,6 +110,7 @@ def test_a_positive_error_gives_a_positive_voltage():
     assert npid.sense == 1 and outputs(npid, [1.0], [0.0])[0] > 0.0
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize("changes", [{}, {"clip_error": True, "error_unit_per_mm": 1.0, "e_max": 0.5}])
 def test_all_engines_give_the_same_bits(changes):
     loop = xy_loop(npid(**changes), sine(amplitude=4.0, frequency=3.0))

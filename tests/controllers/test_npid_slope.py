@@ -110,6 +110,7 @@ def test_the_first_output_after_an_align_is_the_last_one_before(block):
     assert u == pytest.approx(0.7, abs=1e-13)
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize("block", [npid_slope(max_output=0.02), npid_after(max_output=0.02, anti_windup=2)])
 def test_all_engines_give_the_same_bits(block):
     loop = xy_loop(block, sine(amplitude=4.0, frequency=3.0))

@@ -275,6 +275,7 @@ def test_in_mm_it_is_the_same_motion():
     assert by_mm / 1.5923 == pytest.approx(by_rad, abs=1e-8)
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize(
     "changes", [{}, {"rate_of_error": False, "max_torque": 9.0, "pieces": 0}, {"friction": False, "low_pass_hz": 0.0}]
 )

@@ -325,6 +325,7 @@ def test_in_mm_it_is_the_same_motion():
     assert by_mm / 1.5923 == pytest.approx(by_rad, abs=1e-8)
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize("changes", [{}, {"learns": False, "low_pass_hz": 0.0}, {"max_torque": 9.0, "pieces": 1}])
 def test_all_engines_give_the_same_bits(changes):
     loop = from_rest(pd_learned(**changes), "fast")

@@ -167,6 +167,7 @@ def test_without_integral_action_an_align_starts_from_the_proportional_term():
     assert u == 1.32
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize(
     "changes",
     [{}, {"anti_windup": 2, "filter_s": 1e-3, "max_output": 0.3, "ki": 50.0, "b": 0.3, "c": 0.0}, {"ki": 0.0}],

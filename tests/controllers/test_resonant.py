@@ -163,6 +163,7 @@ def test_a_resonant_controller_takes_over_without_a_bump(block):
     assert after.bumpless and after.advance(1)["output"][0] == pytest.approx(expected, abs=1e-13)
 
 
+@pytest.mark.sweep
 def test_all_engines_give_the_same_bits():
     loop = table_axis(resonant(PID["ours.pid_ms_159"], max_output=0.02), disturbance=sine_load(amplitude=1e-3))
     record = ("output", "actual", "controller")

@@ -227,6 +227,7 @@ def test_a_filtered_speed_decays_to_zero_and_not_to_denormal_numbers():
     assert s.speed == 0.0
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize(
     ("name", "changes"),
     [

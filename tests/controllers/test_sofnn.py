@@ -265,6 +265,7 @@ def test_rules_and_networks_of_the_wrong_kind_are_refused():
 LOST = {"sensor.lost_from_s": 0.05, "sensor.lost_for_s": 0.04}
 
 
+@pytest.mark.sweep
 def test_compiled_and_plain_python_give_the_same_bits():
     loop = knife_loop(TUNINGS["ours.sofnn_tuned"]).using(LOST)
     plain, fast = loop.run(0.15, engine="python"), loop.run(0.15)

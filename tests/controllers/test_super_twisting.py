@@ -119,6 +119,7 @@ def test_at_the_torque_limit_the_integral_waits():
     assert u == -12.0 and s.w == 0.0
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize("changes", [{}, {"friction_from": 2, "pieces": 0, "max_torque": 9.0, "speed_filter_s": 0.0}])
 def test_all_engines_give_the_same_bits(changes):
     loop = stage_loop(super_twisting(**changes), "fast", encoder_mm=1e-5)

@@ -109,7 +109,7 @@ def test_taking_over_does_not_jump(controller):
     assert np.abs(after["actual.deviation"][150:]).max() < 1.5
 
 
-@pytest.mark.slow
+@pytest.mark.sweep
 @pytest.mark.parametrize("controller", [tangent_dob, curvature_feed_forward, taught_offset(tangent_dob, TABLE)])
 def test_python_and_compiled_give_the_same_bits(controller):
     loop = knife(controller, noise=0.15)

@@ -31,6 +31,7 @@ def test_from_rest_the_first_output_after_an_align_is_the_last_one_before():
     assert u == pytest.approx(4.0, abs=1e-9)
 
 
+@pytest.mark.sweep
 def test_all_engines_give_the_same_bits():
     fast, plain = (pid().run(0.02, record=("output", "actual"), engine=engine) for engine in ("llvm", "python"))
     assert all(np.array_equal(fast[column], plain[column]) for column in plain.signals)

@@ -166,6 +166,7 @@ def test_the_first_output_after_an_align_is_the_last_one_before(inner):
     assert u == pytest.approx(0.7, abs=1e-12)
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize("inner", [pid(filter_s=1e-3, max_output=0.03), npid_after(max_output=0.03)])
 def test_all_engines_give_the_same_bits(inner):
     loop = xy_loop(tracking_differentiator(inner), sine(amplitude=4.0, frequency=3.0))

@@ -25,7 +25,6 @@ from leadscrew.studies.vud_lathe.fast_search import (
     training_loop,
 )
 from leadscrew.studies.vud_lathe.machines import MACHINES
-from tests.budget import some
 from tests.controllers.lathe_loop import lathe_loop
 from tests.tools import runnable
 
@@ -262,6 +261,7 @@ def test_switched_on_while_the_axis_moves_it_still_arrives():
     assert metrics["error_after_2s"] <= 0.3125 * MICROMETRE
 
 
+@pytest.mark.sweep
 def test_every_engine_gives_the_same_bits():
     loop = lathe_loop(ROBUST)
     plain, compiled = loop.run(0.25, engine="python"), loop.run(0.25)
@@ -288,17 +288,14 @@ def test_a_small_search_already_meets_the_issues_targets():
         assert lathe_loop(vud_fast(**found.settings), target).run(1.0, every=0).metrics["settling_2um"] <= seconds
 
 
-@pytest.mark.slow
+@pytest.mark.sweep
 @pytest.mark.parametrize(
     ("name", "fixed", "robust", "seed", "generations"),
-    some(
-        [
-            ("ours.vud_fast_limited", {**LIMITS, "chain.gain_doubt": GAIN_DOUBT}, True, 2, 25),
-            ("ours.vud_fast", {}, False, 3, 120),
-            ("ours.vud_fast_robust", {"chain.gain_doubt": GAIN_DOUBT}, True, 1, 60),
-        ],
-        3,
-    ),
+    [
+        ("ours.vud_fast_limited", {**LIMITS, "chain.gain_doubt": GAIN_DOUBT}, True, 2, 25),
+        ("ours.vud_fast", {}, False, 3, 120),
+        ("ours.vud_fast_robust", {"chain.gain_doubt": GAIN_DOUBT}, True, 1, 60),
+    ],
 )
 def test_the_settings_come_out_of_the_search_that_stands_beside_them(name, fixed, robust, seed, generations):
     """To the printed digits where SciPy is the pinned one; at least as good a cost with any."""

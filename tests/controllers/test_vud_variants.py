@@ -263,6 +263,7 @@ def test_every_variant_is_explained_and_shares_one_of_four_programs():
     assert len({b.name for b in VARIANTS.values()}) == 4
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize("engine", ["llvm", "c", pytest.param("numba", marks=pytest.mark.slow)])
 @pytest.mark.parametrize("name", ["corrected.vud_beta_max", "ours.vud_exponential", "ours.vud_opt_robust"])
 def test_every_engine_gives_the_bits_of_plain_python(name, engine):

@@ -62,6 +62,7 @@ def test_one_batch_mixes_all_predictors(loop):
         assert batch["output"][kind] == pytest.approx(expected, rel=1e-12, abs=1e-10)
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize("engine", ["python", "llvm", "c"])
 def test_engines_agree_bit_by_bit(loop, engine):
     one = loop.using({"controller.kind": KINDS["gm11_residual"], "controller.horizon": 2.0})

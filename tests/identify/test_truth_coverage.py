@@ -1,4 +1,4 @@
-"""Acceptance of identification: true parameters lie within the stated 95 % intervals, on a hundred random axes.
+"""Acceptance of identification: true parameters lie within the stated 95 % intervals, on random axes.
 
 The axes, their noise and quantisation are those of `axis_truth.py`, simulated by NumPy alone. What counts is what the
 fit says it knows (`told`); that it says so of what the logs excite is asked too, or saying nothing would pass.
@@ -11,11 +11,12 @@ import pytest
 
 from leadscrew.identify.axis.result import AxisFit, Parameter
 from leadscrew.kernel.errors import DataError
+from tests.budget import WHOLE
 from tests.identify.axis_coverage import shares, statements, table
 from tests.identify.axis_truth import Truth, truth, truths
 
-SEEDS = tuple(range(1032, 1132))
-"""A hundred that nobody looked at while the fit was made; 0 to 99 are those that its floors were set on."""
+SEEDS = tuple(range(1032, 1132 if WHOLE else 1072))
+"""A hundred, or forty of them, that nobody looked at while the fit was made; 0 to 99 are those that its floors were set on."""
 
 
 def as_said(low, high):
@@ -43,7 +44,7 @@ def test_the_count_itself_knows_inside_from_outside_and_an_offset_from_friction(
 
 @pytest.fixture(scope="module")
 def fits():
-    """Of a hundred axes: the log's truth with its fit, or with the reason why there is none."""
+    """Of each axis: the log's truth with its fit, or with the reason why there is none."""
     from leadscrew.identify.axis.fit import identify_axis
 
     found: list[tuple[Truth, AxisFit | None, str]] = []
@@ -56,12 +57,12 @@ def fits():
 
 
 @pytest.mark.slow
-def test_true_values_lie_within_the_stated_intervals_of_a_hundred_axes(fits):
+def test_true_values_lie_within_the_stated_intervals(fits):
     rows = [row for t, fit, _ in fits if fit is not None for row in statements(t, fit)]
     print("\n" + table(rows))
     found = {s.group: s for s in shares(rows)}
     every = found["all"]
-    assert every.told > 500
+    assert every.told > 5 * len(SEEDS)
     assert 0.90 <= every.inside / every.told <= 0.99, table(rows)
     for group in ("mass", "coulomb", "viscous", "static", "stribeck_speed", "offset"):
         s = found[group]
@@ -98,7 +99,7 @@ def test_what_is_fixed_never_has_an_interval_and_says_why(fits):
 @pytest.mark.slow
 def test_a_log_that_moves_one_way_only_does_not_tell_the_other_way(fits):
     one_way = [(t, fit) for t, fit, _ in fits if t.kind.endswith("one_way") and fit is not None]
-    assert len(one_way) >= 3
+    assert one_way
     for _, fit in one_way:
         assert fit.parameters["friction.backward.coulomb"].how == "fixed"
         assert not fit.parameters["offset"].told

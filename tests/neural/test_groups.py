@@ -157,7 +157,7 @@ def test_it_takes_over_without_a_bump():
         assert sent == pytest.approx(output, abs=1e-9)
 
 
-@pytest.mark.slow
+@pytest.mark.sweep
 def test_every_engine_has_the_same_bits():
     if compiler_path() is None:
         missing("gcc", "there is no C compiler on this machine")

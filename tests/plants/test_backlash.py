@@ -227,6 +227,7 @@ def test_after_a_reversal_the_screw_needs_the_time_of_its_parabola_to_cross_the_
     assert 1e3 * back == pytest.approx(digest_ms, rel=0.025)
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize("plant", [backlash_axis, backlash_two_mass], ids=lambda p: p.name)
 def test_all_engines_give_the_same_bits(plant):
     options = {} if "dt" in plant.signals else {"method": "sdirk3", "substeps": 20}

@@ -149,7 +149,7 @@ def test_the_jacobian_is_the_one_of_finite_differences():
             assert (rows[:, column] - (up - down) / (2.0 * nudge)) / scale == pytest.approx(np.zeros(6), abs=1e-5)
 
 
-@pytest.mark.slow
+@pytest.mark.sweep
 @pytest.mark.parametrize("options", [TIGHT, {"method": "sdirk3", "substeps": 20}], ids=["rodas", "sdirk3"])
 def test_all_engines_give_the_same_bits(options):
     loop = opened(amplitude=60.0, options=options, plant=ballscrew_axial(guide_share=0.2, **RIPPLED))

@@ -253,6 +253,7 @@ def test_closed_on_the_motor_half_of_the_play_stays_and_closed_on_the_table_it_d
     assert 0.5 * (ahead - back) == pytest.approx(stays_um, abs=0.01)
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize("plant", [ballscrew_play, ballscrew_backlash], ids=lambda p: p.name)
 def test_all_engines_give_the_same_bits(plant):
     loop = opened(plant, options={"method": "sdirk3", "substeps": 20}, amplitude=14.0, frequency=20.0)

@@ -129,6 +129,7 @@ def test_it_shows_the_table_in_mm_when_asked():
     assert np.array_equal(run["actual"], 1.5923 * run["plant.angle"]) and run["actual"][-1] > 0.0
 
 
+@pytest.mark.sweep
 def test_all_engines_give_the_same_bits():
     loop = opened(sine_torque(amplitude=60.0), ballscrew_gms(longest_step=1e-4))
     plain = loop.run(0.03, ("plant",), engine="python")

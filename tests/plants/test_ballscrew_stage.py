@@ -105,6 +105,7 @@ def test_it_shows_the_table_in_mm_when_asked():
     assert np.array_equal(run["actual"], 1.5923 * run["plant.angle"])
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize("options", [TIGHT, {"method": "sdirk3", "substeps": 20}], ids=["rodas", "sdirk3"])
 def test_all_engines_give_the_same_bits(options):
     loop = opened(amplitude=60.0, options=options)

@@ -198,6 +198,7 @@ def test_elements_that_do_not_fit_are_refused_when_the_loop_starts():
         with_elements([1.0], [1.0, 2.0])
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize("plant", PLANTS, ids=lambda p: p.name)
 def test_all_engines_give_the_same_bits(plant):
     loop = opened(plant, amplitude=3.0, options={"method": "sdirk3", "substeps": 10} if "dt" not in plant.signals

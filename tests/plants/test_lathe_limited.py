@@ -96,6 +96,7 @@ def test_an_idle_axis_decays_to_zero_and_not_to_denormal_numbers():
     assert (s.voltage, s.current, s.speed) == (0.0, 0.0, 0.0) and s.position > 0.0
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize("engine", ["llvm", "c"])
 def test_compiled_and_plain_python_give_the_same_bits(engine):
     loop = Loop(

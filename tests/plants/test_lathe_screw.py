@@ -118,7 +118,7 @@ def test_the_same_counts_on_half_the_lead_see_twice_as_fine():
     assert feedback == pytest.approx(0.001) and math.isclose(block.prepare(block.params, 1e-3).resolution, 0.0005)
 
 
-@pytest.mark.slow
+@pytest.mark.sweep
 @pytest.mark.parametrize("engine", ["llvm", "c"])
 def test_compiled_and_plain_python_give_the_same_bits(engine):
     loop = closed(lathe_screw(**ALL), screw_encoder)

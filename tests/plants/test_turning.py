@@ -160,6 +160,7 @@ def test_a_step_of_nearly_a_revolution_still_cuts_what_was_left_and_a_larger_one
         loop({"plant.spindle_rpm": 60.0 / 1e-3}).run(0.1)
 
 
+@pytest.mark.sweep
 def test_all_engines_give_the_same_bits():
     made = loop({"plant.runout": 0.01, "plant.radial.gain": 8.57, "plant.depth.step": -0.1, "plant.depth.steps": 1})
     fast, plain = made.run(0.2), made.run(0.2, engine="python")

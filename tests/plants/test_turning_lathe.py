@@ -122,6 +122,7 @@ def test_a_step_that_spindle_or_feed_servo_do_not_bear_is_refused():
     assert math.isfinite(lathe(**{"servo.rate": 1030.0}).run(0.2)["actual.force"][-1])
 
 
+@pytest.mark.sweep
 def test_compiled_and_plain_python_give_the_same_bits():
     loop = lathe(**{"spindle.droop": 20.0})
     plain, fast = loop.run(0.3, engine="python"), loop.run(0.3)

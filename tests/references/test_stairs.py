@@ -24,6 +24,7 @@ def test_a_dwell_that_is_no_whole_number_of_periods_steps_at_the_nearest_one():
     assert np.flatnonzero(np.diff(found)).tolist() == [2, 6]
 
 
+@pytest.mark.sweep
 def test_the_python_engine_gives_the_same_bits():
     way = {"positions": [1, 2, 0], "dwell": 0.017}
     assert commands(0.1, "python", **way).tobytes() == commands(0.1, **way).tobytes()

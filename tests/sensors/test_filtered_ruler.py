@@ -64,6 +64,7 @@ def test_a_negative_corner_is_refused():
         filtered_ruler(low_pass_hz=-1.0)
 
 
+@pytest.mark.sweep
 def test_all_engines_give_the_same_bits():
     loop = Loop(reference=sine_motion, controller=pd_dob, plant=ballscrew_stage, sensor=filtered_ruler, period=DT,
                 metrics={}, method="rodas")  # fmt: skip

@@ -13,7 +13,6 @@ from leadscrew.studies.fsmc_ballscrew.controllers import CONTROLLERS
 from leadscrew.studies.fsmc_ballscrew.runs import Loops, build
 from leadscrew.studies.fsmc_ballscrew.scenarios import SCENARIOS
 from leadscrew.studies.fsmc_ballscrew.tracking import at_rest, elsewhere, place_of_largest, reversal, time_constant
-from tests.budget import some
 from tests.fuzzy.formats_systems import shared
 from tests.studies import stage_oracle as oracle
 
@@ -137,8 +136,8 @@ def test_creeping_the_printed_rules_oscillate_once_and_then_follow_radau_again()
     assert apart[calm].max() < 2e-3 and apart.max() < 0.5
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("law", some(["corrected.smc", "paper.smc"], 2))
+@pytest.mark.sweep
+@pytest.mark.parametrize("law", ["corrected.smc", "paper.smc"])
 def test_where_the_stage_sticks_and_slips_the_statistics_agree(law):
     """Point by point any two solvers part: each slip grows by up to 2.6e5 1/s."""
     seconds = 1.2

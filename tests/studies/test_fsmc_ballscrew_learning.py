@@ -64,7 +64,7 @@ def test_from_rest_the_first_output_after_an_align_is_the_last_one_before():
     assert u == pytest.approx(4.0, abs=1e-9)
 
 
-@pytest.mark.slow
+@pytest.mark.sweep
 @pytest.mark.parametrize("inner", [pd_dob, super_twisting])
 def test_all_engines_give_the_same_bits(inner):
     loop = stage_loop(feed_forward_table(inner, (0.3, -0.2, 0.1), 0.0071), "fast", encoder_mm=1e-5)

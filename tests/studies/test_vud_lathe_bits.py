@@ -35,7 +35,7 @@ def test_python_and_machine_code_agree_on_every_signal(controller, scenario):
     )
 
 
-@pytest.mark.slow
+@pytest.mark.sweep
 @pytest.mark.parametrize(("controller", "scenario"), some(different_loops(), 3))
 def test_all_three_engines_agree_over_the_whole_run(controller, scenario):
     duration = LATHE.scenarios[scenario].duration_s
