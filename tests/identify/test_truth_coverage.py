@@ -16,7 +16,7 @@ from tests.identify.axis_coverage import shares, statements, table
 from tests.identify.axis_truth import Truth, truth, truths
 
 SEEDS = tuple(range(1032, 1132 if WHOLE else 1072))
-"""A hundred, or forty of them, that nobody looked at while the fit was made; 0 to 99 are those that its floors were set on."""
+"""Nobody looked at these while the fit was made; 0 to 99 are those that its floors were set on."""
 
 
 def as_said(low, high):
