@@ -7,12 +7,14 @@ import pytest
 
 from leadscrew.experiment import Experiment
 from leadscrew.kernel.errors import NameUnknown, ValueRefused
-from leadscrew.tune.compare import compare, contest
+from leadscrew.report.tables import NOTHING
+from leadscrew.tune.compare import compare, contest, judged
 from leadscrew.tune.compare_statistics import paired, resamples, standing
-from leadscrew.tune.compare_words import worse_than_seen
+from leadscrew.tune.compare_words import ranking_rows, worse_than_seen
 from leadscrew.tune.crew import crew
 from leadscrew.tune.job import Job
 from leadscrew.tune.journal import Journal
+from leadscrew.tune.measure import Samples
 
 JOB = Job(Experiment("vud_lathe"), ("fig11a_step_m50",), 2.2)
 OVER = {"plant.full_duty_speed_mm_s": (259.0, 334.0)}
@@ -103,6 +105,25 @@ def test_failed_plants_rank_before_the_goal():
     assert pair.judged == 20 and pair.difference.value == 1.0
     assert standing(lost, 0).judged == 20 and standing(np.full(3, np.nan), 0).judged == 0
     assert resamples(0, 5).max() == 4
+
+
+def test_a_controller_that_no_plant_could_judge_has_no_score_and_is_not_ranked_first():
+    """Both miss the constraint on every plant, so the goal decides: 5 s against no number at all."""
+    asked = contest(JOB, (A, B), ["settling_2um"], ["overshoot<=0.02"], over=OVER, unseen=4)
+
+    def runs(settling):
+        values = {"settling_2um": np.array(settling), "overshoot": np.full(4, 0.5)}
+        return Samples({}, {"fig11a_step_m50": values}, {"fig11a_step_m50": np.full(4, np.nan)})
+
+    unjudged, slow = (asked.contenders[0], None, runs([np.nan] * 4)), (asked.contenders[1], None, runs([5.0] * 4))
+    for order in ([unjudged, slow], [slow, unjudged]):
+        ranked = judged(asked, order, "", 0.0)
+        assert [r.name for r in ranked.results] == [B, A] and [r.bad for r in ranked.results] == [4, 4]
+        none = ranked.results[1].standings["settling_2um"]
+        assert none.judged == 0 and np.isnan([*none.mean, *none.p95, none.worst]).all()
+        assert ranked.pairs[0].order == 1.0 and ranked.pairs[0].judged == 0
+        assert ranking_rows(ranked)[1][4] == f"{NOTHING} [{NOTHING}, {NOTHING}]"
+        assert "could not be compared, because on no plant both could be judged" in ranked.sentence()
 
 
 @pytest.mark.parametrize(
