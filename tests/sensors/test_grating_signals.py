@@ -20,6 +20,7 @@ from leadscrew.sensors.grating.quadrature import (
 from leadscrew.sensors.grating.ruler import grating_ruler
 
 ONE_PITCH = 0.01 * np.arange(720) / 720
+SPREAD_OVER = np.linspace(0.0, 2.0 * np.pi, 40, endpoint=False)
 TRIAL = SignalErrors(0.05, -0.03, 0.1, math.radians(5.0))
 
 
@@ -100,6 +101,43 @@ def test_five_samples_are_enough_and_noise_averages_out():
     assert left.std() == pytest.approx(0.01 / (2 * math.pi) * 0.005, rel=0.06)  # the noise alone
 
 
+def test_the_centre_is_right_where_most_samples_lie_on_one_side():
+    """Two of three samples in one sixth of the turn, so that their mean is far from the centre of (3, -2) V."""
+    phi = np.radians([*range(0, 60, 3), *range(60, 360, 30)])
+    fit = fit_ellipse(3.0 + 1.5 * np.sin(phi), -2.0 + 0.8 * np.cos(phi + 0.2))
+    assert fit[:5] == pytest.approx((3.0, -2.0, 1.5, 0.8, 0.2), abs=1e-12)
+    assert fit.scatter < 1e-12
+    correction = fit.parameters()
+    assert correction["correct_offset_u"] == pytest.approx(2.0) and correction["correct_offset_v"] == pytest.approx(
+        -4.0 / 3.0
+    ), "in amplitudes of u"
+
+
+@pytest.mark.parametrize("turned", [0.0, 100.0, 200.0, 300.0])
+def test_an_empty_arc_of_a_third_of_a_turn_is_the_largest_wherever_it_lies(turned):
+    for gap, fits in ((119.0, True), (121.0, False)):
+        phi = np.radians(turned + np.linspace(0.0, 360.0 - gap, 60))
+        if fits:
+            assert fit_ellipse(np.sin(phi), np.cos(phi)).amplitude_u == pytest.approx(1.0)
+        else:
+            with pytest.raises(DataError, match="leave 121 degrees of the ellipse empty, 120 are allowed"):
+                fit_ellipse(np.sin(phi), np.cos(phi))
+
+
+def test_scatter_is_allowed_up_to_a_fifth_of_the_radius():
+    """Radii of 1 - s and 1 + s in turn: least squares of r^2 / R^2 = 1 gives R^2 = mean(r^4) / mean(r^2)."""
+    for s, fits in ((0.19, True), (0.21, False)):
+        r = 1.0 + s * (-1.0) ** np.arange(40)
+        radius = math.sqrt((1.0 + 6.0 * s**2 + s**4) / (1.0 + s**2))
+        scatter = math.sqrt(0.5 * (((1.0 - s) / radius - 1.0) ** 2 + ((1.0 + s) / radius - 1.0) ** 2))
+        if fits:
+            fit = fit_ellipse(r * np.sin(SPREAD_OVER), r * np.cos(SPREAD_OVER))
+            assert (fit.amplitude_u, fit.amplitude_v, fit.scatter) == pytest.approx((radius, radius, scatter))
+        else:
+            with pytest.raises(DataError, match=r"scatter by 0\.21 of the ellipse's radius, 0\.2 is allowed"):
+                fit_ellipse(r * np.sin(SPREAD_OVER), r * np.cos(SPREAD_OVER))
+
+
 def test_a_third_harmonic_looks_like_an_ellipse_and_the_correction_doubles_its_error():
     h = 0.02  # the radius is 1 + h cos(2 phi): an ellipse with v larger by 2h, whose removal adds h sin(2 phi)
     u, v = quadrature(ONE_PITCH, errors=SignalErrors(harmonic=h))
@@ -122,7 +160,6 @@ def test_a_ruler_with_the_correction_of_its_own_log_reads_as_if_it_had_no_errors
     assert off[:, 0].max() > 1.9e-4 and off[:, 1].max() <= 0.5 * 0.01 / 4096 * 1.0001
 
 
-SPREAD_OVER = np.linspace(0.0, 2.0 * np.pi, 40, endpoint=False)
 ANGLES = np.linspace(0.0, math.pi / 2, 50)
 REFUSED = {
     "at least 5": (np.sin(ANGLES[:4]), np.cos(ANGLES[:4])),
