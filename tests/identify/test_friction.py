@@ -7,8 +7,8 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from leadscrew.friction.lugre import LuGre
-from leadscrew.identify.friction import fit_friction
-from leadscrew.identify.friction_record import checked, pieces, sliding
+from leadscrew.identify.friction import FITTED, _result, fit_friction
+from leadscrew.identify.friction_record import Record, Sliding, checked, pieces, sliding
 from leadscrew.identify.friction_replay import replay_loop
 from leadscrew.kernel.errors import DataError, ValueRefused
 from leadscrew.plants.ballscrew_stage import INERTIA
@@ -161,3 +161,67 @@ def test_rows_of_the_friction_test_begin_and_end_at_rest():
 def test_rows_that_are_none_are_refused(rows):
     with pytest.raises(ValueRefused):
         friction_test(rows)
+
+
+class Solved:
+    """Eighty samples that the model misses by twice the noise, twenty samples for each parameter alone, and outliers.
+
+    An outlier would say a great deal about the stiffness, were it counted.
+    """
+
+    simulations = 0
+    pieces = ()
+
+    def __init__(self, outliers, rise=1e9, slope=80.0):
+        self.left = np.array([2.0, -2.0] * 40 + [1000.0] * outliers)
+        self.slopes = np.zeros((len(self.left), 4))
+        self.slopes[np.arange(80), np.arange(80) % 4] = slope
+        self.slopes[80:, 0] = 1e6
+        self.rise = rise
+
+    def jacobian(self, x):
+        return self.slopes
+
+    def residuals(self, points):
+        return self.left[None]
+
+    def friction(self, x):
+        return LuGre(1e4, 50.0, 0.1, 6.0, 9.0, 0.01)
+
+    def worse_elsewhere(self, x):
+        return self.rise
+
+
+def solved(*args, **more):
+    log = Record(1e-3, np.zeros(9), np.zeros(9), 1e-6, 1e-6)
+    slide = Sliding(6.0, 0.1, 1e-3, 0.0, dict.fromkeys(("coulomb", "viscous", "inertia", "offset"), 1e-4), 0.0, 9, 1.0)
+    return _result(log, slide, 1e-3, False, Solved(*args, **more), np.zeros(4))
+
+
+@pytest.mark.parametrize("outliers", [0, 5])
+def test_slips_that_come_a_sample_late_do_not_count_in_the_noise_and_the_errors(outliers):
+    """By hand: 20 samples of slope 80 each, noise 2, so ln-errors of 2 / (80 sqrt(20)) = 0.00559."""
+    fit = solved(outliers)
+    alone = 2.0 / (80.0 * math.sqrt(20.0))
+    assert fit.rms == pytest.approx(2e-6) and fit.consistent
+    # sigma_1 is sigma_0 times the fitted ratio; static friction is 3 N m above Coulomb friction
+    expected = (1e4 * alone, 50.0 * math.sqrt(2.0) * alone, 3.0 * alone, 0.01 * alone)
+    assert [fit.standard_error[n] for n in FITTED] == pytest.approx(expected)
+    assert fit.correlation["stiffness"]["damping"] == pytest.approx(math.sqrt(0.5))
+
+
+def test_what_is_known_to_a_tenth_counts_as_told_and_what_is_not_does_not():
+    for slope, told in ((2.0 / (0.099 * math.sqrt(20.0)), True), (2.0 / (0.101 * math.sqrt(20.0)), False)):
+        problem = Solved(0, slope=200.0)
+        problem.slopes[:, 3] *= slope / 200.0
+        log = Record(1e-3, np.zeros(9), np.zeros(9), 1e-6, 1e-6)
+        fit = _result(log, solved(0).sliding, 1e-3, False, problem, np.zeros(4))
+        assert fit.told["stribeck_speed"] is told and fit.told["static"], slope
+        assert fit.standard_error["stribeck_speed"] == pytest.approx(0.01 * (0.099 if told else 0.101))
+
+
+def test_static_friction_is_told_only_where_half_and_double_of_it_fit_worse_by_six_deviations():
+    """The noise is twice the expected one: the cost of 20 becomes 20 * 2^2 = 80."""
+    assert solved(0, rise=81.0).told["static"]
+    assert not solved(0, rise=79.0).told["static"] and solved(0, rise=79.0).told["stiffness"]
+    assert math.isinf(solved(0, rise=79.0).standard_error["stribeck_speed"])

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from scipy.optimize import brentq
+from scipy.optimize import brentq, curve_fit
 
 from leadscrew.controllers.vud.power_law import power_law
 from leadscrew.identify.output_error import Trajectory, fit_output_error
@@ -87,6 +87,23 @@ def test_the_standard_error_covers_what_noise_does(loop):
     scatter = np.std(found, axis=0, ddof=1) / np.mean(said, axis=0)
     assert (scatter > 0.5).all() and (scatter < 1.7).all()  # 99 % of the chi distribution with 11 degrees: 0.49 to 1.56
     assert np.abs(np.mean(found, axis=0) - list(truth.values())) == pytest.approx(0.0, abs=3.0 * np.max(said))
+
+
+def test_the_standard_error_is_the_one_that_scipy_states_for_the_same_samples(loop):
+    """A scale of 1 nm, so that finite differences of SciPy's own size see a smooth curve."""
+    smooth = loop.using({"sensor.resolution_mm": 1e-9})
+    records = logs(smooth, {GAIN: 1.4, EXPONENT: 0.7}, targets=(-50.0,), noise=0.5)
+    log = records["to -50"]
+
+    def curve(time, gain, exponent):
+        run = smooth.using({GAIN: gain, EXPONENT: exponent}).run(2.2, record=("feedback",))
+        return np.interp(time, run.time, run["feedback"])
+
+    fit = fit_output_error(smooth, records, BOUNDS)
+    best, covariance = curve_fit(curve, log.time_s, log.value, (1.4, 0.7), epsfcn=1e-8)
+    assert fit.parameters == pytest.approx(dict(zip(BOUNDS, best, strict=True)), rel=1e-3)
+    # the Jacobian of ours is taken over 3e-3 of the bounds: 1 % of the gain
+    assert list(fit.standard_error.values()) == pytest.approx(np.sqrt(np.diag(covariance)), rel=0.03)
 
 
 def test_the_fit_of_a_proportional_law_agrees_with_a_search_over_single_runs(loop):
