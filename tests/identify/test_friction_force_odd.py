@@ -9,6 +9,7 @@ from typer.testing import CliRunner
 from leadscrew.cli import app
 from leadscrew.identify.friction_force import force_record, identify_friction_force, read_force_record
 from leadscrew.identify.friction_force.checks import doubles
+from leadscrew.identify.friction_force.record import encoder_step, slopes, without_flicker
 from leadscrew.kernel.errors import DataError, ValueRefused
 from tests.identify import hostile
 from tests.identify.friction_force_logs import log
@@ -107,3 +108,70 @@ def test_columns_are_named_as_in_other_commands_and_a_period_stands_for_a_column
         app, ["identify", "friction-force", str(path), "--column", "force=Fx", "--force", "x", "--period", "0.001"]
     )
     assert done.exit_code == 2 and "name one column" in done.stderr
+
+
+UM = 1e-6
+EVERY = 1e-3
+
+
+@pytest.mark.parametrize(
+    ("counts_a_sample", "step"),
+    [
+        (0.4, UM),  # rests after every move but every other one
+        (0.8, UM),  # a quarter of the moves is followed by a rest
+        (0.95, 0.0),  # one in nineteen: a constant speed with a stop now and then
+        (1.0, 0.0),  # every sample the same step: a constant speed
+        (1.5, UM),  # ones and twos
+    ],
+)
+def test_a_slow_axis_shows_its_count_and_a_constant_speed_none(counts_a_sample, step):
+    x = UM * np.floor(counts_a_sample * np.arange(400) + 1e-9)
+    assert encoder_step(x) == pytest.approx(step)
+
+
+def test_a_count_is_known_from_ten_moves_on_and_where_99_in_100_differences_are_multiples():
+    assert encoder_step(UM * np.repeat(np.arange(11), 3)) == pytest.approx(UM)
+    assert encoder_step(UM * np.repeat(np.arange(10), 3)) == 0.0
+    moves = np.tile([1.0, 0.0, 2.0, -1.0], 500)  # 1,500 of 2,000 move
+    for spoiled, step in ((14, UM), (16, 0.0)):
+        odd = moves.copy()
+        odd[2 : 2 + 4 * spoiled : 4] = 2.5
+        assert encoder_step(UM * np.cumsum(odd)) == pytest.approx(step), spoiled
+    for off, step in ((0.04, UM), (0.06, 0.0)):
+        odd = moves.copy()
+        odd[2::4] += off
+        assert encoder_step(UM * np.cumsum(odd)) == pytest.approx(step), off
+
+
+def test_two_counts_back_are_flicker_and_three_a_reversal():
+    forth = [0.0, 1.0, 4.0, 3.0, 2.0, 5.0, 6.0, 4.0, 3.0, 2.0, 4.0, 1.0]
+    held = [0.0, 0.0, 4.0, 4.0, 4.0, 5.0, 6.0, 6.0, 3.0, 2.0, 2.0, 1.0]
+    assert without_flicker(UM * np.array(forth), UM) == pytest.approx(UM * np.array(held))
+    assert without_flicker(UM * np.array(forth), 0.0) == pytest.approx(UM * np.array(forth))
+
+
+@pytest.mark.parametrize(
+    ("speed", "half"),
+    [(1.0, 1), (0.0125, 2), (0.005, 5), (0.001, 25), (1e-4, 25)],  # m/s at a count of 1 um each ms: 1/(20 v) samples
+)
+def test_the_speed_is_taken_over_as_many_samples_as_make_a_count_a_fiftieth_of_it(speed, half):
+    """A kink of the position: its slope is smeared over just as many samples to each side."""
+    t = EVERY * np.arange(301)
+    x = speed * np.abs(t - t[150])
+    found = slopes(t, x, UM)
+    expected = speed * np.clip(np.arange(-150, 151) / half, -1.0, 1.0)
+    assert found[half:-half] == pytest.approx(expected[half:-half], rel=1e-9, abs=1e-9)
+
+
+def test_a_force_that_takes_a_twentieth_of_its_size_as_work_is_friction_and_one_that_takes_less_is_refused():
+    t = 1e-3 * np.arange(1001)
+    x = 0.01 * (1.0 - np.cos(4.0 * np.pi * t))
+    along = np.sign(np.sin(4.0 * np.pi * t))
+    # elastic: as much is given back as is taken, +-1 N; and friction of f N on top, so the share is f / 1
+    spring = np.sign(x - 0.01)
+    for f, turned in ((0.055, False), (-0.055, True)):
+        assert force_record(t, spring + f * along, position=x).turned is turned
+    for f in (0.045, -0.045):
+        with pytest.raises(DataError, match=r"the force does no work on the motion \(sum of F dx is -?4\.5 %"):
+            force_record(t, spring + f * along, position=x)
+    assert not force_record(t, spring + 0.045 * along, position=x, sign=1).turned
