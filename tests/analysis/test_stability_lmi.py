@@ -1,5 +1,6 @@
 """Certificates by matrix inequalities: hand-worked limits, exactness, rounding, refusals, and what they promise."""
 
+import dataclasses
 import math
 from fractions import Fraction
 
@@ -9,7 +10,13 @@ import pytest
 from leadscrew.analysis.stability.circle import circle
 from leadscrew.analysis.stability.driven import driven
 from leadscrew.analysis.stability.exact import positive_definite, proved, rational
-from leadscrew.analysis.stability.kyp import ROUNDING, inequality
+from leadscrew.analysis.stability.kyp import (
+    ROUNDING,
+    inequality,
+    jury_lee_inequality,
+    popov_inequality,
+    tsypkin_inequality,
+)
 from leadscrew.analysis.stability.linear import LinearLoop
 from leadscrew.analysis.stability.lmi import largest_proved, lmi_circle, lmi_popov, lmi_tsypkin
 from leadscrew.analysis.stability.lmi_zames_falb import lmi_zames_falb, zames_falb_inequality
@@ -39,6 +46,32 @@ def test_definiteness_is_decided_where_floating_point_cannot():
     assert positive_definite(hilbert)
     smallest = hilbert - np.diag([Fraction(1, 10**15)] * 12)  # its smallest eigenvalue is 2.6e-17
     assert not positive_definite(smallest)
+
+
+def test_a_multiplier_that_looks_back_asks_the_function_for_more_than_the_energy_it_takes():
+    """By hand: 2 |q| k times the integral of w, at most k e^2 / 2, so the floor is |q| k^2 e^2."""
+    k1, k2, q = 0.25, 1.25, -0.5
+    for lmi in (
+        tsypkin_inequality(first_order(), k1, k2, q, 4.0), jury_lee_inequality(first_order(), k1, k2, q, 4.0)
+    ):  # fmt: skip
+        # states: the loop's own, the last e, the last v
+        assert lmi.order == 3 and lmi.floor.astype(float).tolist() == [[0.0, 0.0, 0.0], [0.0, 0.5, 0.0], [0.0] * 3]
+    second = LinearLoop(
+        np.array([[-1.0, 0.0], [1.0, -2.0]]), np.array([[1.0], [0.0]]), np.array([[3.0, 2.0]]), np.zeros((1, 1)), None
+    )
+    floor = popov_inequality(second, 0.0, 2.0, -0.25).floor.astype(float)  # e = -(3 x1 + 2 x2)
+    assert floor.tolist() == [[9.0, 6.0], [6.0, 4.0]]
+    assert tsypkin_inequality(first_order(), k1, k2, 0.5, 4.0).floor is None
+    assert popov_inequality(second, 0.0, 2.0, 0.25).floor is None
+
+
+def test_a_proof_needs_a_function_above_its_floor():
+    """x+ = x / 2 with V = 1.5 x^2: it falls, and is more than a floor of 1.49 x^2 but not more than one of 1.5 x^2."""
+    lmi = inequality(first_order(), 0.0, 0.5)
+    p = np.array([[1.5]])
+    for floor, proof in ((None, True), (1.49, True), (1.5, False), (1.51, False)):
+        level = None if floor is None else rational(np.array([[floor]]))
+        assert (proved(dataclasses.replace(lmi, floor=level), p) is not None) is proof, floor
 
 
 def test_a_double_is_taken_as_the_fraction_that_it_is():

@@ -5,6 +5,7 @@ import math
 import numpy as np
 import pytest
 
+from leadscrew.analysis.stability.crossings import phase_crossings
 from leadscrew.analysis.stability.grid import own_grid
 from leadscrew.analysis.stability.linear import LinearLoop
 from leadscrew.analysis.stability.loop import continuous_loop, reference_loops
@@ -106,3 +107,28 @@ def test_the_nyquist_curve_is_drawn_with_labelled_axes():
     axes = margins(reference_loops()["L_star"]).figure().axes[0]
     assert (axes.get_xlabel(), axes.get_ylabel()) == ("Re G", "Im G")
     assert any("phase crossover -0.3984" in t.get_text() for t in axes.get_legend().get_texts())
+
+
+THIRD = continuous_loop([1.0], [1.0], [1.0], [1.0, 3.0, 3.0, 1.0])  # 1 / (s + 1)^3
+FIRST = LinearLoop(np.array([[0.5]]), np.ones((1, 1)), np.ones((1, 1)), np.zeros((1, 1)), 1.0)  # 1 / (z - 1/2)
+INVERTED = LinearLoop(FIRST.a, FIRST.b, -FIRST.c, FIRST.d, 1.0)
+BLOCKED = continuous_loop([1.0, 0.0], [1.0], [1.0], [1.0, 3.0, 3.0, 1.0])  # s / (s + 1)^3: nothing passes at 0
+
+
+@pytest.mark.parametrize(
+    ("loop", "positive", "expected"),
+    [
+        (THIRD, False, [(math.sqrt(3.0), -1 / 8)]),
+        (THIRD, True, [(0.0, 1.0), (math.sqrt(3.0), -1 / 8)]),
+        (FIRST, False, [(math.pi, -2 / 3)]),
+        (FIRST, True, [(0.0, 2.0), (math.pi, -2 / 3)]),
+        (INVERTED, False, [(0.0, -2.0)]),
+        (INVERTED, True, [(0.0, -2.0), (math.pi, 2 / 3)]),
+        (BLOCKED, False, []),
+        (BLOCKED, True, [(1.0 / math.sqrt(3.0), 3 / 8)]),
+    ],
+)  # fmt: skip
+def test_the_real_axis_is_crossed_where_it_is_by_hand_also_at_rest_and_at_half_the_sampling_rate(
+    loop, positive, expected
+):
+    assert [(c.w, c.value) for c in phase_crossings(loop, positive=positive)] == [pytest.approx(e) for e in expected]
