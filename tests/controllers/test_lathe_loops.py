@@ -6,11 +6,12 @@ import pytest
 from leadscrew.controllers.force.power_law_inversion import power_law_inversion
 from leadscrew.controllers.grey_fuzzy.gpfc import gpfc
 from leadscrew.controllers.grey_fuzzy.tunings import TUNINGS
-from leadscrew.controllers.lathe_loops import RemovalRate, lathe_loops, plan_removal
+from leadscrew.controllers.lathe_loops import RemovalRate, RemovalState, lathe_loops, plan_removal, regulated
 from leadscrew.export.controller import export_controller
 from leadscrew.export.folder import compiler_path, verify, write
 from leadscrew.export.verdict import IDENTICAL, NOT_RUN
 from leadscrew.kernel.errors import BlockError, ValueRefused
+from leadscrew.plants.turning.workpiece import Workpiece, stretches
 from leadscrew.plants.turning_lathe import turning_lathe
 from leadscrew.references.lathe_program import LatheCommand, LatheDrive, lathe_program
 from leadscrew.sensors.lathe_sensors import LatheReading
@@ -67,6 +68,40 @@ def test_a_fixed_removal_rate_is_held_by_the_speed():
     assert rate == pytest.approx(80.0, rel=5e-3)
     assert run["actual.force"][-1] == pytest.approx(150.0, rel=5e-3)
     assert run["actual.rpm"][-1] == pytest.approx(1200.0 * 80.0 / (np.pi * 50.0 * 35.5 / 60.0), rel=5e-3)
+
+
+@pytest.mark.parametrize(
+    ("force", "wanted", "fed", "rpm"),
+    [
+        (74.0, 36.0, 0.02, 1000.0),  # not half of 150 N: the edge is still entering, the speed stays
+        (76.0, 36.0, 0.02, 1004.0),  # 36 asked, 30 cut: faster by a fifth, of which a period of 0.02 s brings 2 %
+        (150.0, 24.0, 0.02, 996.0),
+        (150.0, 36.0, 0.002, 1020.0),  # twelve times too little is cut: twice counts
+        (150.0, 36.0, 0.2, 990.0),  # eight times too much: half counts
+    ],
+)
+def test_the_speed_follows_the_removal_rate_only_while_half_of_the_force_or_more_is_met(force, wanted, fed, rpm):
+    """A bar of 60 mm around, 0.5 mm deep, fed 0.02 mm in 0.02 s: 30 mm3/s."""
+    bar = Workpiece(diameter=60.0 / np.pi)
+    p = plan_removal(RemovalRate(rate=wanted, smooth_s=1e-6, work=bar), 0.02)
+    seen = LatheReading(rpm=1000.0, force=force, depth=0.5, raw=force, travel=5.0, turns=0.0)
+    before = RemovalState(rpm=1000.0, rate=30.0, travel=5.0 - fed)
+    after = regulated(p, before, LatheCommand(1200.0, 150.0, 0.5, 0.5), seen, 0.02)
+    assert after.rpm == pytest.approx(rpm)
+    assert after.rate == pytest.approx(1500.0 * fed if force > 75.0 else 0.0) and after.travel == 5.0
+
+
+def test_the_speed_for_a_removal_rate_stays_within_its_limits_and_counts_the_stock():
+    bar = Workpiece(diameter=60.0 / np.pi, **stretches([2.0], [0.5]))  # 1 mm of depth from 2 mm on
+    seen = LatheReading(rpm=1000.0, force=150.0, depth=0.5, raw=150.0, travel=5.0, turns=0.0)
+    command = LatheCommand(1200.0, 150.0, 0.5, 0.5)
+    for rate, limits, rpm in ((36.0, {}, 992.0), (600.0, {"highest": 1010.0}, 1010.0), (1.0, {"lowest": 995.0}, 995.0)):
+        p = plan_removal(RemovalRate(rate=rate, smooth_s=1e-6, work=bar, **limits), 0.02)
+        assert regulated(p, RemovalState(1000.0, 60.0, 4.98), command, seen, 0.02).rpm == pytest.approx(rpm)
+    # the first cut begins at the programmed speed, and the rate is smoothed over its time: half of it in ln 2
+    p = plan_removal(RemovalRate(rate=60.0, smooth_s=0.02 / np.log(2.0), work=bar), 0.02)
+    first = regulated(p, RemovalState(0.0, 0.0, 4.98), command, seen, 0.02)
+    assert (first.rpm, first.rate) == pytest.approx((1224.0, 30.0))
 
 
 def test_what_is_no_loop_is_refused():

@@ -233,3 +233,20 @@ def test_100000_samples_leave_the_covariance_sound(controller, size):
 def test_what_does_not_fit_is_refused(block, changes, said):
     with pytest.raises(ValueRefused, match=said):
         knife(block(**changes)).run(0.01)
+
+
+@pytest.mark.parametrize("filter_s", [0.02, 0.05])
+def test_what_the_rules_do_not_explain_comes_through_the_lag_that_was_asked_for(filter_s):
+    """On a straight line 0.45 deg off, with an offset of 0: -0.45 / 0.9 deg is needed, -0.2 levels of 2.5 deg."""
+    block = curvature_network(learning=0, gain=0.0, filter_s=filter_s)
+    plan, found = block.prepare(block.params, 0.01), []
+    state = block.state._replace(**{k: np.array(v) for k, v in arrays_of(block.state)})
+    for _ in range(30):
+        state, offset = block.step(plan, state, TangentCommand(0.0, 0.0, 0.0, 0.0, 0.0, 0.0), SeenCut(0.45, 1.0), 0.01)
+        assert offset == 0.0
+        found.append(state.found)
+    # the cut of the first offset is seen after 4 samples, that of the 2 samples ahead begun there
+    begins = int(np.flatnonzero(found)[0])
+    assert begins == 6
+    time = 0.01 * np.arange(1, 31 - begins)
+    assert found[begins:] == pytest.approx(-0.2 * (1.0 - np.exp(-time / filter_s)), rel=1e-9)
