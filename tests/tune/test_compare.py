@@ -9,12 +9,13 @@ from leadscrew.experiment import Experiment
 from leadscrew.kernel.errors import NameUnknown, ValueRefused
 from leadscrew.report.tables import NOTHING
 from leadscrew.tune.compare import compare, contest, judged
-from leadscrew.tune.compare_statistics import paired, resamples, standing
+from leadscrew.tune.compare_statistics import Interval, Pair, bad_plants, paired, per_plant, resamples, standing
 from leadscrew.tune.compare_words import ranking_rows, worse_than_seen
 from leadscrew.tune.crew import crew
 from leadscrew.tune.job import Job
 from leadscrew.tune.journal import Journal
 from leadscrew.tune.measure import Samples
+from leadscrew.tune.objective import constraint, goal
 
 JOB = Job(Experiment("vud_lathe"), ("fig11a_step_m50",), 2.2)
 OVER = {"plant.full_duty_speed_mm_s": (259.0, 334.0)}
@@ -93,6 +94,30 @@ def test_intervals_hold_what_they_promise():
         held += s.mean.low <= 3.0 <= s.mean.high
     assert 0.89 <= held / 200 <= 0.99
     assert worse_than_seen(200) == pytest.approx(1 - 0.05 ** (1 / 200))
+
+
+def test_a_metric_to_keep_above_a_bound_is_judged_by_its_smallest_values():
+    values = np.arange(21.0)
+    most, least = standing(values, 0), standing(values, 0, upper=False)
+    assert (most.p95.value, most.worst) == (19.0, 20.0) and (least.p95.value, least.worst) == (1.0, 0.0)
+    assert most.p95.low > 10.0 and least.p95.high < 10.0
+    lost = {"a": np.full(3, np.nan), "b": np.array([np.nan, np.nan, 0.2])}
+    runs = Samples({}, {"a": {"m": np.array([1.0, 5.0, 9.0])}, "b": {"m": np.array([3.0, 2.0, 9.0])}}, lost)
+    for text, expected in (("m<=9", [3.0, 5.0]), ("m>=0", [1.0, 2.0]), ("mean:m>=0", [2.0, 3.5])):
+        found = per_plant(constraint(text), runs)
+        assert found[:2].tolist() == expected and np.isnan(found[2]), text
+    # a worst case is missed by a plant; a mean over the plants by none alone; a run that diverged always counts
+    for text, bad in (
+        ("m>=2", [True, False, True]),
+        ("m<=3", [False, True, True]),
+        ("mean:m>=9", [False, False, True]),
+    ):
+        assert bad_plants(runs, [goal("m")], [constraint(text)]).tolist() == bad, text
+
+
+def test_an_order_is_shown_from_95_of_100_resamples_on():
+    nothing = Interval(0.0, 0.0, 0.0)
+    assert Pair("a", "b", 0.95, nothing, 9).shown and not Pair("a", "b", 0.9499, nothing, 9).shown
 
 
 def test_failed_plants_rank_before_the_goal():

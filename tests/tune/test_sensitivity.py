@@ -54,6 +54,15 @@ def test_the_interval_holds_the_true_correlation_95_times_in_100():
     assert 0.925 <= held / 600 <= 0.975
 
 
+def test_the_interval_of_a_partial_correlation_allows_for_the_parameters_taken_out():
+    """Of 20 runs ten other parameters leave 20 - 10 - 3 = 7 degrees of freedom (Bonett and Wright, 2000, eq. 5)."""
+    rng = np.random.default_rng(6)
+    row = rank_correlations({str(k): rng.random(20) for k in range(11)}, rng.random(20))[0]
+    half = 1.959964 * np.sqrt((1.0 + 0.5 * row.partial**2) / 7.0)
+    ends = np.arctanh([row.partial_low, row.partial_high])
+    assert ends == pytest.approx(np.arctanh(row.partial) + np.array([-half, half]), rel=1e-6)
+
+
 def test_what_does_not_vary_has_no_correlation():
     x, _ = drawn()
     assert all(np.isnan(r.value) for r in rank_correlations(x, np.ones(400)))

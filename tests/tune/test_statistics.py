@@ -10,8 +10,9 @@ from scipy import stats
 
 from leadscrew.kernel.errors import ValueRefused
 from leadscrew.tune import statistics
-from leadscrew.tune.montecarlo_tolerances import Tolerance, tolerance
+from leadscrew.tune.montecarlo_tolerances import Tolerance, tolerance, tolerances
 from leadscrew.tune.sensitivity import rank_correlations
+from tests.tune.shared import job
 
 
 def test_the_interval_of_a_yield_is_scipys():
@@ -85,3 +86,9 @@ def test_tolerances_are_read(text, found):
 def test_what_is_no_tolerance_is_refused(text):
     with pytest.raises(ValueRefused, match="expected METRIC<=VALUE"):
         tolerance(text)
+
+
+def test_two_tolerances_that_leave_one_value_are_no_contradiction():
+    assert len(tolerances(["max_error<=1", "max_error>=1"], job())) == 2
+    with pytest.raises(ValueRefused, match="contradict each other"):
+        tolerances(["max_error<=1", "max_error>=1.001"], job())
