@@ -6,7 +6,7 @@ import pytest
 from leadscrew.analysis.following import Log, following
 from leadscrew.analysis.following_files import pair_of, read_logs
 from leadscrew.analysis.following_lag import lag_of_error, shift
-from leadscrew.analysis.following_odd import Track, period_of, stretches, wrap_of
+from leadscrew.analysis.following_odd import Track, faults, period_of, stretches, wrap_of
 from leadscrew.analysis.following_rounding import decimals, digits, steps
 from leadscrew.kernel.errors import DataError, ValueRefused
 
@@ -298,3 +298,15 @@ def test_a_jump_that_the_command_makes_too_is_no_fault_of_the_encoder_but_cuts_t
     row = following([log]).together[0]
     assert row.top_speed == pytest.approx(whole.top_speed, rel=1e-3)
     assert row.shift.value == pytest.approx(0.005, rel=0.01) and row.shift.rows <= whole.shift.rows - 4
+
+
+@pytest.mark.parametrize(("lag", "most"), [(0.0, 0.15), (0.02, 0.55)])
+def test_a_row_is_torn_from_one_and_a_half_periods_of_travel_and_twice_the_lag_on(lag, most):
+    """10 mm/s in periods of 10 ms: 0.15 mm, and 0.4 mm more at a lag of 20 ms; the scale rounds to 1 um."""
+    v = np.where(np.arange(400) % 100 < 50, 10.0, -10.0)
+    command = np.round(np.cumsum(v) * 0.01 + 7.123, 3)
+    for off, torn in ((most - 0.004, False), (most + 0.004, True)):
+        actual = np.round(command - lag * v, 3)
+        actual[230] = np.round(command[230] - off, 3)
+        found = faults(Track("X", command, actual, v, v), 0.01)
+        assert found[230] == torn and found.sum() == torn

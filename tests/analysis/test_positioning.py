@@ -120,6 +120,8 @@ def test_what_the_standard_misses_is_said():
     at = np.array([12.0, 55.0, 103.0, 148.0, 201.0, 240.0])
     full = positioning(at, np.zeros((6, 5)), np.zeros((6, 5)))
     assert full.notes() == []
+    exact = 2000.0 * np.linspace(0.0, 1.0, 10) ** 1.1  # the longest travel of this scheme, and just 5 targets a metre
+    assert positioning(exact, np.zeros((10, 5)), np.zeros((10, 5))).notes() == []
     assert "equal distances" in positioning(np.arange(6.0), np.zeros((6, 5)), np.zeros((6, 5))).notes()[0]
     assert "5 a metre" in positioning(8.0 * at, np.zeros((6, 5)), np.zeros((6, 5))).notes()[0]
     assert "scheme of its own" in positioning(20.0 * at, np.zeros((6, 5)), np.zeros((6, 5))).notes()[0]
