@@ -183,6 +183,17 @@ def test_noise_is_white_and_a_drift_is_not():
     assert np.isnan(whiteness(np.full(50, np.nan)))
 
 
+@pytest.mark.parametrize(("changes", "inside"), [(40, 0.0), (41, 100.0), (60, 100.0), (61, 0.0)])
+def test_a_residual_is_white_up_to_1_96_standard_errors(changes, inside):
+    """Of 102 signs the first autocorrelation is (101 - 2 changes) / 101; allowed are 1.96 / sqrt(101)."""
+    runs = [1] * (changes + 1)
+    runs[0] += 51 - len(runs[0::2])
+    runs[1] += 51 - len(runs[1::2])
+    signs = np.concatenate([np.full(n, (-1.0) ** k) for k, n in enumerate(runs)])
+    assert len(signs) == 102 and signs.sum() == 0.0 and np.sum(np.diff(signs) != 0.0) == changes
+    assert whiteness(signs, lags=1) == inside
+
+
 def test_the_same_axis_is_found_at_rest_now_and_then():
     """The shoves stop for half a second each second: the axis stops, sticks and starts again."""
     force = shove()

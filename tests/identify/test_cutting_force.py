@@ -204,3 +204,20 @@ def test_bootstrap_intervals_of_many_rows_are_near_those_of_students_t():
 def test_options_that_are_none_are_refused(more, says):
     with pytest.raises(ValueRefused, match=says):
         fit_forces(noisy(1), **more)
+
+
+def test_the_interval_of_the_force_in_the_middle_of_a_table_is_that_of_curve_fit():
+    """Of chip and edge, written with the specific force at the middle in place of Ktc."""
+    from scipy.optimize import curve_fit
+    from scipy.stats import t
+
+    cuts = noisy(2)
+    middle = np.exp(np.log(cuts.feed).mean())
+    (kc, _), covariance = curve_fit(
+        lambda x, kc, edge: (kc - edge / middle) * x[0] * x[1] + edge * x[1],
+        np.array([cuts.feed, cuts.depth]),
+        cuts.force,
+    )
+    fit = fit_law(chip_and_edge_model(), "absolute", cuts)
+    reach = t.ppf(0.975, len(cuts.force) - 2) * math.sqrt(covariance[0, 0])
+    assert fit.middle == pytest.approx((kc, kc - reach, kc + reach), rel=1e-5)

@@ -228,3 +228,8 @@ def test_the_folder_holds_a_reference_a_program_and_a_recorder_that_agree(tmp_pa
         write(found, tmp_path / "other", Machine("Q"))
     with pytest.raises(DataError, match="exists already"):
         write(found, tmp_path / "test")
+
+
+def test_a_move_keeps_a_fiftieth_of_the_travel_away_from_each_end():
+    for low, high, reach in ((0.0, 1.0, (0.02, 0.98)), (-3.0, -1.0, (-2.96, -1.04)), (1.0, 2.0, (1.02, 1.98))):
+        assert Limits(low, high, 1.0, 1.0).reach == pytest.approx(reach)

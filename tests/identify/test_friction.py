@@ -225,3 +225,54 @@ def test_static_friction_is_told_only_where_half_and_double_of_it_fit_worse_by_s
     assert solved(0, rise=81.0).told["static"]
     assert not solved(0, rise=79.0).told["static"] and solved(0, rise=79.0).told["stiffness"]
     assert math.isinf(solved(0, rise=79.0).standard_error["stribeck_speed"])
+
+
+def slid(coulomb=5.0, noise=0.0, seed=0, seconds=2.0, speed=3.0):
+    """Time, torque, angle of a sine of 1 Hz at 1 kHz with Coulomb friction, 0.3 viscous, 1e-3 kg m^2."""
+    t = np.arange(round(seconds * 1000)) * 1e-3
+    v = speed * np.sin(2.0 * math.pi * (t + 5e-4))
+    push = coulomb * np.sign(v) + 0.3 * v + 1e-3 * 2.0 * math.pi * speed * np.cos(2.0 * math.pi * (t + 5e-4))
+    return t, push + noise * np.random.default_rng(seed).standard_normal(len(t)), -speed / (2.0 * math.pi) * np.cos(
+        2.0 * math.pi * t
+    )  # fmt: skip
+
+
+def test_the_standard_errors_of_sliding_are_what_noise_of_the_torque_scatters():
+    """60 records: a standard deviation of four numbers each, so about a sixteenth of itself is not known."""
+    found = [sliding(checked(*slid(noise=0.5, seed=k))) for k in range(60)]
+    for name in ("coulomb", "viscous", "offset"):
+        stated = np.mean([f.standard_error[name] for f in found])
+        assert np.std([getattr(f, name) for f in found], ddof=1) == pytest.approx(stated, rel=0.25), name
+
+
+def test_a_few_shocks_of_the_torque_do_not_move_the_friction():
+    t, torque, angle = slid(noise=0.05)
+    calm = sliding(checked(t, torque, angle))
+    for at in (230, 740, 1260, 1700):
+        torque[at : at + 5] += 40.0
+    shaken = sliding(checked(t, torque, angle))
+    assert (shaken.coulomb, shaken.viscous) == pytest.approx((calm.coulomb, calm.viscous), abs=0.02)
+
+
+@pytest.mark.parametrize(("turned", "refused"), [(0, False), (1, False), (2, True)])
+def test_torque_against_the_motion_in_more_than_a_fifth_of_the_sliding_is_refused(turned, refused):
+    """Of eight strokes one (an eighth) or two (a quarter) are pulled along by the load."""
+    t, torque, angle = slid(seconds=4.0)
+    torque[: 500 * turned] *= -1.0
+    if refused:
+        with pytest.raises(DataError, match=r"same way in 7[3-7] % of the sliding"):
+            sliding(checked(t, torque, angle))
+    else:
+        assert sliding(checked(t, torque, angle)).coulomb == pytest.approx(5.0, abs=0.5)
+
+
+def test_a_fifth_of_a_second_of_sliding_is_needed_each_way():
+    """Once forth for 0.5 s, and back until it has slid for so long."""
+    t, torque, angle = slid()
+    for end, said in ((0.64, "slides 0.4[0-9]* s forwards and 0.[01][0-9]* s backwards"), (0.9, "")):
+        part = slice(0, round(1000 * end))
+        if said:
+            with pytest.raises(DataError, match=said):
+                sliding(checked(t[part], torque[part], angle[part]))
+        else:
+            assert sliding(checked(t[part], torque[part], angle[part])).coulomb == pytest.approx(5.0, rel=0.02)
