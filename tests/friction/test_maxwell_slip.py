@@ -118,3 +118,9 @@ def test_elements_that_slip_stick_again_when_the_motion_turns_or_stops():
 def test_elements_that_make_no_sense_are_refused(changes, words):
     with pytest.raises(ValueRefused, match=words):
         checked(MaxwellSlip(**changes))
+
+
+def test_shares_that_sum_to_less_or_more_than_one_are_refused():
+    for last in (0.4, 0.6):
+        with pytest.raises(ValueRefused, match=f"sums to {0.5 + last:g}; the shares of all elements must sum to 1"):
+            checked(MaxwellSlip(share=np.array([0.5, last]), stiffness=np.array([1.0, 1.0])))

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from leadscrew.grey.score import compare, standard_errors
+from leadscrew.grey.score import Score, compare, standard_errors
 from leadscrew.kernel.errors import DataError
 
 
@@ -54,3 +54,16 @@ def test_too_few_samples_are_refused():
     with pytest.raises(DataError, match="14 samples: windows of 5 and a horizon of 1 need at least 15"):
         compare(np.arange(14.0), ["gm11"])
     assert len(compare(np.arange(15.0), ["gm11"])[0]) == 1
+
+
+def test_a_predictor_is_better_or_worse_from_two_standard_errors_on():
+    verdicts = [Score("m", 1.0, 1.0, 0.0, 0.5, t).verdict for t in (-2.1, -2.0, 1.9, 2.0, 2.1)]
+    assert verdicts == ["better", "undecided", "undecided", "undecided", "worse"]
+
+
+def test_the_largest_error_keeps_its_sign():
+    y = np.zeros(30)
+    y[20] = 5.0  # the last value says 0 where 5 comes, then 5 where 0 comes: the first of equals counts
+    assert scored(y, "last")["last"].worst == -5.0
+    y[20] = -5.0
+    assert scored(y, "last")["last"].worst == 5.0

@@ -251,3 +251,13 @@ def test_a_load_moves_the_axis_and_leaves_the_drive_room_or_is_not_offered():
         f"friction.{s}.{k}": 0.0 for s in ("forward", "backward") for k in ("coulomb", "static")
     }
     assert scenarios(replace(EMPS, parameters=smooth))["load"].params.force > 50.0
+
+
+@pytest.mark.parametrize(
+    ("unit", "per"), [("m", 1.0), ("mm", 1000.0), ("um", 1e6), ("deg", 57.29578), ("mrad", 1000.0)]
+)
+def test_first_gains_by_hand_in_the_unit_of_the_machine(unit, per):
+    """Delay and period of 1 ms: 0.4 / 2 ms = 200 rad/s of crossover, 50 1/s of position; 80 kg at 40 N a volt."""
+    parameters = EMPS.parameters | {"mass": 80.0, "force_per_drive": 40.0}
+    found = cascade(replace(EMPS, position_unit=unit, delay_s=1e-3, resolution=0.0, noise=0.0, parameters=parameters))
+    assert found == pytest.approx((50.0, 400.0 / per, 10_000.0 / per, 0.0), rel=1e-6)

@@ -1,5 +1,8 @@
 """Training of performance networks: searches, polish, and the test that keeps an unsafe network from the loop."""
 
+import re
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy.optimize import approx_fprime
@@ -11,7 +14,7 @@ from leadscrew.neural.performance import GOLDEN, TABLE, Performance, measured
 from leadscrew.neural.performance_file import read_net
 from leadscrew.neural.performance_loss import CELLS, Loss, polish, rmse_of
 from leadscrew.neural.performance_shape import READINGS, Shape, reading, shape_of, surface
-from leadscrew.neural.safety import crossing, safety, table_faults
+from leadscrew.neural.safety import Safety, crossing, safety, table_faults
 from leadscrew.neural.searches import cma_search, pymoo_search
 from leadscrew.neural.training import METHODS, train
 from leadscrew.studies.sofnn_tangent.performance_runs import nets
@@ -260,3 +263,23 @@ def test_the_best_of_three_seeds_of_the_genetic_algorithm_is_near_the_table():
     """A2."""
     cost = rmse_of(Shape(), TABLE)
     assert min(evolve(cost, 18, Genetic(80, 600), seed).cost for seed in range(3)) <= 0.85
+
+
+SOUND = Safety(0.65, 1.0, 0.5, 1.0, 0.0199, -1.0, -0.01, 0.5)
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        ({}, ""), ({"rmse": 0.651}, "RMSE = 0.651"), ({"origin": 0.02}, "P\\(0, 0\\) = 0.020"),
+        ({"origin": -0.02}, "P\\(0, 0\\) = -0.020"), ({"wrong_way": 0.0}, "P\\(0.50, 0\\) has the sign of E"),
+        ({"slope": -0.4}, ""), ({"slope": -0.39}, "slope dP/dE = -0.39"), ({"slope": -1.5}, ""),
+        ({"slope": -1.51}, "slope dP/dE = -1.51"), ({"slope": -0.7, "wanted_slope": -0.5}, ""),
+        ({"slope": -0.8, "wanted_slope": -0.5}, "expected -0.75 to -0.2"),
+    ],
+)  # fmt: skip
+def test_a_network_is_accepted_up_to_the_limits_and_on_them(change, said):
+    found = replace(SOUND, **change)
+    assert found.accepted == (not said) and len(found.failures()) == bool(said)
+    assert re.search(said, "".join(found.failures()))
+    assert found.right_way == (not said or said.startswith("RMSE"))
