@@ -7,7 +7,8 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
 
-from leadscrew.design import read_moves
+from leadscrew.design import Move, MoveLog, read_moves
+from leadscrew.design.checks import checked
 from leadscrew.kernel.errors import DataError, NameUnknown, ValueRefused
 from tests.design.moves import TABLE_1, glide, rows, swapped, write
 
@@ -189,3 +190,39 @@ def test_broken_parquet_is_refused(tmp_path):
 def test_tables_and_signals_are_not_mixed(tmp_path):
     with pytest.raises(DataError, match="cannot be mixed"):
         read_moves([TABLE_1, write(tmp_path / "move.csv", glide(-80.0), SIGNALS)])
+
+
+def moved(opposed=0.9, misfit=0.0):
+    """One move of 60 samples: -e and the duty of a given correlation, ec off the change of e by a given share."""
+    rng = np.random.default_rng(7)
+    e = np.convolve(rng.standard_normal(61), np.ones(3) / 3.0, "same")
+    later, change = e[1:], np.diff(e)
+
+    def beside(x, *away):
+        basis = np.linalg.qr(np.column_stack([x, *away]))[0]
+        other = rng.standard_normal(len(x))
+        other -= basis @ (basis.T @ other)
+        return other * np.linalg.norm(x) / np.linalg.norm(other)
+
+    ec = math.sqrt(1.0 - misfit**2) * change + misfit * beside(change, later)
+    duty = -opposed * later + math.sqrt(1.0 - opposed**2) * beside(later, change)
+    move = Move("m", None, np.arange(61.0), e, np.concatenate([[0.0], ec]), np.concatenate([[0.0], duty]))
+    return MoveLog(("x.csv",), "normalised", (move,), 0.1, 1.0)
+
+
+@pytest.mark.parametrize(
+    ("opposed", "said"),
+    [(0.51, ""), (0.49, "does not drive e to zero"), (-0.49, "does not drive e to zero"), (-0.51, "has the sign of e")],
+)
+def test_a_duty_must_oppose_the_error_with_half_of_its_size(opposed, said):
+    if said:
+        with pytest.raises(DataError, match=said):
+            checked(moved(opposed=opposed))
+    else:
+        assert checked(moved(opposed=opposed)).turned == ()
+
+
+def test_a_third_of_the_change_of_the_error_may_be_missing_from_its_column():
+    assert checked(moved(misfit=0.34)).turned == ()
+    with pytest.raises(DataError, match=r"ec is not the change of e per row \(misfit 36 %, allowed are 35 %\)"):
+        checked(moved(misfit=0.36))

@@ -8,6 +8,7 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from leadscrew.grey import gm11, vectorised
+from leadscrew.grey.gm11 import Grey, exponential
 from leadscrew.grey.predictors import KINDS, predicted
 from leadscrew.grey.vectorised_others import MODELS, dgm11
 from leadscrew.grey.window import Window, filled, pushed
@@ -196,3 +197,8 @@ def test_the_guards():
     assert predicted(KINDS["gm11_clamped"], steep, 1.0, 150.0, 0.0) == 300.0
     assert predicted(KINDS["gm11_clamped"], window([-v for v in range(1, 6)]), 1.0, 150.0, 0.0) == 0.0
     assert predicted(KINDS["gm11_clamped"], window([-v for v in range(1, 6)]), 1.0, -1.0, 0.0) == -2.0
+
+
+@pytest.mark.parametrize("c", [-2.4, -2.0, 2.0, 2.4])
+def test_where_no_exponential_has_such_a_coefficient_the_last_sample_is_predicted(c):
+    assert exponential(Window(1.0, 2.0, 3.0, 4.0, 7.5), Grey(c, 1.0, False), 1) == 7.5

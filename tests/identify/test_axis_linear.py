@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from leadscrew.identify.axis import lack_of_fit
 from leadscrew.identify.axis.candidates import Setting, choose, folds, models
 from leadscrew.identify.axis.delay import find_delay
 from leadscrew.identify.axis.filters import choose_length, corner_of
@@ -203,3 +204,32 @@ def test_the_same_axis_is_found_at_rest_now_and_then():
     assert fit.rows.used.mean() < 0.9
     assert fit.values["mass"] == pytest.approx(50.0, rel=3e-3)
     assert fit.values["friction.forward.coulomb"] == pytest.approx(15.0, rel=0.01)
+
+
+def gathered(monkeypatch, means, speed=0.06, coulomb=10.0, top=0.5):
+    """Bins of a record that passes a speed once for each mean force left, and reaches the top speed in between."""
+    at = np.tile([speed, speed, top], len(means))
+    left = np.column_stack([means, means, np.zeros(len(means))]).ravel()
+    monkeypatch.setattr(lack_of_fit, "force_left", lambda *_: (left, left))
+    monkeypatch.setattr(lack_of_fit, "speed_of", lambda _: at)
+    values = {"friction.forward.coulomb": coulomb, "friction.forward.viscous": 100.0}
+    return lack_of_fit.bins(None, values | {"friction.backward.coulomb": coulomb}, 25, 0.0)[0]
+
+
+@pytest.mark.parametrize(("mean", "lacks"), [(0.74, False), (0.76, True), (-0.76, True)])
+def test_a_twentieth_of_the_friction_at_that_speed_may_be_missing(monkeypatch, mean, lacks):
+    """0.06 m/s lies between a tenth and a fifth of the top speed of 0.5: friction of 10 + 100 * 0.05 = 15 N there."""
+    found = gathered(monkeypatch, mean + 1e-3 * (-1.0) ** np.arange(8))
+    assert (found.slow, found.fast, found.passages) == pytest.approx((0.05, 0.1, 8)) and found.lacks is lacks
+
+
+def test_what_is_missing_must_be_surer_than_chance_in_sixteen_bins_of_a_thousand_logs(monkeypatch):
+    from scipy.stats import ttest_1samp
+
+    scatter = np.random.default_rng(2).standard_normal(9)
+    seen = set()
+    for mean in np.linspace(0.5, 6.0, 40):
+        sure = ttest_1samp(scatter + mean, 0.0).pvalue < 1e-3 / 16.0
+        assert gathered(monkeypatch, scatter + mean, coulomb=-5.0).lacks is bool(sure)
+        seen.add(bool(sure))
+    assert seen == {True, False}

@@ -1,11 +1,12 @@
 """What is said or refused of the signals of a linear fit, what is told of it, and which machine it makes."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
-from leadscrew.identify.linear.choose import Task, choose
+from leadscrew.identify.linear.choose import Task, _score, choose, late
 from leadscrew.identify.linear.fit import identify_linear
 from leadscrew.identify.linear.handover import block, machine, machine_values
 from leadscrew.identify.linear.record import linear_record, read_linear
@@ -135,3 +136,23 @@ def test_an_interval_that_says_nothing_is_not_printed_as_numbers():
     assert rows["pole 1"][2:4] == ["–", "–"] and rows["pole 1"][-1] == "not told"
     assert rows["b0"][2] != "–"
     assert stretch_rows(fit)[0][3].endswith(" mm")
+
+
+@pytest.mark.parametrize(
+    ("given", "delay", "ended"), [(None, 0.0985, False), (None, 0.0995, True), (None, 0.1, True), (0.1, 0.1, False)]
+)
+def test_a_delay_within_a_hundredth_of_the_longest_is_not_trusted_unless_it_was_given(given, delay, ended):
+    task = Task(None, 1000, given, 0.1)
+    assert late(task, SimpleNamespace(solved=SimpleNamespace(delay_s=delay))) is ended
+
+
+def test_with_nothing_held_out_a_coefficient_must_earn_what_schwarz_asks_of_it():
+    """BIC = n ln(rms^2) + k ln n: of 1,000 rows each of three more coefficients must lower it by 6.9."""
+    task = Task(None, 1000, 0.0, 0.1)
+    lean, rich = Structure(1, 0, 1), Structure(3, 1, 1)  # 0 and 3 coefficients beside gain and offset
+
+    def scored(structure, rms):
+        return _score(task, SimpleNamespace(structure=structure, train_rms=rms, holdout_rms=float("nan")))
+
+    even = np.exp(-0.5 * 3.0 * np.log(1000.0) / 1000.0)
+    assert scored(rich, 0.999 * even) < scored(lean, 1.0) < scored(rich, 1.001 * even)

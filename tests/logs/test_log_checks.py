@@ -9,6 +9,10 @@ from typer.testing import CliRunner
 from leadscrew.cli import app
 from leadscrew.kernel.errors import DataError
 from leadscrew.logs import axis_log, look_at, read_axis_log
+from leadscrew.logs.jumps import jumps
+from leadscrew.logs.measure import motion
+from leadscrew.logs.plausible import check_drive
+from leadscrew.logs.signals import check_clipped, check_constant, check_numbers
 from tests.fuzzy.formats_systems import shared
 from tests.logs.records import arrays, moves
 
@@ -242,3 +246,58 @@ def test_our_own_runs_pass(study, controller, scenario, tmp_path):
     assert CliRunner().invoke(app, asked).exit_code == 0
     found = read_axis_log(tmp_path / "run")
     assert found.unit.position == "m" and found.encoder_step > 0.0
+
+
+@pytest.mark.parametrize(
+    ("counts", "kind"), [(5, "standstill"), (6, "step"), (20, "step"), (49, "step"), (50, ""), (400, "")]
+)
+def test_an_axis_stands_up_to_5_counts_and_its_speed_is_rounding_up_to_50(counts, kind):
+    position = 1e-6 * np.concatenate([np.arange(counts + 1.0), np.arange(counts, 0.0, -1.0)])
+    found = check_constant({"position": position, "drive": np.arange(len(position))}, 1e-6)
+    assert [f.kind for f in found] == ([kind] if kind else [])
+    assert not kind or found[0].severity == ("refused" if kind == "standstill" else "warning")
+
+
+def test_a_value_above_a_million_millions_is_taken_for_the_wrong_column():
+    assert check_numbers({"drive": np.array([0.0, -9.9e11])}, str) == []
+    (found,) = check_numbers({"drive": np.array([0.0, -1.01e12])}, "sample {}".format)
+    assert found.severity == "refused" and found.sentence.startswith("sample 1: the drive is -1.01e+12")
+
+
+@pytest.mark.parametrize(("levels", "said"), [(29, False), (30, True)])
+def test_a_drive_of_fewer_than_30_levels_is_switched_and_not_clipped(levels, said):
+    up = np.arange(float(levels))
+    drive = np.tile(np.concatenate([up, np.full(4, up[-1]), up[-2:0:-1]]), 3)
+    found = check_clipped(drive, 1e-3 * np.arange(len(drive)), str)
+    assert bool(found) is said and all(f"largest value {levels - 1}" in f.sentence for f in found)
+
+
+@pytest.mark.parametrize(
+    ("drive_off", "command_off", "swapped"), [(0.03, 0.5, True), (0.06, 0.5, False), (0.03, 0.2, False)]
+)
+def test_a_drive_is_taken_for_a_command_where_the_position_follows_it_to_a_thousandth(drive_off, command_off, swapped):
+    """A part of cos to sin is a correlation of 1 / sqrt(1 + part^2): 0.9996, 0.9982; of the command 0.894, 0.981."""
+    t = 1e-3 * np.arange(4000)
+    sine, cosine = np.sin(np.pi * t), np.cos(np.pi * t)
+    arrays = {"position": sine, "drive": sine + drive_off * cosine, "command": sine + command_off * cosine}
+    found = check_drive(arrays, motion(sine, 1e-3), 1e-3, "m", None)
+    assert ("swapped" in [f.kind for f in found]) is swapped
+
+
+@pytest.mark.parametrize(
+    ("every", "ramp", "period", "scale", "largest"),
+    [
+        (0.0, 0.0, 1e-3, (1.0, 0.0), 4.5),  # counts of 1: four and a half of them
+        (0.0, 0.0, 1e-3, (0.0, 1.0), 12.0),  # noise of 1: twelve times
+        (1.0, 0.0, 1e-3, (0.0, 0.0), 9.0),  # two of five steps stand out by 1 anyhow: eight times, beyond a step of 1
+        (0.0, 100.0, 1e-3, (0.0, 0.0), 5.0),  # steps of 100: a twentieth
+        (0.0, 1.0, 5e-3, (0.0, 0.0), 2.0),  # of a slow log: twice the usual step
+    ],
+)
+def test_a_jump_is_what_stands_out_from_counts_noise_scatter_and_speed(every, ramp, period, scale, largest):
+    k = np.arange(2000)
+    smooth = every * (k % 5 == 0) + ramp * k
+    for size, seen in ((0.97 * largest, False), (1.03 * largest, True)):
+        found, sizes = jumps(smooth + size * (k >= 1003), period, *scale)
+        assert found.tolist() == ([1003] if seen else []), size
+        assert not seen or sizes[0] == pytest.approx(size)

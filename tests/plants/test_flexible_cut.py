@@ -10,6 +10,7 @@ from leadscrew.controllers.pid import pid
 from leadscrew.disturbances.cut_load import CutLoad, cut_load
 from leadscrew.kernel.errors import ValueRefused
 from leadscrew.kernel.loop import Loop
+from leadscrew.kernel.noise import Noise
 from leadscrew.plants.flexible_cut import MATERIALS, FlexibleCutParams, FlexibleCutState, flexible_cut, steady_shear
 from leadscrew.references.cut_line import ROOM, along, cut_line, tables
 from leadscrew.references.step import step
@@ -134,3 +135,13 @@ def test_what_has_no_place_is_refused():
         knife(sensor=cut_camera(trailing_s=1.0)).run(0.1)
     with pytest.raises(ValueRefused, match="inf samples late; expected 63 or fewer"):
         knife(sensor=cut_camera(trailing_s=1e308)).run(0.1)
+
+
+def test_a_change_of_the_material_comes_with_its_sample_and_goes_with_the_one_of_its_end():
+    block = cut_load(size=0.0, step=-5.0, push=2.0, step_at=0.02, step_for=0.03)
+    state, found = block.state, []
+    for k in range(7):
+        state, load = block.step(block.params, state, k * T, T, Noise(0, 0, 0, 0))
+        found.append((load.texture, load.push, load.travel))
+    on = [0.0, 0.0, 1.0, 1.0, 1.0, 0.0, 0.0]
+    assert found == [pytest.approx((-5.0 * x, 2.0 * x, 0.5 * k)) for k, x in enumerate(on)]

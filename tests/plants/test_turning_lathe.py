@@ -127,3 +127,18 @@ def test_compiled_and_plain_python_give_the_same_bits():
     loop = lathe(**{"spindle.droop": 20.0})
     plain, fast = loop.run(0.3, engine="python"), loop.run(0.3)
     assert all(np.array_equal(plain[name], fast[name]) for name in plain.signals)
+
+
+def test_a_bar_and_its_stretches_begin_at_their_places_and_the_bar_ends_before_its_end():
+    bar = Workpiece(starts=1.0, ends=3.0, **stretches([1.5, 2.0], [0.25, 0.5], [0.0, 0.1]))
+    places = (0.999, 1.0, 1.499, 1.5, 2.0, 2.999, 3.0)
+    assert [stock_at(bar, x) for x in places] == [
+        (0.0, 0.0, 0.0), (0.0, 0.0, 1.0), (0.0, 0.0, 1.0), (0.25, 0.0, 1.0), (0.5, 0.1, 1.0), (0.5, 0.1, 1.0),
+        (0.5, 0.1, 0.0),
+    ]  # fmt: skip
+    for harder, fits in ((-0.99, True), (-1.0, False)):
+        if fits:
+            assert checked(Workpiece(**stretches([1.0], [0.0], [harder]))).harder[0] == harder
+        else:
+            with pytest.raises(ValueRefused, match="each above -1"):
+                checked(Workpiece(**stretches([1.0], [0.0], [harder])))

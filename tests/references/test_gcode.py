@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from leadscrew.kernel.errors import DataError, ValueRefused
 from leadscrew.references.gcode import path_from_gcode, segments_from_gcode
-from leadscrew.references.path import PathPoint, duration
+from leadscrew.references.path import PathPoint, arc, duration
 
 
 def trace(block, times):
@@ -195,3 +195,12 @@ def test_any_polyline_is_followed_through_its_points_inside_the_limits(points, j
     motion = trace(block, np.linspace(0, duration(block), 200))
     assert np.hypot(motion[:, 0, 1], motion[:, 1, 1]).max() <= 50.0 * (1 + 1e-9)
     assert np.hypot(motion[:, 0, 2], motion[:, 1, 2]).max() <= 500.0 * (1 + 1e-9)
+
+
+@pytest.mark.parametrize(("apart", "whole"), [(0.0, True), (5e-10, True), (2e-9, False), (1e-3, False)])
+def test_an_arc_whose_end_is_a_nanometre_beyond_its_start_is_that_short_and_no_full_turn(apart, whole):
+    end = (10.0 * math.cos(apart / 10.0), 10.0 * math.sin(apart / 10.0), 0.0)
+    found = arc((10.0, 0.0, 0.0), end, (0.0, 0.0), clockwise=False)
+    assert found.length == pytest.approx(20.0 * math.pi if whole else apart, rel=1e-5)
+    back = arc((10.0, 0.0, 0.0), end, (0.0, 0.0), clockwise=True)
+    assert back.length == pytest.approx(20.0 * math.pi - (0.0 if whole else apart), rel=1e-9)

@@ -85,6 +85,13 @@ def test_a_bound_is_met_on_the_bound():
     assert c.met(979 * 0.001) and c.met(0.979 * (1 + 1e-15)) and not c.met(0.98) and not c.met(NAN)
 
 
+def test_a_failed_run_keeps_neither_an_upper_nor_a_lower_bound():
+    kept = [constraint("m<=1e9"), constraint("m>=-1e9")]
+    found = score(samples([[1.0, NAN]], scenarios=("a",)), 2, [goal("m")], kept)
+    assert found.bounded[0].tolist() == [math.inf, -math.inf]
+    assert not any(c.met(x) for c, x in zip(kept, found.bounded[0], strict=True))
+
+
 def test_failed_runs_are_infinitely_bad_and_still_have_a_slope():
     # Settings: well; misses the bound by far; one run fails; two runs fail; two fail and the rest is worse.
     runs = samples([[1, 1, 1e9, 1e9, 1, NAN, 1, NAN, 1, NAN], [1, 1, 1, 1, 1, 1, 1, NAN, 1e9, NAN]])
