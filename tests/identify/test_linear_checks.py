@@ -12,7 +12,7 @@ from leadscrew.identify.linear.handover import block, machine, machine_values
 from leadscrew.identify.linear.record import linear_record, read_linear
 from leadscrew.identify.linear.result import Interval
 from leadscrew.identify.linear.structure import Structure
-from leadscrew.identify.linear.sureness import Sure, within
+from leadscrew.identify.linear.sureness import Sure, _poles, within
 from leadscrew.kernel.errors import DataError
 from leadscrew.report.identified_linear import parameter_rows, stretch_rows
 from tests.identify.test_linear import T, axis, finer, levels
@@ -156,3 +156,25 @@ def test_with_nothing_held_out_a_coefficient_must_earn_what_schwarz_asks_of_it()
 
     even = np.exp(-0.5 * 3.0 * np.log(1000.0) / 1000.0)
     assert scored(rich, 0.999 * even) < scored(lean, 1.0) < scored(rich, 1.001 * even)
+
+
+def poles(damping, error):
+    """Poles of s^2 + 2 damping 10 s + 100, the logarithm of the damping known to ``error``, that of 10 to 1e-9."""
+    at = np.array([1.0, np.log(10.0), np.log(damping)])
+    model = SimpleNamespace(
+        m=0, split=lambda x: (x[:1], x[1:]), problem=SimpleNamespace(structure=Structure(2, 0, 0))
+    )  # fmt: skip
+    return {name: row[0] for name, row in _poles(model, at, np.diag([0.0, 1e-18, error**2])).items()}
+
+
+def test_two_real_poles_are_told_apart_only_where_they_surely_are_no_pair():
+    """s^2 + 25 s + 100 = (s + 5)(s + 20); a per cent of damping moves either pole by 1.25 / 0.75 per cent."""
+    found = poles(1.25, 0.01)
+    assert [found[k].value for k in ("pole 1", "pole 2")] == pytest.approx([-5.0, -20.0])
+    reach = np.exp(1.96 * 0.01 * 1.25 / 0.75)
+    for pole in found.values():
+        assert (pole.low, pole.high) == pytest.approx((pole.value * reach, pole.value / reach), rel=1e-4)
+    for damping, error in ((0.95, 0.01), (0.95, 0.1), (1.05, 0.1)):
+        pair = poles(damping, error)
+        assert pair["frequency 1"].value == pytest.approx(10.0 / (2.0 * np.pi))
+        assert pair["damping 1"].value == pytest.approx(damping) and len(pair) == 2
