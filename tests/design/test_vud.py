@@ -6,6 +6,7 @@ import pytest
 from leadscrew.controllers.vud import vud, vud_beta_e
 from leadscrew.controllers.vud.universe import TABLE_2
 from leadscrew.design import Factors, design_vud, read_moves
+from leadscrew.design.universes import find_universes
 from leadscrew.fuzzy.partition_count import partition_count
 from leadscrew.kernel.errors import DataError, NameUnknown, ValueRefused
 from tests.design.moves import TABLE_1, glide, rows, write
@@ -171,6 +172,17 @@ def test_a_target_that_does_not_belong_to_its_error_is_refused(tmp_path):
     with pytest.raises(DataError, match="say with error_scale what e = 1 is"):
         design_vud(write(tmp_path / "log.csv", late))
     assert design_vud(tmp_path / "log.csv", error_scale_mm=190.0).universes.error_mm == 190.0
+
+
+@pytest.mark.parametrize(("target", "fits"), [("-52", True), ("-48", True), ("-53", False), ("-47", False)])
+def test_the_targets_of_two_moves_may_differ_from_one_scale_by_a_twentieth(tmp_path, target, fits):
+    """Of Table 1 e = 1 is 190 mm, and -50 mm begins at e = -0.263: 4 % off passes, 6 % does not."""
+    path = write(tmp_path / "log.csv", [{**r, "r": target if r["r"] == "-50" else r["r"]} for r in rows()])
+    if fits:
+        assert find_universes(read_moves(path))[0].error_mm == pytest.approx(190.0, rel=1e-3)
+    else:
+        with pytest.raises(DataError, match="columns r and e do not belong together"):
+            find_universes(read_moves(path))
 
 
 # ---- it works

@@ -101,6 +101,14 @@ def test_a_small_arc_is_slowed_to_keep_the_acceleration():
     assert np.hypot(motion[:, 0, 1], motion[:, 1, 1]).max() == pytest.approx(20.0, rel=1e-3)
 
 
+def test_a_helix_may_be_faster_than_its_circle_for_only_its_motion_in_the_plane_turns():
+    """Radius 10 mm, rising by its circumference: of v only v / sqrt(2) turns, so v^2 / 2 / 10 mm = 400 mm/s^2."""
+    block = path_from_gcode(f"G3 F60000 X0 Y0 I-10 Z{20.0 * math.pi}", max_acceleration=800.0, with_z=True)
+    motion = trace(block, np.linspace(0, duration(block), 2001))
+    assert np.linalg.norm(motion[:, :, 1], axis=1).max() == pytest.approx(math.sqrt(8000.0), rel=1e-3)
+    assert np.linalg.norm(motion[:, :, 2], axis=1).max() <= 800.0 * (1 + 1e-9)
+
+
 def test_helix_dwell_and_depth_take_their_time():
     block = path_from_gcode("G0 Z-1\nG4 P0.5\nG3 F600 I-10 Z-6", max_acceleration=1e6, rapid=600.0, with_z=True)
     length = math.hypot(20 * math.pi, 5)
