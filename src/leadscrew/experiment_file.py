@@ -5,11 +5,14 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationError
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, ValidationError
 
 from leadscrew.experiment import Experiment
+from leadscrew.kernel.engines import without_numba
 from leadscrew.kernel.errors import DataError
 from leadscrew.kernel.sheet import nearest
+
+Engine = Annotated[Literal["llvm", "c", "python"], BeforeValidator(without_numba)]
 
 
 class ExperimentFile(BaseModel):
@@ -22,7 +25,7 @@ class ExperimentFile(BaseModel):
     controller: str | None = None
     scenario: str | None = None
     duration: Annotated[float, Field(gt=0, allow_inf_nan=False)] | None = None
-    engine: Literal["llvm", "c", "numba", "python"] | None = None
+    engine: Engine | None = None
     every: Annotated[int, Field(ge=1)] = 1
     record: list[str] | None = None
     seed: Annotated[int, Field(ge=0)] | None = None

@@ -13,6 +13,7 @@ import numpy as np
 
 from leadscrew import userfile
 from leadscrew.experiment import Experiment
+from leadscrew.kernel.engines import without_numba
 from leadscrew.kernel.errors import DataError, LeadscrewError
 from leadscrew.kernel.run import load
 
@@ -46,7 +47,7 @@ def replay(folder: str | Path) -> Replay:
     path = path.parent if path.name == "run.json" else path
     loop = rebuilt(manifest, str(path))
     try:
-        number, every, engine = int(manifest["run"]), int(manifest["every"]), str(manifest["engine"])
+        number, every, engine = int(manifest["run"]), int(manifest["every"]), without_numba(str(manifest["engine"]))
         duration, start = float(manifest["duration_s"]), float(manifest["start_s"])
         record = [name for name in manifest["record"] if name != "time"]
     except (KeyError, TypeError, ValueError) as error:

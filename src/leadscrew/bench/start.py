@@ -16,19 +16,19 @@ FIRST_RESULT = "from leadscrew.bench.loops import lathe; lathe({form!r}).run(4.0
 COMPILES = """\
 import time
 from leadscrew.bench import loops, probes
-probes.probe(probes.nothing).start(engine={engine!r}).advance(1, every=0)
+probes.probe(probes.nothing).start().advance(1, every=0)
 loop = loops.lathe()
 loop.program.text
 began = time.process_time()
-loop.start(engine={engine!r}).advance(1, every=0)
+loop.start().advance(1, every=0)
 print(time.process_time() - began)
 """
-"""A small loop first, so that imports and the compiler's own start do not count; then the text, which both share."""
+"""A small loop first, so that imports and the compiler's own start do not count; then the text."""
 
 
 def fresh(code: str, folder: str) -> str:
     """Runs a fresh process with its cache in ``folder``; what it printed."""
-    clean = {k: v for k, v in os.environ.items() if k not in ("PYTHONDONTWRITEBYTECODE", "NUMBA_CACHE_DIR")}
+    clean = {k: v for k, v in os.environ.items() if k != "PYTHONDONTWRITEBYTECODE"}
     done = subprocess.run(
         [sys.executable, "-c", code], check=True, stdout=subprocess.PIPE, text=True,
         env={**clean, "LEADSCREW_CACHE_DIR": folder},
@@ -52,25 +52,16 @@ def import_seconds() -> float:
     return int(line.split("|")[1]) / 1e6
 
 
-def compile_seconds(engine: str) -> float:
+def compile_seconds() -> float:
     """Processor seconds from the lathe's generated text to the end of its first period, nothing cached."""
     with tempfile.TemporaryDirectory(prefix="leadscrew-bench-") as folder:
-        return float(fresh(COMPILES.format(engine=engine), folder))
+        return float(fresh(COMPILES, folder))
 
 
 def compile_rows(rounds: int) -> list[dict[str, Any]]:
-    """Our lowering and Numba on the same entry."""
-    both: dict[str, list[float]] = {"llvm": [], "numba": []}
-    for _ in range(rounds):
-        for engine, times in both.items():
-            times.append(compile_seconds(engine))
-    ours, theirs = (median(times) for times in both.values())
-    what = "the lathe's single-run entry, text to machine code"
-    return [
-        row("compilation, llvm", f"{what}, our lowering", ours, "CPU s"),
-        row("compilation, numba", f"{what}, Numba", theirs, "CPU s", ratio=theirs / ours,
-            remark="the ratio is Numba over ours"),
-    ]  # fmt: skip
+    """The lathe's entry to machine code."""
+    seconds = median(compile_seconds() for _ in range(rounds))
+    return [row("compilation, llvm", "the lathe's single-run entry, text to machine code", seconds, "CPU s")]
 
 
 def c_rows(rounds: int) -> list[dict[str, Any]]:
@@ -97,17 +88,14 @@ def c_rows(rounds: int) -> list[dict[str, Any]]:
 
 
 def rows(rounds: int) -> list[dict[str, Any]]:
-    """Cold, cached, import; and cold with Numba."""
+    """Cold, cached, import."""
     with tempfile.TemporaryDirectory(prefix="leadscrew-bench-") as folder:
         cold = wall(folder)
         cached = median(wall(folder) for _ in range(rounds))
-        numba = wall(folder, "numba")
     what = "process start to first result, wall time"
-    why = "no target: this is why we lower to LLVM ourselves"
     return [
         row("start, cold", what, cold, "s", at_most=3.0, remark="engine llvm, the default"),
         row("start, cached", what, cached, "s", at_most=0.9, remark="engine llvm, the default"),
-        row("start, cold, numba", what, numba, "s", ratio=numba / cold, remark=f"{why}; the ratio is Numba over ours"),
         row("import leadscrew", "python -X importtime, in all", median(import_seconds() for _ in range(rounds)), "s",
             at_most=0.15),
         *c_rows(rounds),

@@ -36,7 +36,7 @@ def eval_(
     out: Annotated[
         Path | None, typer.Option("--out", "-o", metavar="FILE", help="Where to write the table: .csv or .parquet.")
     ] = None,
-    engine: Annotated[str, typer.Option(help="llvm, c, numba or python.")] = "llvm",
+    engine: Annotated[str, typer.Option(help="llvm, c or python.")] = "llvm",
     leave_out_unknown: LeaveOut = False,
     as_json: Json = False,
 ) -> None:

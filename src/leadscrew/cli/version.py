@@ -11,7 +11,7 @@ import typer
 from leadscrew import __version__
 from leadscrew.cli.output import Json, emit
 
-SHOWN = ("llvmlite", "numba", "numpy", "scipy")
+SHOWN = ("llvmlite", "numpy", "scipy")
 
 
 def print_and_exit(wanted: bool) -> None:

@@ -21,7 +21,7 @@ import numpy as np
 from leadscrew.fuzzy.engine import Engine, engine, execute
 from leadscrew.fuzzy.entries import LANES, entries
 from leadscrew.fuzzy.system import System
-from leadscrew.kernel.engines import by_numba, by_python, check_engine, native
+from leadscrew.kernel.engines import by_python, check_engine, native
 from leadscrew.kernel.errors import NameUnknown, ValueRefused
 from leadscrew.kernel.module import Module
 from leadscrew.kernel.native import Entry
@@ -57,8 +57,6 @@ class Compiled:
         module.entry(self._functions[name], name)
         if self.engine == "python":
             return by_python(module.namespace()[name])
-        if self.engine == "numba":
-            return by_numba(module, name)
         return native(module, name, self.engine, f"fuzzy_{module.identity()}_{name}", RANKS)
 
     def _bound(self, entry: Any, *arrays: np.ndarray) -> Callable[[], Any]:
@@ -154,7 +152,7 @@ class Compiled:
 
 
 def compiled(system: System, engine_name: str = "llvm") -> Compiled:
-    """A system ready to be evaluated from Python, on one of the engines llvm, c, numba, python.
+    """A system ready to be evaluated from Python, on one of the engines llvm, c, python.
 
     Raises:
         ValueRefused: something that cannot be evaluated; says what.

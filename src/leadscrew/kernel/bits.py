@@ -1,7 +1,6 @@
 """The bits of a double as an int64 and back, and arrays on the stack: what the portable functions stand on.
 
-Plain Python here; ``leadscrew.kernel.bits_numba`` gives Numba the same names as single instructions. Importing
-this module imports neither NumPy nor Numba.
+Plain Python here; the compiled engines have instructions for them. Importing this module does not import NumPy.
 """
 
 from __future__ import annotations
@@ -9,7 +8,7 @@ from __future__ import annotations
 import struct
 from typing import Any
 
-INTRINSICS = ("bits_to_float", "float_to_bits", "stack_array2", "stack_buffer")
+INTRINSICS = ("bits_to_float", "float_to_bits", "stack_array2")
 """The names that every engine supplies itself."""
 
 _FLOAT = struct.Struct("<d")
@@ -28,15 +27,8 @@ def bits_to_float(i: int) -> float:
     return x
 
 
-def stack_buffer(n: int) -> Any:
-    """Room for ``n`` floats (a literal); for Numba a pointer to 64-byte aligned stack memory, for ``carray``."""
-    import numpy as np
-
-    return np.empty(n)
-
-
 def stack_array2(rows: int, cols: int) -> Any:
-    """An array of ``rows`` x ``cols`` floats (literals), not set to anything; for Numba it lies on the stack.
+    """An array of ``rows`` x ``cols`` floats (literals), not set to anything; compiled, it lies on the stack.
 
     It must not outlive the call of the function in which it is made.
     """

@@ -1,6 +1,6 @@
-"""Conditional expressions as selections, for the Numba engine: both sides are computed, one is taken, nothing branches.
+"""Conditional expressions as selections, for the compiled engines: both sides are computed, one is taken.
 
-A branch costs Numba three blocks and the vectoriser its patience; every expression of the subset is safe to compute.
+A branch keeps the vectoriser from a loop; every expression of the subset is safe to compute.
 """
 
 from __future__ import annotations

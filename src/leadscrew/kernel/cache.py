@@ -1,4 +1,4 @@
-"""Where generated modules lie: in the user's cache directory, private, bounded, whole or not at all."""
+"""Where compiled modules lie: in the user's cache directory, private, bounded, whole or not at all."""
 
 from __future__ import annotations
 
@@ -67,30 +67,6 @@ def directory() -> Path:
         return _fallback
 
 
-def module_name(text: str) -> str:
-    """The name of a module for Numba: the hash of its text and of the versions that it is compiled with."""
-    from importlib.metadata import version
-
-    return "loop_" + hashlib.sha256(f"{stamp()}-numba{version('numba')}\n{text}".encode()).hexdigest()[:20]
-
-
-def store(text: str) -> Path:
-    """The file that holds a module's text, written beside and renamed if it is not there yet."""
-    folder = directory()
-    path = folder / f"{module_name(text)}.py"
-    try:
-        if path.read_text(encoding="utf-8") == text:
-            return path
-    except (OSError, UnicodeDecodeError):
-        pass
-    _evict(folder)
-    handle, beside = tempfile.mkstemp(dir=folder, suffix=".tmp")
-    with os.fdopen(handle, "w", encoding="utf-8", newline="\n") as out:
-        out.write(text)
-    Path(beside).replace(path)
-    return path
-
-
 def read(name: str) -> bytes | None:
     """A file of the cache, if it is there and whole: its last 32 bytes are the hash of the rest."""
     try:
@@ -118,14 +94,12 @@ def _evict(folder: Path) -> None:
         except OSError:  # another process was faster
             return 0.0
 
-    kept = (".py", ".o", ".so", ".npy")
+    kept = (".o", ".so", ".npy")
     with os.scandir(folder) as entries:
         modules = [folder / e.name for e in entries if "_" in e.name and e.name.endswith(kept)]
     too_many = len(modules) - LIMIT + 1
     for path in sorted(modules, key=age)[:too_many] if too_many > 0 else ():
         path.unlink(missing_ok=True)
-        for compiled in (folder / "__pycache__").glob(f"{path.stem}.*"):
-            compiled.unlink(missing_ok=True)
 
 
 @dataclass(frozen=True)
@@ -141,7 +115,7 @@ def info() -> CacheInfo:
     """What lies in the cache, all versions together."""
     base = root()
     files = [p for p in base.rglob("*") if p.is_file()] if base.exists() else []
-    modules = [p for p in files if p.name.startswith(("loop_", "fuzzy_")) and p.suffix in (".py", ".o", ".so")]
+    modules = [p for p in files if p.name.startswith(("loop_", "fuzzy_")) and p.suffix in (".o", ".so")]
     return CacheInfo(str(base), len(modules), sum(p.stat().st_size for p in files))
 
 

@@ -2,21 +2,19 @@
 
 from __future__ import annotations
 
-import importlib.util
-import sys
+import warnings
 from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from leadscrew.kernel import cache
 from leadscrew.kernel.errors import ValueRefused
 
 if TYPE_CHECKING:
     from leadscrew.kernel.module import Module
     from leadscrew.kernel.native import Entry
 
-ENGINES = ("llvm", "c", "numba", "python")
+ENGINES = ("llvm", "c", "python")
 """The engines, the fastest to start first."""
 
 
@@ -28,6 +26,15 @@ def check_engine(engine: str) -> None:
     """
     if engine not in ENGINES:
         raise ValueRefused(f"engine = {engine!r}: there are {', '.join(ENGINES)}")
+
+
+def without_numba(engine: Any) -> Any:
+    """The engine that a file names; ``llvm`` in place of ``numba``, which version 0.1.0 had, with a warning."""
+    if engine != "numba":
+        return engine
+    text = "engine = 'numba': this engine was removed; 'llvm' runs instead and gives the same bits"
+    warnings.warn(text, stacklevel=2)
+    return "llvm"
 
 
 def native(module: Module, name: str, engine: str, title: str, ranks: Mapping[str, tuple[int, str]]) -> Entry:
@@ -44,20 +51,6 @@ def native(module: Module, name: str, engine: str, title: str, ranks: Mapping[st
     else:
         from leadscrew.kernel.native import compiled
     return compiled(module, name, title, ranks)
-
-
-def by_numba(module: Module, name: str) -> Callable[..., Any]:
-    """An entry compiled by Numba."""
-    text = module.text(name)
-    title = cache.module_name(text)
-    if title not in sys.modules:
-        spec = importlib.util.spec_from_file_location(title, cache.store(text))
-        assert spec is not None and spec.loader is not None
-        made = importlib.util.module_from_spec(spec)
-        sys.modules[title] = made
-        spec.loader.exec_module(made)
-    found: Callable[..., Any] = getattr(sys.modules[title], name)
-    return found
 
 
 def by_python(function: Callable[..., Any]) -> Callable[..., Any]:

@@ -1,8 +1,7 @@
-"""Fuses what an entry calls into the entry itself, for the Numba engine.
+"""Fuses what an entry calls into the entry itself, for the compiled engines.
 
-Numba spends about a tenth of a second on every function, however small; a loop reaches fifty. Fused, a loop is
-one function. The arithmetic and its order stay what they are, so the bits do; the Python engine runs the
-functions unfused, under the user's own lines.
+A loop reaches fifty functions; fused, it is one. The arithmetic and its order stay what they are, so the bits do; the
+Python engine runs the functions unfused, under the user's own lines.
 """
 
 from __future__ import annotations

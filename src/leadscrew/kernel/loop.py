@@ -55,7 +55,7 @@ class Loop:
         seed: of all noise.
         sample: interval between samples of a continuous loop, seconds.
         rtol, atol: tolerances of the adaptive integrator.
-        engine: ``llvm`` (the default), ``c`` (where a C compiler is), ``numba`` or ``python``; all give the same bits.
+        engine: ``llvm`` (the default), ``c`` (where a C compiler is) or ``python``; all give the same bits.
         name: for titles and manifests.
     """
 
@@ -364,7 +364,7 @@ class Loop:
             "units": {s: b.unit for s, b in self.blocks.items() if b is not None and b.unit},
             "parameters": {k: v.tolist() if isinstance(v, np.ndarray) else v for k, v in self.parameters.items()},
             "platform": f"{platform.system()} {platform.machine()} Python {platform.python_version()}",
-            "versions": {p: version(p) for p in ("numpy", "llvmlite", "numba", "scipy")},
+            "versions": {p: version(p) for p in ("numpy", "llvmlite", "scipy")},
             "created": time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime()),
         }
 

@@ -67,7 +67,7 @@ class Calls(ast.NodeTransformer):
             return self.mathematics(node, found, name)
         if module == "builtins":
             return self.builtin(node, name)
-        target = found.step if isinstance(found, Block) else getattr(found, "py_func", found)
+        target = found.step if isinstance(found, Block) else found
         if not isinstance(target, types.FunctionType):
             self.refuse(node, f"{ast.unparse(node.func)!r} is a {type(found).__name__}, not a plain Python function")
         args = self.arguments(node, target)

@@ -8,7 +8,7 @@ from collections.abc import Callable, Hashable
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
-from leadscrew.kernel.engines import ENGINES, by_numba, by_python, check_engine, native
+from leadscrew.kernel.engines import ENGINES, by_python, check_engine, native
 from leadscrew.kernel.linker import Linker, Plan
 from leadscrew.kernel.module import Module
 
@@ -39,7 +39,7 @@ class Program:
 
     @cached_property
     def text(self) -> str:
-        """The text of the entry for a single run, which the compiled engines compile."""
+        """The entry for a single run as the compiled engines take it, to read."""
         return self.module.text("single")
 
     @cached_property
@@ -66,9 +66,6 @@ class Program:
         check_engine(engine)
         if engine == "python":
             return by_python(self._python[name])
-        if engine == "numba":
-            self.title(name)
-            return by_numba(self.module, name)
         return self.native(name, engine)
 
     def native(self, name: str, engine: str = "llvm") -> Entry:

@@ -34,7 +34,7 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from leadscrew import __version__, userfile
 from leadscrew.controller_file import table_of, toml
-from leadscrew.experiment_file import flat
+from leadscrew.experiment_file import Engine, flat
 from leadscrew.kernel.errors import DataError
 from leadscrew.kernel.sheet import nearest
 from leadscrew.newfile import save
@@ -55,7 +55,7 @@ class StartTable(_Table):
     controller: str | None = None
     scenario: str | None = None
     seed: Count | None = None
-    engine: Literal["llvm", "c", "numba", "python"] | None = None
+    engine: Engine | None = None
     circle: bool = False
     changes: Annotated[dict[str, Any], Field(alias="set")] = {}
 

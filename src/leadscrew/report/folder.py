@@ -143,7 +143,7 @@ def manifest(wall_s: float) -> dict[str, Any]:
         "created": time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime()),
         "wall time of the study": f"{wall_s:.2f} s",
         "platform": f"{platform.system()} {platform.machine()}, Python {platform.python_version()}",
-        **{p: version(p) for p in ("llvmlite", "numba", "numpy", "scipy")},
+        **{p: version(p) for p in ("llvmlite", "numpy", "scipy")},
     }
 
 

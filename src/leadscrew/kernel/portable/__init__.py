@@ -1,4 +1,4 @@
-"""Portable mathematics: functions that give the same bits in plain Python, Numba (scalar or vectorised) and C99.
+"""Portable mathematics: functions that give the same bits in plain Python, machine code (scalar or vectorised) and C99.
 
 They use +, -, *, /, square root and bit operations on doubles and int64 only: no library function whose last bits
 depend on the machine, no fused multiply-add, no branch and no table, so that compilers vectorise them across
