@@ -13,7 +13,7 @@ import pytest
 import leadscrew
 
 ROOT = Path(__file__).parents[1]
-HEAVY = {"numpy", "numba", "llvmlite", "scipy", "matplotlib", "pyarrow", "pydantic", "typer", "rich", "jinja2"}
+HEAVY = {"numpy", "llvmlite", "scipy", "matplotlib", "pyarrow", "pydantic", "typer", "rich", "jinja2"}
 
 
 def modules_after(code: str) -> set[str]:

@@ -2,11 +2,10 @@
 
 import math
 
-import numba
 import numpy as np
 import pytest
 
-from leadscrew.actuators.dac import DacParams, converted, dac, lathe_dac, plan_dac, plan_lathe_dac
+from leadscrew.actuators.dac import DacParams, dac, lathe_dac, plan_dac, plan_lathe_dac
 from leadscrew.kernel.errors import ValueRefused
 from leadscrew.references.lathe_program import LatheDrive
 
@@ -29,8 +28,6 @@ def test_without_bits_only_the_range_holds():
 def test_what_is_not_finite_is_taken_as_zero_within_the_range(bits, asked):
     assert dac.step(plan_dac(DacParams(bits=bits), 0.02), asked) == 0.0
     assert dac.step(plan_dac(DacParams(bits=bits, lower=1.0, upper=5.0), 0.02), asked) == 1.0
-    compiled = numba.njit(converted)
-    assert compiled(plan_dac(DacParams(bits=bits), 0.02), asked) == 0.0
 
 
 def test_the_largest_numbers_end_at_the_range():

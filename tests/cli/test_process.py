@@ -14,7 +14,7 @@ from leadscrew.kernel.errors import DataError
 from leadscrew.kernel.run import load
 from tests.cli.conftest import FILE
 
-HEAVY = ("numpy", "numba", "scipy", "matplotlib", "pyarrow", "jinja2", "leadscrew.experiment_file")
+HEAVY = ("numpy", "llvmlite", "scipy", "matplotlib", "pyarrow", "jinja2", "leadscrew.experiment_file")
 
 
 def program(*args, **options):

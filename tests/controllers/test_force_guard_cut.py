@@ -19,7 +19,7 @@ from leadscrew.sensors.load_cell import CutReading, lathe_reading
 from tests.tools import runnable
 
 TFC = TUNINGS["corrected.tfc_stfc"]
-TRIED = [pytest.param(e, marks=pytest.mark.slow) if e in ("numba", "c") else e for e in ENGINES]
+TRIED = [pytest.param(e, marks=pytest.mark.slow) if e == "c" else e for e in ENGINES]
 SIGNALS = ("feedback", "output", "actual", "controller")
 
 

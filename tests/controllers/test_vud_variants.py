@@ -264,7 +264,7 @@ def test_every_variant_is_explained_and_shares_one_of_four_programs():
 
 
 @pytest.mark.sweep
-@pytest.mark.parametrize("engine", ["llvm", "c", pytest.param("numba", marks=pytest.mark.slow)])
+@pytest.mark.parametrize("engine", ["llvm", "c"])
 @pytest.mark.parametrize("name", ["corrected.vud_beta_max", "ours.vud_exponential", "ours.vud_opt_robust"])
 def test_every_engine_gives_the_bits_of_plain_python(name, engine):
     loop = lathe(VARIANTS[name], -50.0)

@@ -64,14 +64,6 @@ def test_c_gives_the_same_bits(name):
     assert same(compiled(system, "c").many(points), compiled(system).many(points))
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("name", NAMES)
-def test_numba_gives_the_same_bits(name):
-    system = BITS[name]
-    points = points_of(system)
-    assert same(compiled(system, "numba").many(points), compiled(system).many(points))
-
-
 @pytest.mark.parametrize("name", NAMES)
 def test_many_points_are_what_single_points_are(name):
     made = compiled(BITS[name])

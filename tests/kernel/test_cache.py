@@ -23,32 +23,27 @@ PROGRAM = textwrap.dedent(
     lowered = []
     real = lower.Lowering.run
     lower.Lowering.run = lambda self: (lowered.append(1), real(self))[1]
-    loop = Loop(reference=zoo.sine, controller=zoo.pid, plant=zoo.mass, metrics={{}}, engine={engine!r})
+    loop = Loop(reference=zoo.sine, controller=zoo.pid, plant=zoo.mass, metrics={{}})
     loop.run(0.01)
-    if {engine!r} == "numba":
-        entry = loop.program.entry("single", "numba")
-        print(sum(entry.stats.cache_hits.values()), sum(entry.stats.cache_misses.values()))
-    else:
-        print(1 - len(lowered), len(lowered))
+    print(len(lowered))
     """
 )
 
 
-def hits_and_misses(folder: Path, engine: str) -> list[int]:
+def compilations(folder: Path) -> int:
     root = str(Path(__file__).parents[2])
     done = subprocess.run(
-        [sys.executable, "-c", PROGRAM.format(root=root, engine=engine)], capture_output=True, text=True, check=True,
+        [sys.executable, "-c", PROGRAM.format(root=root)], capture_output=True, text=True, check=True,
         env={**os.environ, "LEADSCREW_CACHE_DIR": str(folder)},
     )  # fmt: skip
-    return [int(x) for x in done.stdout.split()]
+    return int(done.stdout)
 
 
-@pytest.mark.parametrize("engine", ["llvm", "numba"])
-def test_a_second_process_does_not_compile_again(engine, tmp_path):
-    assert hits_and_misses(tmp_path, engine) == [0, 1]
+def test_a_second_process_does_not_compile_again(tmp_path):
+    assert compilations(tmp_path) == 1
     before = {p: p.stat().st_mtime_ns for p in tmp_path.rglob("loop_*") if p.is_file()}
     assert before
-    assert hits_and_misses(tmp_path, engine) == [1, 0]
+    assert compilations(tmp_path) == 0
     assert {p: p.stat().st_mtime_ns for p in tmp_path.rglob("loop_*") if p.is_file()} == before
 
 
@@ -60,27 +55,24 @@ def own(tmp_path, monkeypatch):
 
 
 def test_the_folder_is_private_and_its_files_whole(own):
-    path = cache.store("x = 1\n")
-    assert path.read_text() == "x = 1\n" and cache.store("x = 1\n") == path
-    if os.name == "posix":
-        assert stat.S_IMODE(path.parent.stat().st_mode) == 0o700
     cache.write("loop_a.o", b"code")
+    if os.name == "posix":
+        assert stat.S_IMODE(cache.directory().stat().st_mode) == 0o700
     assert cache.read("loop_a.o") == b"code" and cache.read("loop_b.o") is None
-    (path.parent / "loop_a.o").write_bytes(b"cut off")
+    (cache.directory() / "loop_a.o").write_bytes(b"cut off")
     assert cache.read("loop_a.o") is None
-    path.write_text("tampered")
-    assert cache.store("x = 1\n").read_text() == "x = 1\n"
     cache.write("fuzzy_a.o", b"code")
     info = cache.info()
-    assert info.modules == 3 and info.bytes > 0 and info.folder == str(own)
-    assert cache.clear().modules == 3 and cache.info().modules == 0
+    assert info.modules == 2 and info.bytes > 0 and info.folder == str(own)
+    assert cache.clear().modules == 2 and cache.info().modules == 0
 
 
 def test_the_oldest_go_when_there_are_too_many(own, monkeypatch):
     monkeypatch.setattr(cache, "LIMIT", 3)
     paths = []
     for i in range(5):
-        paths.append(cache.store(f"x = {i}\n"))
+        cache.write(f"loop_{i}.o", b"code")
+        paths.append(cache.directory() / f"loop_{i}.o")
         os.utime(paths[-1], (1000 + i, 1000 + i))
     assert [p.exists() for p in paths] == [False, False, True, True, True]
 

@@ -60,16 +60,6 @@ def test_python_and_machine_code_give_the_same_bits_on_every_signal_and_state(na
     )
 
 
-@pytest.mark.parametrize(
-    "name", [n if n in ("pid", "delays") else pytest.param(n, marks=pytest.mark.slow) for n in LOOPS]
-)
-def test_numba_gives_the_same_bits_as_our_own_lowering(name):
-    loop = made(name)
-    a, b = (loop.run(0.3, engine=e) for e in ("llvm", "numba"))
-    for column in a.signals:
-        assert same(a[column], b[column]), column
-
-
 @pytest.mark.parametrize("name", LOOPS)
 def test_a_single_run_and_its_lane_in_a_batch_give_the_same_bits(name):
     loop = made(name)

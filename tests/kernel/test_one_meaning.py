@@ -10,7 +10,7 @@ from leadscrew.kernel.block import make
 from leadscrew.kernel.errors import SubsetError
 from leadscrew.kernel.loop import Loop
 from tests.kernel import hostile_refused, zoo
-from tests.kernel.hostile import SAME, P, S, wraps_before_a_shift
+from tests.kernel.hostile import SAME, P, S
 from tests.kernel.hostile_refused import REFUSED
 from tests.kernel.printed import same
 from tests.tools import runnable
@@ -42,11 +42,9 @@ def test_what_engines_would_differ_in_is_refused_on_each_by_file_line_and_what_t
     assert str(caught.value).startswith(f"{hostile_refused.__file__}:") and "\n" not in str(caught.value)
 
 
-@pytest.mark.parametrize("engine", [*ENGINES[1:], pytest.param("numba", marks=pytest.mark.slow)])
+@pytest.mark.parametrize("engine", ENGINES[1:])
 @pytest.mark.parametrize("step", SAME, ids=lambda f: f.__name__)
 def test_hostile_steps_are_the_same_bits(step, engine):
-    if engine == "numba" and step is wraps_before_a_shift:
-        pytest.skip("Numba takes it that sums stay within 64 bits")
     got, want = outputs(step, engine), outputs(step, "python")
     for name, expected in want.items():
         assert same(np.asarray(got[name], float), np.asarray(expected, float)), name
@@ -104,7 +102,7 @@ def test_a_plant_that_returns_other_arrays_is_refused(step):
         assert str(caught.value).startswith(f"{__file__}:")
 
 
-@pytest.mark.parametrize("engine", [*ENGINES[1:], pytest.param("numba", marks=pytest.mark.slow)])
+@pytest.mark.parametrize("engine", ENGINES[1:])
 @pytest.mark.parametrize(
     ("step", "method"),
     [(plant_writes, "rk4"), (rate_reads, "rk4"), (rate_reads, "sdirk3"), (rate_reads, "rodas")],

@@ -1,7 +1,6 @@
-"""The portable functions: accurate against mpmath, the same bits in plain Python and in Numba's vector loops."""
+"""The portable functions: accurate against mpmath, the same bits in plain Python and in vectorised machine code."""
 
-import ast
-import inspect
+import functools
 import itertools
 import math
 import platform
@@ -12,15 +11,13 @@ import mpmath
 import numpy as np
 import pytest
 from mpmath import mp, mpf
-from numba import njit
 
-import leadscrew.kernel.bits_numba  # noqa: F401
-from leadscrew.kernel import bits, noise, portable
-from leadscrew.kernel.portable import basic, circular, exponential, hyperbolic, powers
+from leadscrew.fuzzy.engine import execute
+from leadscrew.kernel import bits, native, portable
+from leadscrew.kernel.lower import Lowering
+from leadscrew.kernel.module import Module
 
-LEAF = njit(error_model="numpy", forceinline=True, no_cpython_wrapper=True, no_cfunc_wrapper=True)
-LOOPS: dict = {}
-"""Compiled loops by leaf: compiling takes longer than running."""
+RANKS = {"X": (2, "f"), "Y": (2, "f"), "J": (2, "i"), "K": (2, "i")}
 INF, NAN = math.inf, math.nan
 SPECIAL = np.array(
     [0.0, -0.0, 1.0, -1.0, 0.5, -0.5, 1.5, 2.0, -2.0, 2.5, 3.0, -3.0, INF, -INF, NAN, 5e-324, -5e-324,
@@ -31,40 +28,36 @@ SPECIAL = np.array(
 )  # fmt: skip
 
 
-def compiled() -> dict:
-    """All portable functions and the noise as Numba leaves in one name space, as a generated module has them."""
-    space = {"math": math, "NamedTuple": tuple, "Noise": noise.Noise}
-    space |= {name: getattr(bits, name) for name in bits.INTRINSICS}
-    for module in (basic, exponential, powers, circular, hyperbolic, noise):
-        space |= {k: v for k, v in vars(module).items() if isinstance(v, (int, float))}
-        for node in ast.parse(inspect.getsource(module)).body:
-            if isinstance(node, ast.FunctionDef):
-                node.returns = None
-                for argument in node.args.args:
-                    argument.annotation = None
-                tree = ast.fix_missing_locations(ast.Module([node], []))
-                exec(compile(tree, module.__file__, "exec"), space)
-                space[node.name] = LEAF(space[node.name])
-    return space
+def module_of(entry) -> Module:
+    """A function of arrays as the entry of a generated module."""
+    module = Module()
+    module.entry(entry, entry.__name__)
+    return module
 
 
-@pytest.fixture(scope="session")
-def numba_leaves():
-    return compiled()
+def compiled(entry):
+    """A function of arrays as machine code."""
+    module = module_of(entry)
+    return native.compiled(module, entry.__name__, f"portable_{module.identity()}", RANKS)
 
 
-def looped(leaf, inputs: list[np.ndarray]) -> np.ndarray:
-    """The leaf over arrays, inside compiled code: the vectorised form."""
-    names = ", ".join("xyz"[: len(inputs)])
-    each = ", ".join(f"{n}[i]" for n in "xyz"[: len(inputs)])
-    if leaf not in LOOPS:
-        space = {"leaf": leaf}
-        exec(f"def run({names}, out):\n for i in range(out.size): out[i] = leaf({each})", space)
-        LOOPS[leaf] = njit(error_model="numpy")(space["run"])
-    kind = np.int64 if inputs[0].dtype == np.int64 or leaf.__name__ == "to_int" else np.float64
-    out = np.empty(inputs[0].size, kind)
-    LOOPS[leaf](*inputs, out)
-    return out
+@functools.cache
+def loop_over(name: str, kind: str):
+    """A portable function over the columns of an array, not yet compiled."""
+    function = getattr(portable, name)
+    x, y = "XY" if kind == "f" else "JK"
+    arguments = ", ".join(f"{x}[{i}, k]" for i in range(function.__code__.co_argcount))
+    value = f"function({arguments})" if kind == "i" else f"float(function({arguments}))"
+    text = f"def loop({x}, {y}):\n    for k in range({x}.shape[1]):\n        {y}[0, k] = {value}\n    return 0\n"
+    return execute(text, f"loop over {name}", {"function": function})["loop"]
+
+
+def looped(name: str, inputs: list[np.ndarray]) -> np.ndarray:
+    """A portable function over arrays, inside compiled code: the vectorised form."""
+    x = np.array(inputs)
+    y = np.empty((1, x.shape[1]), x.dtype)
+    compiled(loop_over(name, "i" if x.dtype == np.int64 else "f"))(x, y)
+    return y[0]
 
 
 def patterns(x: np.ndarray) -> np.ndarray:
@@ -141,12 +134,12 @@ def worst_ulp(got: np.ndarray, truths) -> float:
 
 
 @pytest.mark.parametrize("name", ACCURACY)
-def test_error_against_mpmath_stays_within_the_stated_bound(name, numba_leaves):
+def test_error_against_mpmath_stays_within_the_stated_bound(name):
     bound, points, truth = ACCURACY[name]
     x = points(np.random.default_rng(7))
     assert f"{bound} ulp" in getattr(portable, name).__doc__
     with mp.workprec(110):
-        assert worst_ulp(looped(numba_leaves[name], [x]), [mpmath.re(truth(mpf(float(v)))) for v in x]) <= bound
+        assert worst_ulp(looped(name, [x]), [mpmath.re(truth(mpf(float(v)))) for v in x]) <= bound
 
 
 def pow_inputs():
@@ -159,7 +152,7 @@ def pow_inputs():
     return x, y
 
 
-def test_pow_atan2_and_hypot_against_mpmath(numba_leaves):
+def test_pow_atan2_and_hypot_against_mpmath():
     rng = np.random.default_rng(9)
     plane = [np.concatenate([log_even(rng, 1e-300, 1e300, 300), rng.uniform(-3, 3, 600)]) for _ in range(2)]
     for name, bound, (x, y), truth in (
@@ -171,7 +164,7 @@ def test_pow_atan2_and_hypot_against_mpmath(numba_leaves):
         with mp.workprec(110):
             truths = [truth(mpf(float(a)), mpf(float(b))) for a, b in zip(x, y, strict=True)]
             kept = [i for i, t in enumerate(truths) if abs(t) > 1e-307]
-            got = looped(numba_leaves[name], [x, y])
+            got = looped(name, [x, y])
             assert worst_ulp(got[kept], [truths[i] for i in kept]) <= bound, name
 
 
@@ -181,27 +174,27 @@ BINARY = ["pow", "atan2", "hypot", "copysign", "maximum", "minimum", "float_mod"
 
 
 @pytest.mark.parametrize("name", UNARY)
-def test_numba_loop_gives_the_bits_of_plain_python(name, numba_leaves):
+def test_machine_code_gives_the_bits_of_plain_python(name):
     rng = np.random.default_rng(10)
     x = np.concatenate([SPECIAL, any_double(rng, 6000), rng.uniform(-3, 3, 9000), log_even(rng, 1e-12, 1e12, 4960)])
-    got = looped(numba_leaves[name], [x])
+    got = looped(name, [x])
     expected = np.array([getattr(portable, name)(v) for v in x.tolist()], got.dtype)
     assert np.array_equal(patterns(got), patterns(expected))
 
 
 @pytest.mark.parametrize("name", BINARY)
-def test_numba_loop_gives_the_bits_of_plain_python_for_two_arguments(name, numba_leaves):
+def test_machine_code_gives_the_bits_of_plain_python_for_two_arguments(name):
     rng = np.random.default_rng(11)
     pairs = np.array(list(itertools.product(SPECIAL, SPECIAL)))
     more = [[any_double(rng, 4000), rng.uniform(0, 3, 9000), log_even(rng, 1e-12, 1e12, 5000)] for _ in range(2)]
     x, y = (np.concatenate([pairs[:, i], *more[i]]) for i in (0, 1))
-    got = looped(numba_leaves[name], [x, y])
+    got = looped(name, [x, y])
     expected = np.array([getattr(portable, name)(a, b) for a, b in zip(x.tolist(), y.tolist(), strict=True)])
     assert np.array_equal(patterns(got), patterns(expected))
 
 
 @pytest.mark.parametrize("name", ["int_mod", "int_floordiv"])
-def test_integer_division_is_that_of_python_in_both_engines(name, numba_leaves):
+def test_integer_division_is_that_of_python_in_machine_code_too(name):
     rng = np.random.default_rng(12)
     large = 2**53
     a = np.concatenate([rng.integers(-50, 50, 9000), rng.integers(-large, large, 12000), [large, -large, large - 1]])
@@ -209,7 +202,7 @@ def test_integer_division_is_that_of_python_in_both_engines(name, numba_leaves):
     ours = np.array([getattr(portable, name)(i, j) for i, j in zip(a.tolist(), b.tolist(), strict=True)])
     operator = {"int_mod": lambda i, j: i % j, "int_floordiv": lambda i, j: i // j}[name]
     assert ours.tolist() == [operator(i, j) if j else 0 for i, j in zip(a.tolist(), b.tolist(), strict=True)]
-    assert np.array_equal(looped(numba_leaves[name], [a, b]), ours)
+    assert np.array_equal(looped(name, [a, b]), ours)
 
 
 def c_library(function, *args):
@@ -293,31 +286,34 @@ def test_rising_functions_rise_between_neighbours_a_few_ulp_apart(name):
 
 @pytest.mark.skipif(platform.machine() not in ("x86_64", "AMD64"), reason="x86-64: reads its assembly")
 @pytest.mark.parametrize("name", ["exp", "sin", "pow"])
-def test_hot_functions_vectorise(name, numba_leaves):
-    looped(numba_leaves[name], [np.ones(8)] * (2 if name == "pow" else 1))
-    (assembly,) = LOOPS[numba_leaves[name]].inspect_asm().values()
-    assert assembly.count("mulpd") > 5
+def test_hot_functions_vectorise(name):
+    module = module_of(loop_over(name, "f"))
+    optimised = native.optimised(Lowering(module.fused("loop"), RANKS, module.arrays()).run())
+    assert native._machine()[0].emit_assembly(optimised).count("mulpd") > 5
+
+
+def total(X, Y):
+    table = bits.stack_array2(2, 16)
+    row = bits.stack_array2(1, 16)
+    for lane in range(16):
+        table[0, lane] = 0.5 * lane
+        table[1, lane] = X[0, 0]
+        row[0, lane] = 1.0
+    Y[0, 0] = 0.0
+    for lane in range(16):
+        Y[0, 0] = Y[0, 0] + table[0, lane] * table[1, lane] + row[0, lane]
+    return 0
 
 
 def test_arrays_on_the_stack():
-    def total(n):
-        table = bits.stack_array2(2, 16)
-        row = bits.stack_array2(1, 16)
-        for lane in range(16):
-            table[0, lane] = 0.5 * lane
-            table[1, lane] = n
-            row[0, lane] = 1.0
-        result = 0.0
-        for lane in range(16):
-            result += table[0, lane] * table[1, lane] + row[0, lane]
-        return result
-
-    assert total(3.0) == njit(total)(3.0) == 196.0
-    assert bits.stack_buffer(5).shape == (5,)
+    for run in (total, compiled(total)):
+        y = np.empty((1, 1))
+        run(np.array([[3.0]]), y)
+        assert y == 196.0
 
 
-def test_bits_go_both_ways_without_numpy_or_numba():
+def test_bits_go_both_ways_without_numpy():
     assert [bits.float_to_bits(v) for v in (0.0, 1.0, -0.0)] == [0, 0x3FF0000000000000, -(2**63)]
     assert all(bits.bits_to_float(bits.float_to_bits(v)) == v for v in SPECIAL.tolist() if v == v)
-    source = "import sys, leadscrew.kernel.portable; assert not {'numpy', 'numba'} & set(sys.modules)"
+    source = "import sys, leadscrew.kernel.portable; assert not {'numpy', 'llvmlite'} & set(sys.modules)"
     subprocess.run([sys.executable, "-c", source], check=True)

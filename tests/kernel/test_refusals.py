@@ -1,13 +1,12 @@
-"""What data sheets, sources, Numba's own copies of the primitives and stiff plants say when something is not right."""
+"""What data sheets, sources and stiff plants say when something is not right."""
 
 import math
-import struct
 from typing import Annotated, NamedTuple
 
 import numpy as np
 import pytest
 
-from leadscrew.kernel import bits, sheet
+from leadscrew.kernel import sheet
 from leadscrew.kernel.block import make
 from leadscrew.kernel.errors import BlockError, NameUnknown, SubsetError, ValueRefused
 from leadscrew.kernel.loop import DivergenceWarning, Loop
@@ -235,59 +234,6 @@ def test_a_file_that_no_longer_parses_is_named(tmp_path):
     file.write_text("def step(command:\n")
     with pytest.raises(SubsetError, match=r"broken\.py: the file does not parse any more"):
         Loop(reference=zoo.sine, controller=make("controller", space["step"]), plant=zoo.mass, metrics={}).run(0.01)
-
-
-# ---- Numba's own copies
-def test_the_primitives_compiled_by_numba_alone_are_those_of_python():
-    from numba import carray, njit
-    from numba.core.errors import TypingError
-
-    import leadscrew.kernel.bits_numba  # noqa: F401
-
-    @njit
-    def flipped(x):
-        return bits.bits_to_float(bits.float_to_bits(x) ^ 1)
-
-    @njit
-    def through_the_stack(x):
-        a = bits.stack_array2(2, 3)
-        for i in range(2):
-            for j in range(3):
-                a[i, j] = x * (3 * i + j)
-        return a[0, 2] + 10.0 * a[1, 1]
-
-    @njit
-    def through_a_buffer(x):
-        a = carray(bits.stack_buffer(4), (4,))
-        for i in range(4):
-            a[i] = x * i
-        return a[3] + 10.0 * a[1]
-
-    @njit
-    def of_a_float():
-        return bits.bits_to_float(1.5)
-
-    @njit
-    def buffer_of(n):
-        return carray(bits.stack_buffer(n), (4,))[0]
-
-    @njit
-    def sized(n):
-        return bits.stack_array2(n, 3)[0, 0]
-
-    @njit
-    def of_text():
-        return bits.float_to_bits("1.0")
-
-    for x in (0.0, 1.0, -2.5, 5e-324, math.inf):
-        want = struct.unpack("<d", struct.pack("<q", struct.unpack("<q", struct.pack("<d", x))[0] ^ 1))[0]
-        got = flipped(x)
-        assert got == want or (got != got and want != want)
-    assert through_the_stack(1.5) == 1.5 * 2 + 10 * 1.5 * 4
-    assert through_a_buffer(1.5) == 3 * 1.5 + 10 * 1.5
-    for refused in (lambda: sized(2), lambda: buffer_of(4), of_text, of_a_float):
-        with pytest.raises(TypingError):
-            refused()
 
 
 # ---- stiff plants

@@ -307,13 +307,6 @@ def test_what_is_allowed_means_the_same_on_every_engine_and_in_plain_python():
         assert s.n == runs[0]["controller.n"][k] and s.on == bool(runs[0]["controller.on"][k])
 
 
-@pytest.mark.slow
-def test_numba_agrees_on_everything_that_is_allowed():
-    loop = controller_of(rich, P(), S())
-    runs = [loop.run(0.2, engine=e) for e in ("numba", "llvm")]
-    assert np.array_equal(runs[0]["output"], runs[1]["output"])
-
-
 @pytest.mark.parametrize("x", [0.7, 0.05, -0.1, -0.25, -0.4, -0.7])
 def test_one_exit_gives_what_many_gave(x):
     import ast

@@ -126,17 +126,6 @@ def test_it_equals_the_dense_update_over_100000_steps():
 
 
 @pytest.mark.slow
-def test_it_compiles_as_a_plain_numba_function():
-    numba = pytest.importorskip("numba")
-    fast = numba.njit(kalman_learn)
-    ours, plain = [W0.copy(), correlated()], [W0.copy(), correlated()]
-    for one, law in ((ours, fast), (plain, kalman_learn)):
-        for k in range(20):
-            law(*one, Fired(k % 6, k // 4, 0.3, 0.8), 0.4, 0.01, 0.05, 4.0, 6.0)
-    assert ours[0] == pytest.approx(plain[0], abs=1e-13) and ours[1] == pytest.approx(plain[1], abs=1e-13)
-
-
-@pytest.mark.slow
 def test_an_update_costs_a_microsecond_or_so():
     assert 0.0 < update_cost(20000, 15) < 5.0  # 0.5 us on a quiet machine
 

@@ -52,7 +52,7 @@ def test_others_only_come_in_with_a_token_and_it_stands_in_the_fragment(tmp_path
 def test_the_server_loads_nothing_that_computes():
     code = (
         "import sys; import leadscrew.cli; from leadscrew.panel import app, audit, hub, link, serve; import uvicorn; "
-        "print([m for m in ('numpy', 'numba', 'scipy', 'matplotlib', 'pyarrow', 'control') if m in sys.modules])"
+        "print([m for m in ('numpy', 'llvmlite', 'scipy', 'matplotlib', 'pyarrow', 'control') if m in sys.modules])"
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=60, check=True)
     assert done.stdout.strip() == "[]"

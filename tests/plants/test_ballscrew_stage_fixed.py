@@ -107,7 +107,7 @@ def test_mirrored_torque_gives_mirrored_motion():
 
 
 @pytest.mark.sweep
-@pytest.mark.parametrize("engine", ["llvm", "c", pytest.param("numba", marks=pytest.mark.slow)])
+@pytest.mark.parametrize("engine", ["llvm", "c"])
 def test_all_engines_give_the_same_bits(engine):
     fast, plain = (fixed(60.0, 20, periods=15, engine=e) for e in (runnable(engine), "python"))
     assert all(np.array_equal(fast[name], plain[name]) for name in plain.signals)

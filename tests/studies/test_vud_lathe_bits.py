@@ -5,6 +5,7 @@ import pytest
 
 from leadscrew.catalogue import study
 from tests.budget import some
+from tests.tools import runnable
 
 LATHE = study("vud_lathe")
 FIRST, PLAIN = next(iter(LATHE.scenarios)), "corrected.vud_beta_e"
@@ -39,7 +40,7 @@ def test_python_and_machine_code_agree_on_every_signal(controller, scenario):
 @pytest.mark.parametrize(("controller", "scenario"), some(different_loops(), 3))
 def test_all_three_engines_agree_over_the_whole_run(controller, scenario):
     duration = LATHE.scenarios[scenario].duration_s
-    runs = [every_signal(controller, scenario, e, duration) for e in ("llvm", "python", "numba")]
+    runs = [every_signal(controller, scenario, e, duration) for e in ("llvm", "python", runnable("c"))]
     for other in runs[1:]:
         for name in runs[0].signals:
             assert np.array_equal(runs[0][name].view(np.int64), other[name].view(np.int64)), (other.engine, name)

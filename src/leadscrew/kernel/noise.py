@@ -106,7 +106,7 @@ def uniform(noise: Noise, draw: int) -> float:
 
     Draws of one block and period differ by ``draw``, an integer from 0 to 2**32 - 1.
     """
-    x0, x1, _, _ = _words(noise, draw)
+    x0, x1, _x2, _x3 = _words(noise, draw)
     return _open_unit(x0, x1)
 
 
