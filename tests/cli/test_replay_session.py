@@ -9,6 +9,7 @@ from leadscrew.operate import session_file
 from leadscrew.operate.operated import Operated
 from leadscrew.operate.session import Start
 from tests.cli.conftest import strict_json
+from tests.cli.test_simulate import REMOVED
 from tests.operate.bench_study import NAME
 
 
@@ -45,6 +46,15 @@ def test_a_changed_session_is_not_identical(call, session, tmp_path):
     found = strict_json(call("replay", path, "--json", code=1).stdout)
     assert not found["identical"] and found["rows"] == 100 and found["events"] == 2
     assert "0.03 s" in found["first_difference"]
+
+
+def test_a_session_on_the_removed_engine_is_replayed_on_llvm(call, session, tmp_path):
+    path = tmp_path / "s.toml"
+    session_file.write(replace(session, start=replace(session.start, engine="numba")), path)
+    result = call("replay", path)
+    assert result.stdout.startswith("identical: 100 rows of ") and result.stderr == REMOVED
+    with pytest.warns(UserWarning, match="'numba': this engine was removed"):
+        assert session_file.read(path).start.engine == "llvm"
 
 
 def test_what_is_no_session_is_refused(refused, session, tmp_path, study):

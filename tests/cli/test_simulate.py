@@ -189,6 +189,24 @@ def test_an_experiment_file_says_it_all(call, tmp_path):
     assert "the same" in call("diff", path, "p", "p").stdout
 
 
+REMOVED = "warning: engine = 'numba': this engine was removed; 'llvm' runs instead and gives the same bits\n"
+
+
+def test_a_run_of_the_removed_engine_is_replayed_on_llvm(call, study, tmp_path):
+    out = tmp_path / "run"
+    call(*simulated(study, "--out", out))
+    manifest = json.loads((out / "run.json").read_text())
+    (out / "run.json").write_text(json.dumps({**manifest, "engine": "numba"}))
+    result = call("replay", out)
+    assert result.stdout.startswith("identical: 200 rows") and result.stderr == REMOVED
+
+
+def test_an_experiment_file_that_names_the_removed_engine_runs_on_llvm(call, tmp_path):
+    path = experiment(tmp_path, EXPERIMENT.replace("[set]", 'engine = "numba"\n[set]'))
+    result = call("simulate", path, "--json")
+    assert strict_json(result.stdout)["engine"] == "llvm" and result.stderr == REMOVED
+
+
 @pytest.mark.parametrize(
     ("old", "new", "words"),
     [
@@ -196,6 +214,7 @@ def test_an_experiment_file_says_it_all(call, tmp_path):
         ("schema_version = 1", "", ("schema_version", "missing")),
         ("duration = 0.1", "duration = -1", ("duration", "-1")),
         ("duration = 0.1", "duration = 'long'", ("duration", "long")),
+        ("duration = 0.1", "engine = 'fortran'", ("engine = 'fortran'", "'llvm', 'c' or 'python'")),
         ("duration = 0.1", "durations = 1", ("durations", "did you mean duration")),
         ("scenario.target_mm = 2", "scenario.target = 2", ("scenario.target", "did you mean")),
         ("scenario.target_mm = 2", "scenario.target_mm = 'far'", ("target_mm", "far", "number")),
