@@ -234,6 +234,11 @@ def mirrored(line):
     return f"{90.0 - float(angle):g},{rest}"
 
 
+@pytest.mark.parametrize("centre", ["1e9,0", "0,-1e9", "nan,0", "0,inf"])
+def test_a_centre_with_one_coordinate_that_is_no_place_on_a_machine_is_refused(refused, centre):
+    assert f"--centre {centre}: expected two finite numbers below 1e9 mm" in refused(*FILE, "--centre", centre)
+
+
 @pytest.mark.parametrize(
     ("change", "said"),
     [

@@ -150,6 +150,8 @@ CASES = [
     ("fll", "Centroid 100", "none", "10:16: expected a defuzzifier"),
     ("fll", "Centroid 100", "WeightedSum TakagiSugeno", "10:16: expected TakagiSugeno with terms that are Constant"),
     ("fll", "Centroid 100", "WeightedSum Tsukamoto", "10:16: expected Tsukamoto with terms that rise or fall only"),
+    ("fll", "Centroid 100\n", "WeightedSum Tsukamoto\n  term: d Ramp 0.0 1.0\n", "10:16: expected Tsukamoto with"),
+    ("fll", "Centroid 100\n", "WeightedSum TakagiSugeno\n  term: d Constant 1\n", "10:16: expected TakagiSugeno with"),
     ("fll", "default: nan", "default: none", "11:12: expected default: NUMBER, found 'none'"),
     ("fll", "Threshold > 0.5", "Threshold 0.5", "15:15: expected Threshold >= 0.0 (or other numbers)"),
     ("fll", "y is c", "y is d", "16:29: y has no term 'd'; known: c"),
