@@ -11,11 +11,13 @@ from leadscrew.cli import app
 from leadscrew.cli.values import parse
 from leadscrew.experiment import Experiment
 from leadscrew.kernel.errors import LeadscrewError
+from leadscrew.kernel.sheet import Entry
 from tests.cli.conftest import FILE
 
 STUDY = f"{FILE}:STUDY"
 KEYS = ("plant.lag_s", "controller.stages", "controller.inverted", "controller.table", "scenario.target_mm")
 SHEET = Experiment(STUDY, "p", "small").settable()
+WHOLE = Entry("controller.stages", "int", 1, "", "")
 NUMBERISH = st.text(alphabet="0123456789+-.eE_naifINF[], truefalsTRUE\n\x00\t١²", max_size=40)
 TEXTS = st.one_of(st.text(max_size=60), NUMBERISH, st.floats().map(str), st.integers().map(str))
 
@@ -30,6 +32,13 @@ def test_a_value_is_read_or_refused_by_name(key, text):
     else:
         assert list(found) == [key]
         SHEET[key].check(found[key])
+
+
+def test_a_whole_number_that_a_double_cannot_hold_is_refused():
+    assert parse([f"controller.stages={2**53}"], {"controller.stages": WHOLE}) == {"controller.stages": 2**53}
+    for text in (f"{2**53 + 1}", f"-{2**53 + 1}", "1e16", "2.5", "inf"):
+        with pytest.raises(LeadscrewError, match=r"controller\.stages = .*expected a whole number"):
+            parse([f"controller.stages={text}"], {"controller.stages": WHOLE})
 
 
 @settings(max_examples=25, deadline=None, suppress_health_check=[HealthCheck.too_slow])

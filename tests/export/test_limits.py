@@ -2,6 +2,7 @@
 
 import math
 import re
+import sys
 from dataclasses import replace
 
 import numpy as np
@@ -9,7 +10,7 @@ import pytest
 
 from leadscrew.export import hal
 from leadscrew.export.controller import limits_of, rounded_up
-from leadscrew.export.core import Limits, Record, at_the_machine
+from leadscrew.export.core import Knob, Limits, Record, at_the_machine
 from tests.export import hal_sample
 
 # Command, feedback and output, period by period, and the way against the output. The output of a period moves the axis
@@ -106,3 +107,34 @@ def test_the_demonstration_s_axis_moves_at_100_mm_in_a_second_at_full_drive():
 def test_the_demonstration_s_axis_follows_a_position_with_the_lag_that_it_prints():
     # T = 20 ms: after 20 periods 1 - 1 / e of the way; 0.03 for Euler's steps (1 - 0.95^20 is 0.6415).
     assert demonstrated("position", steps=20)[-1] == pytest.approx(2.0 * (1.0 - math.exp(-1.0)), abs=0.03)
+
+
+# ---- the ranges of parameters in HAL
+FREE = Knob("x", "x", "float", 1.0, ("x",))
+
+
+@pytest.mark.parametrize(
+    ("change", "taken", "refused"),
+    [
+        ({}, (-1e308, 0.0, 1e308), (-math.inf, math.inf, math.nan)),
+        ({"low": 0.0, "range": "[0, inf)"}, (0.0, 1e308), (-1e-9, math.inf, math.nan)),
+        ({"low": 0.0, "range": "(0, inf)"}, (5e-324, 1.0), (0.0, -1.0, math.nan)),
+        ({"low": -1.0, "high": 2.0, "range": "[-1, 2]"}, (-1.0, 2.0), (-1.0000001, 2.0000001)),
+        ({"low": -1.0, "high": 2.0, "range": "(-1, 2)"}, (-0.9999999, 1.9999999), (-1.0, 2.0)),
+        ({"kind": "int", "value": 1, "low": 0, "high": 3, "range": "[0, 3]"}, (0, 3), (-1, 4)),
+        ({"kind": "int", "value": 1, "low": 2, "high": math.inf, "range": "[2, inf)"}, (2, 2**31 - 1), (1, -(2**31))),
+        ({"kind": "int", "value": 1}, (-(2**31), 2**31 - 1), ()),
+        ({"kind": "bool", "value": True}, (0, 1), ()),
+    ],
+)
+def test_hal_refuses_a_parameter_outside_of_its_range_and_takes_its_closed_ends(change, taken, refused):
+    core = replace(hal_sample.core("axis"), knobs=(replace(FREE, **change),))
+    text = hal.files(core)["axis.comp"]
+    # The condition between the reading of the pin and the refusal, in the words of Python.
+    found = re.search(r"= (?:\(\w+\))?inst->x(?: != 0)?;\s*if \((.*)\) \{\n\s*bad = 1", text)
+    condition = found[1] if found else "0"
+    for c, python in (("&&", " and "), ("||", " or "), ("!(", "not (")):
+        condition = condition.replace(c, python)
+    names = {"DBL_MAX": sys.float_info.max}
+    assert not any(eval(condition, {**names, "wanted": x}) for x in taken)
+    assert all(eval(condition, {**names, "wanted": x}) for x in refused)

@@ -142,3 +142,9 @@ def test_columns_that_make_no_table_are_refused():
 def test_a_score_needs_rows_that_fit():
     with pytest.raises(ValueRefused, match="rows of shape"):
         score(learn(DATA, ["e"], "u").system, np.zeros((3, 5)))
+
+
+def test_the_score_of_a_constant_is_worked_by_hand():
+    # Mean 4, squares 9 + 1 + 0 + 16: the root mean square of a constant's errors is sqrt(26 / 4).
+    rows = np.column_stack([E[:4], DE[:4], [1.0, 3.0, 4.0, 8.0]])
+    assert score(learn(DATA, ["e", "de"], "u").system, rows).spread == pytest.approx(np.sqrt(6.5), rel=1e-14)

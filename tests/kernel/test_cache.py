@@ -77,6 +77,15 @@ def test_the_oldest_go_when_there_are_too_many(own, monkeypatch):
     assert [p.exists() for p in paths] == [False, False, True, True, True]
 
 
+@pytest.mark.parametrize("suffix", ["o", "so", "npy"])
+def test_compiled_files_and_tables_do_not_pile_up_either(own, monkeypatch, suffix):
+    monkeypatch.setattr(cache, "LIMIT", 3)
+    for i in range(5):
+        cache.write(f"loop_{i}.{suffix}", b"code")
+        os.utime(cache.directory() / f"loop_{i}.{suffix}", (1000 + i, 1000 + i))
+    assert [cache.read(f"loop_{i}.{suffix}") for i in range(5)] == [None, None, b"code", b"code", b"code"]
+
+
 def test_a_cache_that_cannot_be_written_falls_back_with_one_warning(tmp_path, monkeypatch):
     blocked = tmp_path / "file"
     blocked.write_text("not a folder")

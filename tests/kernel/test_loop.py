@@ -115,6 +115,8 @@ def test_a_saved_place_can_be_gone_back_to_and_parameters_set_on_the_way():
     b = live.advance(50)
     assert np.array_equal(a["actual"], b["actual"])
     live.restore(saved)
+    assert np.array_equal(a["actual"], live.advance(50)["actual"])
+    live.restore(saved)
     live.set("controller.kp", 0.5)
     c = live.advance(50)
     assert not np.array_equal(a["actual"], c["actual"])

@@ -59,6 +59,15 @@ def test_every_part_of_the_token_changes_the_draw():
     assert len({uniform(n, 0) for n in [base, *others]} | {uniform(base, 1)}) == 8
 
 
+def test_a_draw_can_be_reproduced_from_the_generator_of_the_paper():
+    """Key: low and high word of the seed, run, block; counter: low and high word of the period, draw, 0."""
+    x0, x1, x2, x3 = threefry4x32(7, 3, 11, 13, 5 + 2**31, 2, 17, 0)
+    token = Noise(7 + 3 * 2**32, 11, 13, 5 + 2**31 + 2 * 2**32)
+    u, v = (((high * 2**20 + low // 2**12) + 0.5) / 2**52 for high, low in ((x0, x1), (x2, x3)))
+    assert uniform(token, 17) == u
+    assert normal(token, 17) == pytest.approx(math.sqrt(-2.0 * math.log(u)) * math.cos(2.0 * math.pi * v), rel=1e-14)
+
+
 def test_uniform_never_reaches_its_ends():
     from leadscrew.kernel.noise import _open_unit
 

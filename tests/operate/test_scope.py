@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 
 from leadscrew.kernel.errors import NameUnknown, ValueRefused
 from leadscrew.operate.scope import RING_BYTES, Scope, Trigger
+from leadscrew.operate.scope_trigger import noise
 
 PERIOD = 1e-3
 
@@ -138,6 +139,21 @@ def test_a_given_hysteresis_is_kept():
     taker.arm(Trigger("x", 0.0, mode="normal", pre=0.0, length_s=0.002, hysteresis=0.5))
     found = fed(taker, record(x), range(1, 10))
     assert [c.rows[0, 1] for c in found] == [1.0, 7.0]
+
+
+@pytest.mark.parametrize("slope", ["rising", "falling", "either"])
+def test_a_signal_that_rests_at_the_level_never_fires(slope):
+    taker = scope()
+    taker.arm(Trigger("x", 0.25, slope, pre=0.0, length_s=0.002, hysteresis=0.0))
+    assert fed(taker, record(np.full(20, 0.25)), [5]) == []
+
+
+def test_the_hysteresis_is_by_the_standard_deviation_of_the_noise():
+    # 2000 rows: the median of their third differences is within 5 % (three deviations) in all of these seeds.
+    for seed in range(3):
+        white = np.random.default_rng(seed).normal(0.0, 0.02, 2000)
+        assert noise(white) == pytest.approx(0.02, rel=0.08)
+        assert noise(white + 5.0 * np.linspace(-1.0, 1.0, 2000) ** 2) == pytest.approx(noise(white), rel=0.01)
 
 
 def test_auto_fires_after_a_while_without_a_trigger_and_at_the_level_where_there_is_one():

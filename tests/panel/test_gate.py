@@ -87,3 +87,9 @@ def test_a_flood_is_cut_to_what_a_person_can_do():
     assert taken == pytest.approx(BURST + 10 * PER_S, rel=0.01)
     calm = Rate(at=0.0)
     assert all(calm.takes(now=i / 50) for i in range(5000))
+
+
+def test_a_page_that_sends_all_at_once_gets_its_burst_and_a_second_later_its_share():
+    rate = Rate(at=0.0)
+    assert sum(rate.takes(now=0.0) for _ in range(500)) == 120
+    assert sum(rate.takes(now=1.0) for _ in range(500)) == 60

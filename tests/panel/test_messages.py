@@ -145,6 +145,9 @@ def test_plain_json_means_the_same_to_us_and_to_python(value):
 
 def test_depth_is_of_brackets_and_not_of_texts():
     assert strict_json.loads(json.dumps({"a": "[" * 500 + '\\"{'})) == {"a": "[" * 500 + '\\"{'}
+    assert strict_json.loads(json.dumps({"a": '"' + "[" * 500})) == {"a": '"' + "[" * 500}
+    with pytest.raises(ValueError, match="deeper"):
+        strict_json.loads(json.dumps({"a/": "\\", "b": [[[[[[[["/"]]]]]]]]}))
     assert strict_json.loads('{"a":[[[[[[[1]]]]]]]}')
     with pytest.raises(ValueError, match="deeper"):
         strict_json.loads('{"a":[[[[[[[[1]]]]]]]]}')

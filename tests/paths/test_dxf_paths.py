@@ -139,13 +139,18 @@ def test_loose_entities_become_one_outline(drawn):
     assert "1 segment of no length left out" in drawing.notes
 
 
-UNITS = [(4, 1, "mm"), (1, 25.4, "in"), (5, 10, "cm"), (6, 1000, "m"), (9, 0.0254, "mil")]
+UNITS = [
+    (4, 1, "mm"), (1, 25.4, "in"), (5, 10, "cm"), (6, 1000, "m"), (9, 0.0254, "mil"), (2, 12 * 25.4, "ft"),
+    (10, 36 * 25.4, "yd"), (8, 25.4e-6, "microinch"), (13, 1e-3, "um"), (14, 100, "dm"),
+]  # fmt: skip
+"""By the codes of the DXF reference."""
 
 
 @pytest.mark.parametrize(("units", "factor", "name"), UNITS)
 def test_units_of_the_file(drawn, units, factor, name):
-    drawing = drawn(lambda m: m.add_line((0, 0), (3, 4)), units)
-    assert drawing.length == pytest.approx(5 * factor) and drawing.unit == name
+    # Drawn 5 m long, whatever the unit.
+    drawing = drawn(lambda m: m.add_line((0, 0), (3000 / factor, 4000 / factor)), units)
+    assert drawing.length == pytest.approx(5000) and drawing.unit == name
 
 
 def test_a_file_without_a_unit_is_refused_with_the_way_out(drawn):

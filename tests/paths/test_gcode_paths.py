@@ -105,6 +105,12 @@ def test_several_passes_are_paths_of_their_own():
     assert [p.length for p in drawing.paths] == pytest.approx([9, 9])
 
 
+def test_a_pass_half_way_between_the_sheet_and_the_deepest_one_is_cut():
+    passes = "G1 F9 Z0\nG1 X30\nG1 Z-1\nG1 X20\nG1 Z0\nG1 X0\nG1 Z-2\nG1 X10\nG1 Z0\nG1 X0"
+    drawing = paths_of_gcode(f"G21\n{passes}\n")
+    assert [(path.segments[0].start[0], path.segments[-1].end[0]) for path in drawing.paths] == [(30, 20), (0, 10)]
+
+
 def test_a_helix_and_a_full_circle_are_seen_from_above():
     (path,) = paths_of_gcode("G0 X10\nG2 F9 X10 Y0 I-10").paths
     assert path.closed and path.turn == pytest.approx(-360) and path.length == pytest.approx(20 * math.pi)
