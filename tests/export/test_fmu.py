@@ -160,12 +160,30 @@ def test_single_precision_starts_and_ranges_are_what_the_controller_holds():
         ("deg", 0.017453292519943295, {"rad": 1}),
         ("Hz", 1.0, {"s": -1}),
         ("%", 0.01, {}),
+        ("rpm", 0.10471975511965977, {"rad": 1, "s": -1}),
+        ("rev/min", 0.10471975511965977, {"rad": 1, "s": -1}),
+        ("g", 1e-3, {"kg": 1}),
+        ("mA", 1e-3, {"A": 1}),
+        ("cm/h", 1e-2 / 3600, {"m": 1, "s": -1}),
+        ("GPa", 1e9, {"kg": 1, "m": -1, "s": -2}),
+        ("nm", 1e-9, {"m": 1}),
     ],
 )
 def test_units_are_told_in_base_units(unit, factor, exponents):
     found = base_units(unit)
     assert found is not None
     assert found == (pytest.approx(factor, rel=1e-15), exponents)
+
+
+@pytest.mark.parametrize(
+    ("unit", "same"),
+    [
+        ("J", "N m"), ("J", "Nm"), ("W", "J/s"), ("V", "W/A"), ("C", "A s"), ("ohm", "V/A"), ("H", "V s/A"),
+        ("F", "A s/V"), ("T", "V s/m^2"), ("Pa", "N/m^2"), ("N", "kg m/s^2"), ("Hz", "1/s"),
+    ],
+)  # fmt: skip
+def test_derived_units_are_what_the_si_defines_them_by(unit, same):
+    assert base_units(unit) == base_units(same)
 
 
 @pytest.mark.parametrize("unit", ["", "sets", "[error] s", "mm per period", "V/(mm", "mm)", "/", "mm/s^x"])
