@@ -16,8 +16,6 @@ from leadscrew.kernel.errors import ValueRefused
 from leadscrew.sensors.noisy_ruler import noisy_ruler
 from tests.controllers.table_axis import PERIOD, rms_um, table_axis, tried
 
-pytestmark = pytest.mark.slow
-
 RPM, SHARES = (1000, 2000, 3000), (0.98, 1.0, 1.02)
 PLAIN = adaptive_resonant(PID["ours.pid_ms_159"])
 FOUND = "controller.spindle.spindle_hz"
@@ -31,6 +29,7 @@ def cut(block, spindle_hz, seconds=20.0, sensor=READ, **more):
     return run, run[names[0]] if names else None
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("rpm", "share"),
     [pytest.param(r, s, marks=() if (r, s) == (1000, 0.98) else pytest.mark.slow) for r, s in product(RPM, SHARES)],
@@ -78,6 +77,7 @@ def test_a_speed_that_drifts_is_followed():
     assert run["controller.spindle.spindle_hz"][-1] == pytest.approx(wanted, rel=2e-4) and rms_um(run) < 0.1
 
 
+@pytest.mark.slow
 def test_the_lines_of_the_wandering_spindle_turn_at_its_speed():
     p = wandering_spindle(spindle_hz=20.0, drift=0.01, wander=0.05, wander_s=2.0, tooth_v=0.0).params
     t = np.linspace(0.0, 3.0, 300001)
@@ -95,11 +95,13 @@ def test_where_no_spindle_turns_nothing_gets_worse():
     assert with_it < 1.05 * without
 
 
+@pytest.mark.slow
 def test_a_speed_outside_its_range_is_not_followed_beyond_it():
     _, found = cut(PLAIN(within=0.01), 52.0, 10.0, sensor=None)
     assert found.max() <= 50.5 * (1.0 + 1e-12) and found[-1] > 50.4
 
 
+@pytest.mark.slow
 def test_the_first_output_after_an_align_is_the_last_one_before():
     live = table_axis(pid).start()
     live.advance(3000)
@@ -108,7 +110,7 @@ def test_the_first_output_after_an_align_is_the_last_one_before():
     assert after.bumpless and after.advance(1)["output"][0] == pytest.approx(expected, abs=1e-13)
 
 
-@pytest.mark.sweep
+@pytest.mark.slow
 def test_all_engines_give_the_same_bits():
     loop = table_axis(inverse_feed_forward(PLAIN(max_output=0.02)), spindle_hz=51.0, spindle_v=1e-3, tooth_v=2e-3)
     fast, plain = (loop.run(0.3, record=("output", "controller"), engine=e) for e in ("llvm", "python"))
@@ -130,6 +132,7 @@ def test_at_the_limit_of_the_output_the_lines_turn_and_do_not_grow():
     assert np.abs(grown[limited]).max() < 1e-15 and np.abs(grown[~limited]).max() > 1e-6
 
 
+@pytest.mark.slow
 def test_a_limit_outside_holds_the_lines_and_one_inside_does_not():
     """A motion that needs 60 times the voltage: the lines stay within 50 times the limit, or run away."""
     small = PID["ours.pid_ms_159"](max_output=5e-3, anti_windup=1)

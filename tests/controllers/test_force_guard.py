@@ -143,7 +143,7 @@ def test_a_first_reading_that_is_not_finite_holds_the_feed():
 
 
 @pytest.mark.parametrize(("raw", "cause"), [(1000.0, OUT_OF_RANGE), (-1000.0, OUT_OF_RANGE), (8388607.0, OUT_OF_RANGE),
-                                            (-211.0, JUMP), (510.5, JUMP), (509.0, TOO_LARGE)])  # fmt: skip
+                                            (-211.0, JUMP), (510.5, JUMP), (510.0, TOO_LARGE)])  # fmt: skip
 def test_a_reading_that_cannot_be_holds_the_feed_in_the_same_step(raw, cause):
     """From 150 N, 60 N and 15 kN/s for 20 ms are 360 N."""
     found = climbing()
@@ -169,6 +169,11 @@ def test_a_stuck_load_cell_stops_the_rise_at_the_third_equal_reading_and_the_fee
 def test_a_quiet_load_cell_may_stand_still_where_it_is_allowed_to(cell):
     found = climbing(cell=cell)
     assert min(found(150.0) for _ in range(20)) > 0.4 and found.guard.mode == RUNNING
+
+
+def test_a_load_cell_that_stands_still_at_the_least_force_of_a_cut_is_stuck():
+    found = climbing(cell=CellChecks(still_above_n=150.0))
+    assert [found(150.0) for _ in range(8)][-1] == 0.0 and found.guard.cause == STUCK
 
 
 def test_it_restarts_after_the_quiet_time_at_a_share_of_the_feed_and_climbs_from_there():

@@ -18,8 +18,6 @@ from leadscrew.plants.xy_table_lugre import LEVELS
 from leadscrew.references.eased_sine import eased_sine_motion
 from tests.controllers.table_axis import PERIOD, lines_um, rms_um, table_axis, tried
 
-pytestmark = pytest.mark.slow
-
 ONE = pid(kp=1.0, ki=0.0, kd=0.0)
 TUNED = PID["ours.pid_ms_159"]
 W = np.geomspace(1.0, 6200.0, 2000)
@@ -48,6 +46,7 @@ def test_the_low_pass_has_lost_3_db_at_its_cut_off_and_shifts_nothing():
     assert np.abs(response) == pytest.approx([1.0, np.sqrt(0.5)], abs=2e-3) and np.abs(response.imag).max() < 1e-12
 
 
+@pytest.mark.slow
 def test_the_error_of_a_repeated_disturbance_shrinks_as_promised():
     """Five lines of 0.7 Hz: their distance from what stays of them falls each period at least by the contraction."""
     run = table_axis(repetitive(TUNED), amplitude=0.0, disturbance=HARMONICS).run(16.0)
@@ -119,6 +118,7 @@ def test_what_did_not_act_is_not_learned():
     assert found[: 2 * late - TAPS] == pytest.approx(expected[: 2 * late - TAPS], abs=1e-12)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("limit", [0.0, 5e-3])
 def test_a_limit_outside_keeps_the_memory_from_winding_up(limit):
     """A motion that needs 60 times the voltage, around a PID with the same limit: what is added to its command."""
@@ -137,6 +137,7 @@ def test_periods_and_cut_offs_that_the_memory_cannot_hold_are_refused():
         repetitive(pid, room=10)
 
 
+@pytest.mark.slow
 def test_the_first_output_after_an_align_is_the_last_one_before():
     live = table_axis(pid).start()
     live.advance(3000)
@@ -145,7 +146,7 @@ def test_the_first_output_after_an_align_is_the_last_one_before():
     assert after.bumpless and after.advance(1)["output"][0] == pytest.approx(expected, abs=1e-13)
 
 
-@pytest.mark.sweep
+@pytest.mark.slow
 def test_all_engines_give_the_same_bits():
     loop = table_axis(repetitive(TUNED, 0.05 + 1e-4, room=200, max_output=0.05), frequency=20.0)
     record = ("output", "actual", "controller.at", "controller.added")

@@ -64,11 +64,18 @@ def test_the_file_has_nothing_that_linuxcnc_would_stop_at():
         ("0 0 0\n1 1 nan\n", "line 2"),
         ("0 0 0\n0 1 1\n", "line 2"),
         ("", "0 points"),
+        ("\n".join(f"{k} 0 0" for k in range(257)), "257 points"),
     ],
 )
 def test_a_file_that_linuxcnc_would_not_read_whole_is_refused(text, where):
     with pytest.raises(DataError, match=where):
         read_compensation(text)
+
+
+def test_a_table_of_256_points_is_the_longest_that_linuxcnc_reads():
+    many = np.arange(256.0)
+    text = screw_compensation(measured(many, many, many))
+    assert len(read_compensation(text).nominal) == 256
 
 
 def test_what_cannot_become_a_table_is_refused():
