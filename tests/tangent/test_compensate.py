@@ -11,7 +11,7 @@ from leadscrew.paths.path import Path
 from leadscrew.paths.segments import Line
 from leadscrew.tangent import machine
 from leadscrew.tangent.compensate import Learning, compensated
-from leadscrew.tangent.deviation import cutoff_of, deviation_of, noise_of
+from leadscrew.tangent.deviation import cutoff_of, deviation_of, errors_along, noise_of
 from leadscrew.tangent.emit import program
 from leadscrew.tangent.measured import Trace
 from leadscrew.tangent.placing import Placing, by_marks, fitted
@@ -128,6 +128,32 @@ def test_a_piece_that_lay_elsewhere_is_brought_back(align):
     straight = compensated([stroke], PLAIN, [points(x, y)])
     limit = 0.02 if align == "marks" else 1.5
     assert np.abs(found.learned[0].before - straight.learned[0].before).max() < limit
+
+
+@pytest.mark.parametrize(
+    ("first", "last", "covers"),
+    [(0.0, 100.0, True), (1.4, 98.6, True), (-1.4, 101.4, True), (1.6, 100.0, False), (-1.6, 100.0, False),
+     (0.0, 98.4, False), (0.0, 101.6, False)],
+)  # fmt: skip
+def test_errors_measured_along_a_line_of_100_mm_may_miss_its_ends_by_1_5_mm(first, last, covers):
+    stroke = stroke_of(Path([Line((0.0, 0.0), (100.0, 0.0))]))
+    travel = np.linspace(first, last, 30)
+    if covers:
+        assert errors_along(stroke, travel, np.full(30, 2.0), "log.csv").spacing == pytest.approx((last - first) / 29)
+    else:
+        with pytest.raises(DataError, match=r"log\.csv: goes from .* does not cover the path: expected 0 to 100\.0 mm"):
+            errors_along(stroke, travel, np.full(30, 2.0), "log.csv")
+
+
+def test_an_error_that_no_cut_has_is_refused_as_another_line():
+    stroke = stroke_of(Path([Line((0.0, 0.0), (100.0, 0.0))]))
+    travel = np.linspace(0.0, 100.0, 101)
+    spike = np.where(travel == 50.0, 60.0, 0.0)
+    assert errors_along(stroke, travel, np.full(101, -20.0), "log.csv").error[0] == -20.0
+    assert errors_along(stroke, travel, -spike, "log.csv").error[50] == -60.0
+    for error in (np.full(101, 20.1), np.full(101, -20.1), -1.01 * spike):
+        with pytest.raises(DataError, match="this is not the cut of this path"):
+            errors_along(stroke, travel, error, "log.csv")
 
 
 def test_a_line_traced_backwards_or_as_a_closed_one_is_taken_from_the_plunge_on():
