@@ -104,12 +104,13 @@ def test_friction_repeats_itself_and_is_learned():
     assert found[1] < 0.5 * found[0]
 
 
-def test_what_did_not_act_is_not_learned():
+@pytest.mark.parametrize("inner", [ONE, ONE(max_output=1.0)], ids=["", "the same limit inside"])
+def test_what_did_not_act_is_not_learned(inner):
     """Gain one: errors of 0.5 act, of 2.0 they do not; a period later the first are met by the taps, the others not."""
     errors = np.zeros(400)
     errors[100:130], errors[160:190] = 0.5, 2.0
     late = 150
-    block = repetitive(ONE, late * PERIOD, cutoff_hz=200.0, lead_s=0.0, strength=0.6, room=300, max_output=1.0)
+    block = repetitive(inner, late * PERIOD, cutoff_hz=200.0, lead_s=0.0, strength=0.6, room=300, max_output=1.0)
     found = np.array(tried(block, errors, np.zeros(400)))
     taps = low_pass(200.0, PERIOD)
     learned = np.convolve(np.where(errors == 0.5, 0.6 * errors, 0.0), taps)[TAPS : TAPS + 400]

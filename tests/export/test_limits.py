@@ -109,6 +109,12 @@ def test_the_demonstration_s_axis_follows_a_position_with_the_lag_that_it_prints
     assert demonstrated("position", steps=20)[-1] == pytest.approx(2.0 * (1.0 - math.exp(-1.0)), abs=0.03)
 
 
+@pytest.mark.parametrize(("period", "nanoseconds"), [(1e-3, 1_000_000), (0.25e-3, 250_000), (1.0 / 3000.0, 333_333)])
+def test_the_demonstration_s_thread_has_the_period_of_the_controller(period, nanoseconds):
+    text = hal.files(replace(hal_sample.core("axis"), period=period))["axis_sim.hal"]
+    assert f"loadrt threads name1=servo period1={nanoseconds}\n" in text
+
+
 # ---- the ranges of parameters in HAL
 FREE = Knob("x", "x", "float", 1.0, ("x",))
 

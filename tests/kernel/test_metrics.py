@@ -124,6 +124,13 @@ def test_rise_time_of_a_first_order_lag_is_ln_9_time_constants():
     assert value == pytest.approx(0.05 * math.log(9), abs=2e-5)
 
 
+def test_a_rise_from_0_percent_begins_with_the_step():
+    rising = np.concatenate([np.linspace(0.0, 1.0, 11), np.ones(5)])
+    for low, high, samples in ((0.0, 90.0, 9), (0.0, 100.0, 10), (20.0, 60.0, 4)):
+        block = metrics.rise_time(low_percent=low, high_percent=high)
+        assert measure(block, np.ones(16), rising) == pytest.approx(samples * DT, rel=1e-9)
+
+
 def test_only_the_last_move_counts():
     command = np.concatenate([np.full(100, 1.0), np.full(100, 0.5)])
     actual = np.concatenate([[0.0], np.full(99, 1.4), np.full(99, 0.4), [0.5]])

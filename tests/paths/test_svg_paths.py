@@ -124,6 +124,12 @@ def test_percentages_are_of_the_page_they_lie_on(tmp_path):
     assert inner.segments[0].start == pytest.approx((70, 50)) and inner.length == pytest.approx(8)
 
 
+def test_percentages_inside_of_a_view_box_are_of_its_own_width_and_height(tmp_path):
+    box = '<svg width="20" height="10" viewBox="0 0 40 20"><line x2="50%"/><line x1="3" x2="3" y2="50%"/></svg>'
+    across, up = read(tmp_path, box).paths
+    assert across.length == pytest.approx(10) and up.length == pytest.approx(5)
+
+
 def test_use_of_what_is_not_there_is_said(tmp_path):
     drawing = read(tmp_path, '<use href="part.svg#a"/><use xlink:href="#nix"/><use/><line x2="4"/>')
     assert drawing.notes == (
