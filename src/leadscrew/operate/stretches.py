@@ -82,7 +82,7 @@ class Envelope:
                 wanted[:, i] = rows[:, at[c]]
         whole = np.concatenate([self._left, wanted])
         n = len(whole) // self.size
-        self._keep(whole[: n * self.size].reshape(n, self.size, -1))
+        self._keep(whole[: n * self.size].reshape(n, self.size, len(self.columns)))
         self._left = whole[n * self.size :]
 
     def _keep(self, buckets: np.ndarray) -> None:
