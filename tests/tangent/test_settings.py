@@ -45,9 +45,9 @@ def test_a_corner_as_sharp_as_allowed_is_turned_at_depth_and_a_sharper_one_lifts
 
 
 def test_lengths_are_rounded_as_they_are_written():
-    # 1.23456 mm are 0.0486047 inch: 0.04860 inch are 1.23444 mm.
-    assert Settings().rounded(1.23456) == pytest.approx(1.2346, abs=1e-12)
-    assert Settings(inch=True).rounded(1.23456) == pytest.approx(0.04860 * 25.4, abs=1e-12)
+    # 1.23486 mm are 0.0486165 inch.
+    assert Settings().rounded(1.23486) == pytest.approx(1.2349, abs=1e-12)
+    assert Settings(inch=True).rounded(1.23486) == pytest.approx(0.04862 * 25.4, abs=1e-12)
 
 
 @pytest.mark.parametrize(("clockwise", "word"), [(False, 30.0), (True, -30.0)])
