@@ -19,6 +19,15 @@ def test_memberships_sum_to_one_everywhere_and_hold_beyond_the_ends():
     assert SIX.memberships(7.0).tolist() == [0, 0, 0, 0, 0, 1]
 
 
+def test_half_way_between_two_peaks_is_a_tie_whatever_the_rounding():
+    rng = np.random.default_rng(0)
+    for _ in range(50):
+        c = np.cumsum(rng.uniform(0.01, 1.0, 4))
+        found = Partition(tuple(c), ("a", "b", "c", "d")).winners(0.5 * (c[:-1] + c[1:]))
+        assert found.index.tolist() == [0, 1, 2] and found.tied.all()
+        assert not Partition(tuple(c), ("a", "b", "c", "d")).winners(c).tied.any()
+
+
 def test_zero_is_a_tie_between_the_two_small_sets():
     zero = SIX.winner(0.0)
     assert zero.tied and SIX.labels[zero.index] == "NS" and zero.membership == 0.5
