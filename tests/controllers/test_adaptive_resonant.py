@@ -110,7 +110,7 @@ def test_the_first_output_after_an_align_is_the_last_one_before():
     assert after.bumpless and after.advance(1)["output"][0] == pytest.approx(expected, abs=1e-13)
 
 
-@pytest.mark.slow
+@pytest.mark.sweep
 def test_all_engines_give_the_same_bits():
     loop = table_axis(inverse_feed_forward(PLAIN(max_output=0.02)), spindle_hz=51.0, spindle_v=1e-3, tooth_v=2e-3)
     fast, plain = (loop.run(0.3, record=("output", "controller"), engine=e) for e in ("llvm", "python"))

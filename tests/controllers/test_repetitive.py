@@ -148,7 +148,7 @@ def test_the_first_output_after_an_align_is_the_last_one_before():
     assert after.bumpless and after.advance(1)["output"][0] == pytest.approx(expected, abs=1e-13)
 
 
-@pytest.mark.slow
+@pytest.mark.sweep
 def test_all_engines_give_the_same_bits():
     loop = table_axis(repetitive(TUNED, 0.05 + 1e-4, room=200, max_output=0.05), frequency=20.0)
     record = ("output", "actual", "controller.at", "controller.added")

@@ -16,7 +16,6 @@ linear PID with larger gains. The result says what that would give.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
@@ -32,7 +31,6 @@ if TYPE_CHECKING:
     from leadscrew.analysis.stability.linear import LinearLoop
     from leadscrew.controller_file import ControllerFile
     from leadscrew.kernel.block import Block
-    from leadscrew.kernel.loop import Loop
 
 STUDY = "npid_xytable"
 BUDGET = 1.2
@@ -195,7 +193,6 @@ def design_npid(
     m1: float = 1.1,
     m2: float = 1.1,
     budget_mv: float | None = None,
-    adopt: Callable[[Loop], Loop] | None = None,
 ) -> NpidDesign:
     """A nonlinear PID for an axis at its work, as the module says.
 
@@ -208,7 +205,6 @@ def design_npid(
         m1: factor that the gain keeps from the limit at rest.
         m2: factor that the slope keeps from the driven limit.
         budget_mv: largest change of the voltage from period to period at rest, rms; 1.2 times the PID's unless given.
-        adopt: of :class:`~leadscrew.design.npid_trial.Bench`.
 
     Raises:
         ValueRefused: an option out of range, a PID whose loop is unstable, or a budget that the PID alone exceeds.
@@ -230,7 +226,7 @@ def design_npid(
     rest, rest_by = rest_limit(loop)
     first = driven(loop, (1.0, 1.0))
     largest = first.limit if first.limit is not None else 1.0
-    bench = Bench(axis, work, law, adopt)
+    bench = Bench(axis, work, law)
     none = 1.0 if law == "slope" else 0.0
     base = bench.tried(used, [none], [1.0])
     alone = _candidates(base, base, work, law, [none], [1.0])[0]

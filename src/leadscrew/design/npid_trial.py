@@ -11,7 +11,7 @@ derivative, which a drive makes audible.
 from __future__ import annotations
 
 import warnings
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any
@@ -32,7 +32,6 @@ from leadscrew.design.npid_axis import (
 
 if TYPE_CHECKING:
     from leadscrew.analysis.harmonics import LineFit
-    from leadscrew.kernel.loop import Loop
 
 EVERY = 4
 """Every how many periods the error is recorded: 500 Hz at 2 kHz, above all lines that are fitted."""
@@ -76,15 +75,11 @@ def _fit(lines_hz: tuple[float, ...], start_s: float, step_s: float, samples: in
 
 
 class Bench:
-    """The loop of one law on an axis at its work, compiled once; candidates differ in values alone.
+    """The loop of one law on an axis at its work, compiled once; candidates differ in values alone."""
 
-    ``adopt`` may put the loop on a program that exists, as ``StudyLoops.adopt`` of a study does.
-    """
-
-    def __init__(self, axis: TableAxis, work: Work, law: Law, adopt: Callable[[Loop], Loop] | None = None) -> None:
+    def __init__(self, axis: TableAxis, work: Work, law: Law) -> None:
         self.axis, self.work, self.law = axis, work, law
-        loop = axis.loop(block_of(law, Gains()), work)
-        self.loop = loop if adopt is None else adopt(loop)
+        self.loop = axis.loop(block_of(law, Gains()), work)
 
     def tried(self, gains: Gains | Sequence[Gains], strength: Sequence[float], scale_um: Sequence[float]) -> Tried:
         """The candidates, one for each pair of strength and scale; with these gains, or each with its own."""

@@ -49,17 +49,15 @@ def backlash_loop(loops: Loops, controller: str, scenario: str, machine: str, la
     """A controller on a sine, on ``play`` or ``two_mass``; ``lag`` as in :mod:`leadscrew.sensors.dual_encoder`."""
     asked = SCENARIOS[scenario].params
     plant, in_motion = PLANTS[machine]
-    return loops.adopt(
-        Loop(
-            reference=command(asked),
-            controller=CONTROLLERS[controller],
-            plant=in_motion(plant(travel_per_rad=TRAVEL_MM_PER_RAD), start_speed(asked)),
-            sensor=dual_encoder(lag=lag, resolution=1e-6 * ENCODER_NM),
-            period=PERIOD_S,
-            metrics={},
-            bound=BOUND_MM,
-            **TIGHT,
-        )
+    return Loop(
+        reference=command(asked),
+        controller=CONTROLLERS[controller],
+        plant=in_motion(plant(travel_per_rad=TRAVEL_MM_PER_RAD), start_speed(asked)),
+        sensor=dual_encoder(lag=lag, resolution=1e-6 * ENCODER_NM),
+        period=PERIOD_S,
+        metrics={},
+        bound=BOUND_MM,
+        **TIGHT,
     )
 
 

@@ -51,7 +51,7 @@ def selftuned_pictures(loops: Loops, fits: Fits | None = None) -> list[Picture]:
 def record(loops: Loops) -> Figure:
     """Command, position and torque of the friction test."""
     loop, seconds = record_loop("test")
-    run = loops.adopt(loop).run(seconds, record=("command.position", "output", "feedback"))
+    run = loop.run(seconds, record=("command.position", "output", "feedback"))
     t, command, reading, torque = run.time, run["command.position"], run["feedback"], run["output"]
     small = t >= SLOW_FROM
     figure = Figure(figsize=(10.4, 5.4), layout="constrained")

@@ -92,7 +92,7 @@ def experiment(loops: Loops, block: Block, seconds: float, sample: float, **para
     law = {k: v for k, v in parameters.items() if k in PullParams._fields}
     loop = Loop(reference=profile(**mine), controller=pull(**law), plant=block, period=None, sample=sample, rtol=1e-8,
                 atol=1e-12, metrics={})  # fmt: skip
-    return loops.adopt(loop).run(seconds, record=("plant", "output")).check()
+    return loop.run(seconds, record=("plant", "output")).check()
 
 
 def friction_of(run: Run, f: LuGre) -> np.ndarray:
@@ -153,7 +153,7 @@ def gms_rise(loops: Loops, rate: float, highest: float, samples: int = 1000, ste
     """The Maxwell-slip stage under a torque that rises: angle, speed, torque."""
     loop = Loop(reference=rising(rate=rate), controller=handed_on, plant=ballscrew_gms(longest_step=step),
                 period=highest / rate / samples, metrics={})  # fmt: skip
-    return loops.adopt(loop).run(highest / rate, record=("plant.angle", "plant.speed", "output")).check()
+    return loop.run(highest / rate, record=("plant.angle", "plant.speed", "output")).check()
 
 
 class HeldSine(NamedTuple):
@@ -173,7 +173,7 @@ def held_torque_angle(loops: Loops, seconds: float) -> Run:
     """The stage under the held sine, from rest: 1 ms a hold."""
     loop = Loop(reference=held_sine, controller=handed_on, plant=ballscrew_stage, period=1e-3, method="rodas",
                 rtol=1e-9, atol=1e-14, metrics={})  # fmt: skip
-    return loops.adopt(loop).run(seconds, record=("plant",)).check()
+    return loop.run(seconds, record=("plant",)).check()
 
 
 def first_loading(f: Any, x: np.ndarray) -> np.ndarray:

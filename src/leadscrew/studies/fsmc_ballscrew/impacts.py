@@ -45,7 +45,7 @@ class Impact(NamedTuple):
 def imposed(loops: Loops, name: str, restitution: float, seconds: float, **changes: float) -> Run:
     """The screw from its largest speed on, the table on the forward flank."""
     radius, rate = SINES[name]
-    loop = loops.adopt(imposed_loop(radius, rate, restitution, 1e-4, **changes))
+    loop = imposed_loop(radius, rate, restitution, 1e-4, **changes)
     return loop.run(seconds, record=("plant",)).check()
 
 

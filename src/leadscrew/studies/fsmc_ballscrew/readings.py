@@ -139,4 +139,4 @@ def held_loop(loops: Loops, block: Block, period: float, scenario: str = "sine_f
         reference=command(move), controller=in_motion(block, speed), plant=bent(plant, speed), period=period,
         method="rodas", rtol=1e-4, atol=1e-10, metrics={}, bound=1e6,
     )  # fmt: skip
-    return loops.adopt(loop)
+    return loop

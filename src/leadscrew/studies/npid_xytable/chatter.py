@@ -130,10 +130,6 @@ class Row(NamedTuple):
 class Rows:
     """The experiments, each made once."""
 
-    def __init__(self, loops: Loops) -> None:
-        # a study's own loops outlive this: no circle of references
-        self.adopt = loops.adopt
-
     def measure(
         self, keys: Mapping[str, Any], controller: Block = npid, seconds: float = RUN_S, **options: Any
     ) -> Chatter:
@@ -282,5 +278,5 @@ _kept: WeakKeyDictionary[Loops, Rows] = WeakKeyDictionary()
 def rows_for(loops: Loops) -> Rows:
     """The experiments of these loops, kept with them."""
     if loops not in _kept:
-        _kept[loops] = Rows(loops)
+        _kept[loops] = Rows()
     return _kept[loops]

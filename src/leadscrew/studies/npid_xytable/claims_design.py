@@ -60,7 +60,7 @@ class Certified(NamedTuple):
 @lru_cache(maxsize=2)
 def designed(loops: Loops) -> NpidDesign:
     """Our procedure on L* with Table I."""
-    return design_npid(TableAxis(), table_2_work(), adopt=loops.adopt)
+    return design_npid(TableAxis(), table_2_work())
 
 
 @lru_cache(maxsize=2)
@@ -71,9 +71,7 @@ def certified(loops: Loops) -> Certified:
     linear = axis.linear(pid.gains)
     nyquist = linear.gain_limit(1.0)
     k = nyquist / LEAST_MARGIN
-    both = Bench(axis, work, "slope", loops.adopt).tried(
-        pid.gains, [1.0] * REPEATS + [k] * REPEATS, [ES_UM] * (2 * REPEATS)
-    )
+    both = Bench(axis, work, "slope").tried(pid.gains, [1.0] * REPEATS + [k] * REPEATS, [ES_UM] * (2 * REPEATS))
     base, law = (Tried(*(v[i : i + REPEATS] for v in vars(both).values())) for i in (0, REPEATS))
     plants = [dict(zip(BOX, values, strict=True)) for values in zip(*BOX.values(), strict=True)]
     proved = sum(
@@ -133,7 +131,7 @@ def _ours(loops: Loops) -> Iterator[Claim]:
 
 def _beside(loops: Loops) -> Iterator[Claim]:
     d = designed(loops)
-    bench = Bench(d.axis, d.work, "cosh", loops.adopt)
+    bench = Bench(d.axis, d.work, "cosh")
     x = strength_for("cosh", d.limits.gain, d.limits.slope)
     e_max = np.geomspace(0.5, 12.0, 12)
     found = bench.tried(d.gains, [0.0, 1.5, *[x] * e_max.size], [3.0, 3.0, *e_max])
