@@ -1,5 +1,6 @@
 # Each target makes .venv where there is none and installs what it needs, once. Nothing needs root.
 SHELL := /bin/sh
+unexport PYTHONDONTWRITEBYTECODE # without bytecode every worker of the tests would compile all modules again
 .DEFAULT_GOAL := help
 .PHONY: help demo test bench peers lint docs clean
 
@@ -21,7 +22,7 @@ demo: .venv/.core
 	$(BIN)/leadscrew demo
 
 test: .venv/.dev
-	$(BIN)/python -m pytest -n auto --maxprocesses 8 -m "not slow" $(PYTEST_ARGS)
+	$(BIN)/python -m pytest -n auto --maxprocesses 8 -m "not slow" --costs $(PYTEST_ARGS)
 
 bench: .venv/.bench
 	$(BIN)/leadscrew bench
