@@ -1,4 +1,4 @@
-"""The page on the network that learns while it cuts: its defaults are those of the block, its example prints what it shows."""
+"""The page on the network that learns while it cuts: the defaults of its table, the output of its example."""
 
 import contextlib
 import io
