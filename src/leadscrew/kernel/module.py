@@ -287,6 +287,11 @@ class Module:
         self._fused[name] = Branchless().visit(lean)
         return self._fused[name]
 
+    def drop_fused(self) -> None:
+        """Frees the fused trees, five times as large as all else; they are made again where they are needed."""
+        self._fused.clear()
+        self._fuser = None
+
     def arguments_of(self, name: str) -> list[str]:
         """The names of what an entry takes."""
         node = self.items[name].node

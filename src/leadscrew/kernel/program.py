@@ -73,6 +73,7 @@ class Program:
         if (name, engine) not in self._compiled:
             ranks = RANKS["single" if name == "single" else "lanes"]
             self._compiled[name, engine] = native(self.module, name, engine, self.title(name), ranks)
+            self.module.drop_fused()
         return self._compiled[name, engine]
 
 
@@ -83,7 +84,7 @@ class Programs:
     function, global, closure variable and table that was compiled into it is unchanged.
     """
 
-    LIMIT = 128
+    LIMIT = 32
 
     def __init__(self) -> None:
         self._kept: OrderedDict[Hashable, list[Program]] = OrderedDict()
