@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from leadscrew import userfile
+from leadscrew import __version__, userfile
 from leadscrew.experiment import Experiment
 from leadscrew.kernel.engines import without_numba
 from leadscrew.kernel.errors import DataError, LeadscrewError
@@ -34,6 +34,14 @@ class Replay:
     rows: int
     signals: tuple[str, ...]
     wall_s: float
+    written_by: str
+    """The version of Leadscrew that wrote the run; empty where its manifest does not say it."""
+
+
+def versions(what: str, written_by: str) -> str:
+    """Which version of Leadscrew wrote a run or session, and which one replayed it: one sentence."""
+    writer = f"Leadscrew {written_by}" if written_by else "an unknown version of Leadscrew"
+    return f"the {what} was written by {writer} and replayed by Leadscrew {__version__}"
 
 
 def replay(folder: str | Path) -> Replay:
@@ -60,7 +68,7 @@ def replay(folder: str | Path) -> Replay:
     difference = first_difference(saved, run.signals) or _other_end(manifest, run)
     return Replay(
         path, not difference, difference, (*_causes(manifest, loop.manifest(engine)), *_files(manifest["origin"])),
-        len(saved.get("time", ())), tuple(saved), run.wall_s,
+        len(saved.get("time", ())), tuple(saved), run.wall_s, str(manifest.get("leadscrew") or ""),
     )  # fmt: skip
 
 
@@ -134,7 +142,7 @@ def _other_end(manifest: Mapping[str, Any], run: Any) -> str:
 
 
 def _causes(saved: Mapping[str, Any], now: Mapping[str, Any]) -> tuple[str, ...]:
-    names = ("leadscrew", "module", "period_s", "sample_s", "substeps", "method", "computation_delay_s",
+    names = ("module", "period_s", "sample_s", "substeps", "method", "computation_delay_s",
              "transport_delay_s", "blocks", "platform", "versions")  # fmt: skip
     return tuple(f"{n}: saved {saved.get(n)}, now {now[n]}" for n in names if saved.get(n) != now[n])
 

@@ -5,6 +5,7 @@ from dataclasses import replace
 import pyarrow.parquet as pq
 import pytest
 
+from leadscrew import __version__
 from leadscrew.operate import session_file
 from leadscrew.operate.operated import Operated
 from leadscrew.operate.session import Start
@@ -40,12 +41,15 @@ def test_a_changed_session_is_not_identical(call, session, tmp_path):
     path = tmp_path / "s.toml"
     first, second = session.events
     session_file.write(replace(session, events=(replace(first, changes={"controller.kp": 4.5}), second)), path)
-    assert (
-        call("replay", path, code=1).stdout == "not identical: the signals differ first between t = 0.03 s and 0.05 s\n"
+    path.write_text(path.read_text().replace(f'leadscrew = "{__version__}"', 'leadscrew = "0.0.9"'))
+    assert call("replay", path, code=1).stdout == (
+        "not identical: the signals differ first between t = 0.03 s and 0.05 s\n"
+        f"  the session was written by Leadscrew 0.0.9 and replayed by Leadscrew {__version__}\n"
     )
     found = strict_json(call("replay", path, "--json", code=1).stdout)
     assert not found["identical"] and found["rows"] == 100 and found["events"] == 2
     assert "0.03 s" in found["first_difference"]
+    assert (found["written_by"], found["replayed_by"]) == ("0.0.9", __version__)
 
 
 def test_a_session_on_the_removed_engine_is_replayed_on_llvm(call, session, tmp_path):

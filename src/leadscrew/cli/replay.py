@@ -32,8 +32,10 @@ def replay(
 
 
 def _run(folder: Path, out: Path | None, as_json: bool) -> None:
+    from leadscrew import __version__
     from leadscrew.kernel.errors import ValueRefused
     from leadscrew.replay import replay as again
+    from leadscrew.replay import versions
 
     if out is not None:
         raise ValueRefused(f"--out {out} is for sessions; the signals of {folder} lie in it already")
@@ -45,6 +47,8 @@ def _run(folder: Path, out: Path | None, as_json: bool) -> None:
                 "run": str(found.folder),
                 "identical": found.identical,
                 "first_difference": found.difference or None,
+                "written_by": found.written_by or None,
+                "replayed_by": __version__,
                 "changed_since": list(found.causes),
                 "rows": found.rows,
                 "signals": list(found.signals),
@@ -55,6 +59,7 @@ def _run(folder: Path, out: Path | None, as_json: bool) -> None:
         typer.echo(f"identical: {found.rows} rows of {len(found.signals)} signals, bit for bit")
     else:
         typer.echo(f"not identical: {found.difference}")
+        typer.echo(f"  {versions('run', found.written_by)}")
         for cause in found.causes:
             typer.echo(f"  changed since: {cause}")
     if not found.identical:
@@ -62,8 +67,10 @@ def _run(folder: Path, out: Path | None, as_json: bool) -> None:
 
 
 def _session(path: Path, out: Path | None, as_json: bool) -> None:
+    from leadscrew import __version__
     from leadscrew.operate import session_file, session_folder
     from leadscrew.operate.recorder import EVERYTHING
+    from leadscrew.replay import versions
 
     session = session_file.read(path)
     if out is not None:
@@ -79,6 +86,8 @@ def _session(path: Path, out: Path | None, as_json: bool) -> None:
                 "session": str(path),
                 "identical": found.identical,
                 "first_difference": found.difference or None,
+                "written_by": session.written_by or None,
+                "replayed_by": __version__,
                 "rows": found.operated.period,
                 "events": len(session.events),
                 "signals": list(found.operated.columns),
@@ -93,6 +102,7 @@ def _session(path: Path, out: Path | None, as_json: bool) -> None:
         )
     else:
         typer.echo(f"not identical: {found.difference}")
+        typer.echo(f"  {versions('session', session.written_by)}")
     if out is not None and not as_json:
         typer.echo(f"{out}: signals.parquet and session.toml")
     if not found.identical:

@@ -100,6 +100,8 @@ class Session:
     """SHA-256 of all rows, of all columns, as float64, little-endian, row after row."""
     marks: Mapping[int, str] = field(default_factory=dict)
     """The first digits of the digest after so many periods: says where two runs part that nothing was done in."""
+    written_by: str = field(default="", compare=False)
+    """The version of Leadscrew that wrote its file; empty where it comes from none."""
 
     def run(
         self,

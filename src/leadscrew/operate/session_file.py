@@ -168,7 +168,8 @@ def read(path: str | Path) -> Session:
         dict(flat(s.changes)), s.seed, s.engine, s.circle,
         {_there(k, beside): v for k, v in found.files.items()},
     )  # fmt: skip
-    return Session(start, events, found.periods, found.digest, {int(k): v for k, v in found.marks.items()})
+    marks = {int(k): v for k, v in found.marks.items()}
+    return Session(start, events, found.periods, found.digest, marks, found.leadscrew)
 
 
 def _event_of(e: EventTable, beside: Path) -> Event:
