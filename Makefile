@@ -2,7 +2,7 @@
 SHELL := /bin/sh
 unexport PYTHONDONTWRITEBYTECODE # without bytecode every worker of the tests would compile all modules again
 .DEFAULT_GOAL := help
-.PHONY: help demo test bench peers lint docs clean
+.PHONY: help demo test same bench peers lint docs clean
 
 BIN := .venv/bin
 INSTALL = $(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt
@@ -12,6 +12,7 @@ PYTEST_ARGS ?=
 help:
 	@echo "make demo    the lathe servo under three controllers, beside the paper's numbers"
 	@echo "make test    the tests, without the slow sweeps"
+	@echo "make same BASE=COMMIT    what some 80 commands compute, there and in the working tree: lists every difference"
 	@echo "make bench   speed, beside C, plain Python and other libraries"
 	@echo "make peers   other fuzzy toolboxes to be measured against, in an environment of their own, .peers"
 	@echo "make lint    ruff and mypy"
@@ -23,6 +24,10 @@ demo: .venv/.core
 
 test: .venv/.dev
 	$(BIN)/python -m pytest -n auto --maxprocesses 8 -m "not slow" --costs $(PYTEST_ARGS)
+
+# SAME=whole: also the five studies. SAME="whole numbers": and no differences of texts.
+same: .venv/.dev
+	@$(BIN)/python tests/same/same.py $(addprefix --,$(SAME)) $(BASE)
 
 bench: .venv/.bench
 	$(BIN)/leadscrew bench

@@ -319,12 +319,18 @@ class Side:
         out: Flat = {"exit code": done.returncode}
         if done.returncode not in (0, 1, 3):
             out["message"] = done.stderr.strip()[-300:]
-        out.update(of_text(done.stdout, self.rules.cut))
+        out.update(of_text(self.without_paths(done.stdout), self.rules.cut))
         for path, state in self.files().items():
             if before.get(path) != state and not any(p.search(path) for p in self.rules.without_files):
                 data = (self.folder / path).read_bytes()
+                if b"\0" not in data:
+                    data = self.without_paths(data.decode()).encode()
                 out.update((f"{path}:{key}", value) for key, value in of_file(path, data, self.rules.cut))
         return out
+
+    def without_paths(self, text: str) -> str:
+        """A text without the folders of this side."""
+        return text.replace(f"{self.folder}/", "").replace(f"{self.source}/", "")
 
     def files(self) -> dict[str, tuple[int, int]]:
         """Every file in the folder, with what shows that it was written again."""
@@ -394,15 +400,15 @@ def both(rows: Mapping[str, str], base: str, head: str) -> list[Side]:
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("base", help="a commit")
-    parser.add_argument("what", nargs="*", choices=["whole", "numbers"], default=[],
-                        help="whole: also run all five studies; numbers: list no differences of texts")  # fmt: skip
+    parser.add_argument("--whole", action="store_true", help="also run all five studies")
+    parser.add_argument("--numbers", action="store_true", help="list no differences between texts")
     parser.add_argument("--only", default="", metavar="PATTERN", help="only rows whose name matches")
     parser.add_argument("--times", action="store_true", help="print the seconds of each command, base and head")
     options = parser.parse_args()
     started = time.monotonic()
     try:
         sections = table(HERE / "commands.toml", "quick", "whole")
-        rows = {**sections["quick"], **(sections["whole"] if "whole" in options.what else {})}
+        rows = {**sections["quick"], **(sections["whole"] if options.whole else {})}
         rows = {name: line for name, line in rows.items() if re.search(options.only, name)}
         if not rows:
             raise BadInput(f"no row of commands.toml matches {options.only!r}")
@@ -413,7 +419,7 @@ def main() -> int:
     rules = sides[1].rules
     old, new = (rules.kept(side.results) for side in sides)
     found = compare(rules.in_new_words(old), new)
-    if "numbers" in options.what:
+    if options.numbers:
         found = [row for row in found if not all(isinstance(value, str) for value in row[2:])]
     for name in rows if options.times else ():
         print(f"{sides[0].seconds[name]:6.1f} {sides[1].seconds[name]:6.1f} s  {name}")
