@@ -141,11 +141,18 @@ def equal(a: Value, b: Value) -> bool:
     return a == b
 
 
+def ran(flat: Flat) -> bool:
+    """Whether a command did its work: not where it was refused, was killed or took too long."""
+    return flat.get("exit code") in (0, 1, 3)
+
+
 def compare(base: Mapping[str, Flat], head: Mapping[str, Flat]) -> list[Difference]:
     """Every key whose values differ, command by command; a key that one side lacks has ``None`` there."""
     out: list[Difference] = []
     for command in [*head, *(c for c in base if c not in head)]:
         old, new = base.get(command, {}), head.get(command, {})
+        if ran(old) != ran(new):
+            old, new = ({key: side.get(key) for key in ("exit code", "message")} for side in (old, new))
         for key in [*new, *(k for k in old if k not in new)]:
             if key not in old or key not in new or not equal(old[key], new[key]):
                 out.append((command, key, old.get(key, "(no such key)"), new.get(key, "(no such key)")))
@@ -264,6 +271,8 @@ class Side:
         committed = name == "base" or tree == tree_of("HEAD")
         self.cache = BUILD / "cache" / f"{name}-{tree[:12]}" if committed else temporary / "cache"
         self.rows = rows
+        self.own: dict[str, str] = {}
+        self.lines: dict[str, str] = {}
         self.results: dict[str, Flat] = {}
         self.seconds: dict[str, float] = {}
 
@@ -280,18 +289,18 @@ class Side:
         for name, place in INPUTS.items():
             own = self.source / place
             shutil.copytree(own if own.is_dir() else ROOT / place, self.folder / name)
-        mine = self.source / HERE.relative_to(ROOT) / "commands.toml"
-        if mine.is_file():
-            own_rows = {k: v for section in table(mine).values() for k, v in section.items()}
-            self.rows = {name: own_rows.get(name, line) for name, line in self.rows.items()}
+        own_table = self.source / HERE.relative_to(ROOT) / "commands.toml"
+        own_rows = table(own_table, "quick", "whole") if own_table.is_file() else {"quick": {}, "whole": {}}
+        self.own = {**own_rows["quick"], **own_rows["whole"]}
 
     def run(self, progress: Progress) -> Side:
-        """Runs every row."""
+        """Runs every row: as this commit's own table has it; where that is refused as today's, then in old words."""
         for name, line in self.rows.items():
             started = time.monotonic()
-            self.results[name] = self.call(line)
-            if self.results[name]["exit code"] == 2 and (older := self.rules.in_old_words(line)) != line:
-                self.results[name] = self.call(older)
+            for words in dict.fromkeys((self.own.get(name, line), line, self.rules.in_old_words(line))):
+                self.lines[name], self.results[name] = words, self.call(words)
+                if ran(self.results[name]):
+                    break
             self.seconds[name] = time.monotonic() - started
             progress.done(self.name, name)
         return self
@@ -317,7 +326,7 @@ class Side:
         except subprocess.TimeoutExpired:
             return {"exit code": f"none after {TIMEOUT} s"}
         out: Flat = {"exit code": done.returncode}
-        if done.returncode not in (0, 1, 3):
+        if not ran(out):
             out["message"] = done.stderr.strip()[-300:]
         out.update(of_text(self.without_paths(done.stdout), self.rules.cut))
         for path, state in self.files().items():
@@ -354,7 +363,7 @@ class Progress:
 # ---- the report
 
 
-def report(found: list[Difference], sides: list[Side], rows: Mapping[str, str]) -> None:
+def report(found: list[Difference], sides: list[Side]) -> None:
     """Prints what differs, command by command, and writes all of it to ``differences.csv``."""
     build = BUILD.relative_to(ROOT)
     with (BUILD / "differences.csv").open("w", newline="", encoding="utf-8") as file:
@@ -363,7 +372,9 @@ def report(found: list[Difference], sides: list[Side], rows: Mapping[str, str]) 
         writer.writerows((*row, relative(row[2], row[3])) for row in found)
     for command, group in itertools.groupby(found, key=lambda row: row[0]):
         listed = list(group)
-        print(f"{command}: {len(listed)} differ\n    leadscrew {rows[command]}")
+        print(f"{command}: {len(listed)} differ")
+        for line in dict.fromkeys(side.lines[command] for side in sides):
+            print(f"    leadscrew {line}")
         for _, key, old, new in listed[:SHOWN]:
             share = relative(old, new)
             print(f"    {key}: base {shown(old)}, head {shown(new)}{share and f', relative difference {share}'}")
@@ -372,7 +383,7 @@ def report(found: list[Difference], sides: list[Side], rows: Mapping[str, str]) 
     if found:
         print(f"files that the commands wrote: diff -r {build}/base {build}/head")
     keys = sum(len(flat) for flat in sides[1].results.values())
-    print(f"{len(rows)} commands, {keys} keys: {f'{len(found)} differ' if found else 'no difference'}")
+    print(f"{len(sides[1].rows)} commands, {keys} keys: {f'{len(found)} differ' if found else 'no difference'}")
 
 
 def shown(value: Value) -> str:
@@ -382,8 +393,7 @@ def shown(value: Value) -> str:
 
 def refused(sides: list[Side]) -> list[str]:
     """Rows that ran on no side: nothing was compared."""
-    ran = {name for side in sides for name, flat in side.results.items() if flat["exit code"] in (0, 1, 3)}
-    return [name for name in sides[1].rows if name not in ran]
+    return [name for name in sides[1].rows if not any(ran(side.results[name]) for side in sides)]
 
 
 def both(rows: Mapping[str, str], base: str, head: str) -> list[Side]:
@@ -425,7 +435,7 @@ def main() -> int:
         print(f"{sides[0].seconds[name]:6.1f} {sides[1].seconds[name]:6.1f} s  {name}")
     for name in (nothing := refused(sides)):
         print(f"{name}: refused on both sides, nothing compared: {sides[1].results[name].get('message')}")
-    report(found, sides, rows)
+    report(found, sides)
     print(f"{time.monotonic() - started:.0f} s")
     return 1 if found or nothing else 0
 

@@ -34,12 +34,13 @@ def test_the_last_bit_and_the_sign_of_zero_are_differences():
 
 
 def test_a_difference_names_command_key_and_both_values():
-    base = {"tune": {"exit code": 0, "best": 2.0}, "gone": {"exit code": 0}}
-    head = {"tune": {"exit code": 0, "best": 2.5, "more": 1}}
+    base = {"tune": {"exit code": 0, "best": 2.0}, "log": {"exit code": 0, "rows": 3}}
+    head = {"tune": {"exit code": 0, "best": 2.5, "more": 1}, "log": {"exit code": 2, "message": "no such option"}}
     assert same.compare(base, head) == [
         ("tune", "best", 2.0, 2.5),
         ("tune", "more", "(no such key)", 1),
-        ("gone", "exit code", 0, "(no such key)"),
+        ("log", "exit code", 0, 2),
+        ("log", "message", None, "no such option"),
     ]
     assert same.relative(2.0, 2.5) == "0.2" and same.relative("a", 1) == ""
 
