@@ -12,7 +12,7 @@ PYTEST_ARGS ?=
 help:
 	@echo "make demo    the lathe servo under three controllers, beside the paper's numbers"
 	@echo "make test    the tests, without the slow sweeps"
-	@echo "make same BASE=COMMIT    what some 80 commands compute, there and in the working tree: lists every difference"
+	@echo "make same    what 81 commands compute, at BASE=COMMIT and in the working tree: every difference"
 	@echo "make bench   speed, beside C, plain Python and other libraries"
 	@echo "make peers   other fuzzy toolboxes to be measured against, in an environment of their own, .peers"
 	@echo "make lint    ruff and mypy"

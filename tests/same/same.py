@@ -13,6 +13,7 @@ from __future__ import annotations
 
 import argparse
 import csv
+import fcntl
 import hashlib
 import io
 import itertools
@@ -398,7 +399,12 @@ def refused(sides: list[Side]) -> list[str]:
 
 def both(rows: Mapping[str, str], base: str, head: str) -> list[Side]:
     """Both sides with their results."""
-    with tempfile.TemporaryDirectory(prefix="leadscrew-same-") as temporary:
+    BUILD.mkdir(parents=True, exist_ok=True)
+    with (BUILD / "lock").open("w") as lock, tempfile.TemporaryDirectory(prefix="leadscrew-same-") as temporary:
+        try:
+            fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except OSError:
+            raise BadInput(f"another comparison runs in {BUILD}") from None
         rules, progress = Rules(), Progress(2 * len(rows))
         sides = [Side(name, tree, rows, rules, Path(temporary)) for name, tree in (("base", base), ("head", head))]
         for side in sides:
