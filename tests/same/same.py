@@ -61,12 +61,12 @@ class BadInput(Exception):
 
 
 def flatten(value: Any, key: str = "") -> Iterator[tuple[str, Value]]:
-    """Keys and leaves of JSON. Rows of a list that have a name each are keyed by it, so that rows may be added."""
+    """Keys and leaves of JSON. Rows of a list that have a name or key each are found by it, so that rows may be added."""
     if isinstance(value, Mapping):
         for name, part in value.items():
             yield from flatten(part, f"{key}.{name}" if key else str(name))
     elif isinstance(value, list):
-        names = [part.get("name") if isinstance(part, Mapping) else None for part in value]
+        names = [part.get("name", part.get("key")) if isinstance(part, Mapping) else None for part in value]
         by_name = len(set(names)) == len(names) and all(isinstance(name, str) for name in names)
         if not value:
             yield f"{key}[]", 0
