@@ -22,7 +22,10 @@ from pathlib import Path, PurePath
 from tests.links import Links, Scan, strings
 
 ROOT = Path(__file__).parents[1]
-EVERYTHING = "pyproject.toml constraints.txt Makefile .ci/* .git* tests/conftest.py tests/links.py tests/closure.py tests/changed.py"
+EVERYTHING = (
+    *("pyproject.toml", "constraints.txt", "Makefile", ".ci/*", ".git*", "tests/conftest.py"),
+    *("tests/links.py", "tests/closure.py", "tests/changed.py"),
+)
 """Changes that affect every test."""
 FOLDERS = ("src", "tests", "docs", "examples", "peers", ".ci")
 MADE = re.compile(r"__pycache__|/_build/|/generated/")
@@ -82,13 +85,15 @@ class Tree:
     def closure(self, test: str) -> set[str]:
         """All files that a test reaches."""
         new = {test, *(f"{folder}/conftest.py" for folder in PurePath(test).parents)} & self.files
-        reached, entered, words, taken = set[str](), set[str](), set[str](), set[tuple[str, str]]()
+        reached, entered, taken = set[str](), set[str](), set[tuple[str, str]]()
+        words, commands = set[str](), set[str]()
         while new:
             while new:
                 reached |= new
                 links = [self.links(f) for f in new]
                 entered = entered.union(*(x.edges for x in links))
                 words = words.union(*(x.words for x in links))
+                commands = commands.union(*(x.commands for x in links))
                 taken = taken.union(*(x.taken for x in links))
                 new = set[str]().union(*map(self.next, new)) - reached
             judges = any(self.links(f).judges for f in reached)
@@ -96,7 +101,7 @@ class Tree:
                 new |= self.judging(file) if judges else set()
                 new |= {f for name, found in self.links(file).lists.items() if (file, name) in taken for f in found}
                 for name, table in self.links(file).tables.items():
-                    keys = words & table.keys()
+                    keys = (commands if name == "commands" else words) & table.keys()
                     if (file, name) in taken or (name == "commands" and file in entered and not keys):
                         keys = set(table)
                     new |= {table[k] for k in keys}
@@ -109,7 +114,7 @@ class Tree:
         reach = {test: self.closure(test) for test in self.tests}
         aims: set[str] = set()
         for file in changed:
-            if any(fnmatch(file, pattern) for pattern in EVERYTHING.split()):
+            if any(fnmatch(file, pattern) for pattern in EVERYTHING):
                 return self.tests
             aims.add(file)
             folders = [

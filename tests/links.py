@@ -20,7 +20,9 @@ WHOLE = {"blocks": "BLOCKS", "block_names": "BLOCKS", "makers": "MAKERS", "study
 """Functions that go through a whole table of the catalogue."""
 WORD, DOTTED = re.compile(r"[\w.*-]*\w"), re.compile(r"\b(?:leadscrew|tests)(?:\.\w+)+")
 TARGET = re.compile(r"(leadscrew(?:\.\w+)+):(\w+)")
-PROGRAM = re.compile(r"^\s*(?:\$ )?leadscrew(?: |$)", re.MULTILINE)
+PROGRAM = re.compile(r"\bleadscrew +([a-z][\w-]*)(?: +([a-z][\w-]*))?")
+PAGES = "*.md"
+FIRST = re.compile(r"^\s*([a-z][\w-]*)(?: +([a-z][\w-]*))?", re.MULTILINE)
 IMPORT = re.compile(r"\bfrom ((?:leadscrew|tests)[\w.]*) import \(?([\w, \n]+)")
 STUDY, JUDGES = re.compile(r"src/leadscrew/studies/\w+/study\.py"), ("src/leadscrew/cli/", "src/leadscrew/panel/")
 """The file of a study; what of the library may evaluate one."""
@@ -32,7 +34,9 @@ class Links:
 
     edges: set[str] = field(default_factory=set)
     words: set[str] = field(default_factory=set)
-    """Words of its strings: keys of a table, perhaps."""
+    """Words of its strings: names of the catalogue, perhaps."""
+    commands: set[str] = field(default_factory=set)
+    """The first two words of its strings and of their lines: commands, perhaps."""
     taken: set[tuple[str, str]] = field(default_factory=set)
     """Names taken from other files."""
     tables: dict[str, dict[str, str]] = field(default_factory=dict)
@@ -78,7 +82,7 @@ class Scan:
 
     def __init__(self, tree: Tree, file: str) -> None:
         self.tree, self.file, self.links, self.bound = tree, file, Links(), dict[str, str]()
-        self.library, self.lists = file.startswith("src/"), dict[int, str]()
+        self.library = file.endswith(".py") and file.startswith(("src/", "docs/"))
 
     def module(self, name: str) -> bool:
         """Adds a module; False where there is none of that name."""
@@ -118,11 +122,13 @@ class Scan:
         if not self.library:
             words = set(WORD.findall(text))
             self.links.words |= {w.strip("-.") for w in words}
-            self.links.edges |= {f for w in words & self.tree.named.keys() for f in self.tree.named[w]}
-            self.links.edges |= {self.tree.module("leadscrew.__main__")} - {""} if PROGRAM.search(text) else set()
-            if words & {".md", "*.md"}:
-                pages = {f for f in self.tree.files if f.endswith(".md") and f.count("/") <= 1}
-                (self.links.lists.setdefault(home, set()) if home else self.links.edges).update(pages)
+            named = {f for w in words & self.tree.named.keys() for f in self.tree.named[w]}
+            if words & {".md", PAGES}:
+                named |= {f for f in self.tree.files if f.endswith(".md") and f.count("/") <= 1}
+            (self.links.lists.setdefault(home, set()) if home else self.links.edges).update(named)
+            typed = PROGRAM.findall(text)
+            self.links.commands |= {w for words in (*typed, *FIRST.findall(text)) for w in words}
+            self.links.edges |= {self.tree.module("leadscrew.__main__")} - {""} if typed else set()
 
     def code(self, tree: ast.Module) -> None:
         """Adds what Python code leads to."""
@@ -139,19 +145,24 @@ class Scan:
         gone_through = {id(n) for loop in loops for n in ast.walk(loop)}
         bases = {id(n.value) for n in kinds[ast.Attribute]}
         skipped = {id(v) for n in (*kinds[ast.Assign], *kinds[ast.AnnAssign]) for v in self.table(n)}
-        lists = {} if self.file in self.tree.tests else {
-            id(v): ast.unparse(n.targets[0]) for n in tree.body if isinstance(n, ast.Assign) for v in ast.walk(n)
-        }  # fmt: skip
+        lists = {
+            id(value): ast.unparse(node.targets[0])
+            for node in tree.body
+            if isinstance(node, ast.Assign) and self.file not in self.tree.tests and PAGES in ast.unparse(node)
+            for value in ast.walk(node)
+        }
         for node in kinds[ast.Attribute]:
             self.links.judges |= node.attr == "evaluate" and (not self.library or self.file.startswith(JUDGES))
             if dotted := self.dotted(node):
-                self.path(dotted, not self.library or id(node) in gone_through)
+                self.path(dotted, not self.library or (self.file.startswith("src/") and id(node) in gone_through))
         for node in kinds[ast.Name]:
             if node.id in self.bound and id(node) not in bases:
                 self.name(self.bound[node.id], "*")
         for node in kinds[ast.Constant]:
             if isinstance(node.value, str) and id(node) not in skipped:
                 self.text(node.value, home=lists.get(id(node), ""))
+        if {"-m", "leadscrew"} <= {node.value for node in kinds[ast.Constant] if isinstance(node.value, str)}:
+            self.module("leadscrew.__main__")
         for node in kinds[ast.JoinedStr]:
             self.template([v.value if isinstance(v, ast.Constant) else None for v in node.values])
         for node in kinds[ast.Call]:

@@ -1,0 +1,133 @@
+"""Which test files a change selects, in a tree made up for it."""
+
+import pytest
+
+from tests.closure import Tree
+
+LAZY = """
+from typing import TYPE_CHECKING
+from leadscrew.lazy import doors
+if TYPE_CHECKING:
+    from leadscrew.tune.slow import slow
+__getattr__, __dir__ = doors(globals(), {"job": "Job", "slow": "slow"})
+"""
+FILES = {
+    "src/leadscrew/__init__.py": "",
+    "src/leadscrew/__main__.py": "from leadscrew.cli import main",
+    "src/leadscrew/lazy.py": "",
+    "src/leadscrew/catalogue.py": """
+BLOCKS: dict[str, str] = {
+    "sine": "leadscrew.references.sine:sine",
+    "ramp": "leadscrew.references.ramp:ramp",
+}
+STUDIES = {"lathe": "leadscrew.studies.lathe.study:STUDY"}
+def block(name): ...
+def blocks(): return [block(name) for name in BLOCKS]
+""",
+    "src/leadscrew/references/__init__.py": "",
+    "src/leadscrew/references/sine.py": "",
+    "src/leadscrew/references/ramp.py": "",
+    "src/leadscrew/tune/__init__.py": LAZY,
+    "src/leadscrew/tune/job.py": "def late():\n    from leadscrew import late",
+    "src/leadscrew/tune/slow.py": "",
+    "src/leadscrew/late.py": "",
+    "src/leadscrew/studies/lathe/__init__.py": "",
+    "src/leadscrew/studies/lathe/data/moves.csv": "1,2",
+    "src/leadscrew/studies/lathe/study.py": "def evaluate():\n    from leadscrew.studies.lathe.claims import topics",
+    "src/leadscrew/studies/lathe/claims.py": "",
+    "src/leadscrew/cli/__init__.py": """
+import typer
+from leadscrew.cli import run, tune
+from leadscrew.cli.output import show
+app = typer.Typer()
+app.command("run")(run.run)
+app.command("tune")(tune.tune)
+def main(): ...
+""",
+    "src/leadscrew/cli/output.py": "",
+    "src/leadscrew/cli/run.py": "from leadscrew import catalogue\ndef run(study): study.evaluate()",
+    "src/leadscrew/cli/tune.py": "def tune(): from leadscrew.tune import slow",
+    "docs/first.md": "# One\n```python\nfrom leadscrew import tune\ntune.Job()\n```\n",
+    "docs/second.md": "# Two\n```console\n$ leadscrew run lathe\n```\n",
+    "tests/__init__.py": "",
+    "tests/conftest.py": "",
+    "tests/pages.py": "PAGES = ROOT.glob('*.md')\ndef read(page): ...",
+    "tests/tune/conftest.py": "from leadscrew.references.ramp import ramp",
+    "tests/tune/test_job.py": "from leadscrew.tune import Job",
+    "tests/tune/test_slow.py": "import leadscrew.tune as t\nt.slow()",
+    "tests/tune/cases/a.csv": "1",
+    "tests/test_block.py": "from leadscrew.catalogue import block\ndef test(): block('sine')",
+    "tests/test_blocks.py": "from leadscrew import catalogue\ndef test(): catalogue.blocks()",
+    "tests/test_study.py": "from leadscrew import catalogue\ndef test(): catalogue.study('lathe')",
+    "tests/test_judged.py": "from leadscrew import catalogue\ndef test(): catalogue.study('lathe').evaluate()",
+    "tests/test_run.py": "from leadscrew.cli import app\ndef test(): call(app, ['run', 'x'])",
+    "tests/test_any_command.py": "from leadscrew.cli import app\ndef test(command): call(app, [command])",
+    "tests/test_process.py": "CODE = 'from leadscrew.references.{x} import a'\nMORE = 'import leadscrew.late'",
+    "tests/test_first_page.py": "from tests.pages import read\ndef test(): read('first.md')",
+    "tests/test_all_pages.py": "from tests.pages import PAGES",
+    "tests/test_nothing.py": "",
+}
+
+
+@pytest.fixture(scope="module")
+def tree(tmp_path_factory):
+    root = tmp_path_factory.mktemp("tree")
+    for name, text in FILES.items():
+        (root / name).parent.mkdir(parents=True, exist_ok=True)
+        (root / name).write_text(text, encoding="utf-8")
+    return Tree(root)
+
+
+def selected(tree, *changed):
+    return {test.removeprefix("tests/").removesuffix(".py") for test in tree.affected(changed)}
+
+
+def test_a_name_of_a_lazy_package_leads_to_its_own_file(tree):
+    assert selected(tree, "src/leadscrew/tune/job.py") == {"tune/test_job", "test_first_page", "test_all_pages"}
+    assert selected(tree, "src/leadscrew/tune/slow.py") == {"tune/test_slow", "test_any_command"}
+
+
+def test_imports_in_functions_and_in_strings_of_code_count(tree):
+    assert {"tune/test_job", "test_process"} <= selected(tree, "src/leadscrew/late.py")
+    assert "test_nothing" not in selected(tree, "src/leadscrew/late.py")
+
+
+def test_a_change_of_a_package_reaches_who_imports_anything_below_it(tree):
+    assert {"tune/test_job", "tune/test_slow"} <= selected(tree, "src/leadscrew/tune/__init__.py")
+
+
+def test_a_block_reaches_tests_that_name_it_or_go_through_the_catalogue(tree):
+    assert selected(tree, "src/leadscrew/references/sine.py") == {"test_block", "test_blocks"}
+    assert selected(tree, "src/leadscrew/references/ramp.py") == {"test_blocks", "tune/test_job", "tune/test_slow"}
+
+
+def test_claims_reach_tests_that_evaluate_the_study(tree):
+    assert selected(tree, "src/leadscrew/studies/lathe/claims.py") == {"test_judged", "test_all_pages"}
+    assert "test_study" in selected(tree, "src/leadscrew/studies/lathe/study.py")
+
+
+def test_data_and_what_is_gone_count_as_their_package(tree):
+    want = {"test_study", "test_judged", "test_all_pages"}
+    assert selected(tree, "src/leadscrew/studies/lathe/data/moves.csv") == want
+    assert selected(tree, "src/leadscrew/studies/lathe/gone.py") == want
+    assert selected(tree, "tests/tune/cases/a.csv") == {"tune/test_job", "tune/test_slow"}
+
+
+def test_a_command_reaches_tests_that_name_it_or_name_none(tree):
+    assert selected(tree, "src/leadscrew/cli/run.py") == {"test_run", "test_any_command", "test_all_pages"}
+    assert selected(tree, "src/leadscrew/cli/tune.py") == {"test_any_command"}
+    assert "test_run" in selected(tree, "src/leadscrew/cli/output.py")
+
+
+def test_a_page_reaches_the_tests_that_read_it(tree):
+    assert selected(tree, "docs/first.md") == {"test_first_page", "test_all_pages"}
+    assert selected(tree, "docs/second.md") == {"test_all_pages"}
+
+
+@pytest.mark.parametrize("file", ["pyproject.toml", "Makefile", ".ci/run", "tests/conftest.py"])
+def test_what_all_tests_depend_on_selects_all(tree, file):
+    assert selected(tree, "docs/first.md", file) == {t[6:-3] for t in FILES if "test_" in t}
+
+
+def test_a_test_selects_itself(tree):
+    assert selected(tree, "tests/test_nothing.py") == {"test_nothing"}
