@@ -127,17 +127,15 @@ class Tree:
         return [test for test in self.tests if reach[test] & aims]
 
 
-def git(*args: str) -> list[str]:
-    """The lines that git prints."""
-    return subprocess.run(["git", *args], cwd=ROOT, capture_output=True, text=True, check=True).stdout.splitlines()
+def git(root: Path, *args: str) -> list[str]:
+    """The lines that git prints; raises CalledProcessError, or OSError where there is no git."""
+    return subprocess.run(["git", *args], cwd=root, capture_output=True, text=True, check=True).stdout.splitlines()
 
 
-def changes(commit: str) -> list[str]:
-    """The files that differ from a commit, uncommitted and new ones included.
-
-    Raises subprocess.CalledProcessError where git does not know the commit.
-    """
-    return [*git("diff", "--name-only", "--no-renames", commit), *git("ls-files", "-o", "--exclude-standard")]
+def changes(root: Path, commit: str) -> list[str]:
+    """The files that differ from a commit, uncommitted and new ones included; raises like :func:`git`."""
+    differing = git(root, "diff", "--name-only", "--no-renames", "--relative", commit, "--")
+    return [*differing, *git(root, "ls-files", "--others", "--exclude-standard")]
 
 
 if __name__ == "__main__":
@@ -145,5 +143,5 @@ if __name__ == "__main__":
     parser.add_argument("files", nargs="*", metavar="FILE")
     parser.add_argument("--base", metavar="COMMIT", help="Add the files that have changed since this commit.")
     asked = parser.parse_args()
-    for test in Tree(ROOT).affected([*asked.files, *(changes(asked.base) if asked.base else [])]):
+    for test in Tree(ROOT).affected([*asked.files, *(changes(ROOT, asked.base) if asked.base else [])]):
         print(test)
