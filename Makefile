@@ -2,17 +2,19 @@
 SHELL := /bin/sh
 unexport PYTHONDONTWRITEBYTECODE # without bytecode every worker of the tests would compile all modules again
 .DEFAULT_GOAL := help
-.PHONY: help demo test same bench peers lint docs clean
+.PHONY: help demo test same mutants bench peers lint docs clean
 
 BIN := .venv/bin
 INSTALL = $(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt
 RECIPE := pyproject.toml constraints.txt
 PYTEST_ARGS ?=
+MAX ?= 30
 
 help:
 	@echo "make demo    the lathe servo under three controllers, beside the paper's numbers"
 	@echo "make test    the tests, without the slow sweeps"
 	@echo "make same    what 81 commands compute, at BASE=COMMIT and in the working tree: every difference"
+	@echo "make mutants changes of src that no test notices: FILES=\"src/...\" or what differs from BASE=COMMIT, MAX=30"
 	@echo "make bench   speed, beside C, plain Python and other libraries"
 	@echo "make peers   other fuzzy toolboxes to be measured against, in an environment of their own, .peers"
 	@echo "make lint    ruff and mypy"
@@ -28,6 +30,9 @@ test: .venv/.dev
 # SAME=whole: also the five studies. SAME="whole numbers": and no differences of texts.
 same: .venv/.dev
 	@$(BIN)/python tests/same/same.py $(addprefix --,$(SAME)) $(BASE)
+
+mutants: .venv/.mutants
+	$(BIN)/python -m tests.mutants --max $(MAX) $(if $(BASE),--base $(BASE)) $(FILES)
 
 bench: .venv/.bench
 	$(BIN)/leadscrew bench
@@ -68,6 +73,11 @@ clean:
 	@echo "Installing Leadscrew and what it is measured against into .venv (once) ..."
 	@$(INSTALL) -e ".[bench]"
 	@touch $@ .venv/.core
+
+.venv/.mutants: $(RECIPE) | .venv/bin/pip
+	@echo "Installing Leadscrew and what makes mutants of it into .venv (once) ..."
+	@$(INSTALL) -e ".[dev,mutants]"
+	@touch $@ .venv/.core .venv/.dev
 
 .venv/.verify: $(RECIPE) | .venv/bin/pip
 	@echo "Installing Leadscrew and the FMU importers that judge its exports into .venv (once) ..."

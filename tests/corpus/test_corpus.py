@@ -243,5 +243,5 @@ def test_exported_c_still_gives_its_golden_vectors(call):
 def test_no_path_of_a_machine_is_in_the_corpus():
     for path in OLD.rglob("*"):
         data = path.read_bytes() if path.is_file() else b""
-        assert not any(word in data for word in (b"/home/", b"/work/", b"/tmp/w")), path
+        assert not any(word in data for word in (b"/home/", b"/root/")), path
         assert len(data) < 200_000, path

@@ -61,7 +61,7 @@ class BadInput(Exception):
 
 
 def flatten(value: Any, key: str = "") -> Iterator[tuple[str, Value]]:
-    """Keys and leaves of JSON. Rows of a list that have a name or key each are found by it, so that rows may be added."""
+    """Keys and leaves of JSON. Rows of a list that have a name or key are found by it, so that rows may be added."""
     if isinstance(value, Mapping):
         for name, part in value.items():
             yield from flatten(part, f"{key}.{name}" if key else str(name))
