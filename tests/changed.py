@@ -82,9 +82,9 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 
 
 def pytest_configure(config: pytest.Config) -> None:
-    """Chooses, once: a worker of xdist is given the choice."""
+    """Chooses, once: a worker of xdist takes over the choice."""
     commit = config.getoption("--changed-since")
     if commit:
-        given = getattr(config, "workerinput", {}).get("changed")
-        plugin = Changed(config.rootpath, *(given or choice(config.rootpath, commit)))
+        shared = getattr(config, "workerinput", {}).get("changed")
+        plugin = Changed(config.rootpath, *(shared or choice(config.rootpath, commit)))
         config.pluginmanager.register(plugin, "changed-since")

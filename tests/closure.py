@@ -28,7 +28,7 @@ EVERYTHING = (
 )
 """Changes that affect every test."""
 FOLDERS = ("src", "tests", "docs", "examples", "peers", ".ci")
-MADE = re.compile(r"__pycache__|/_build/|/generated/")
+GENERATED = re.compile(r"__pycache__|/_build/|/generated/")
 FENCE = re.compile(r"^```(\S*).*?\n(.*?)^```", re.MULTILINE | re.DOTALL)
 
 
@@ -36,8 +36,8 @@ class Tree:
     """The files below a root, and what each leads to."""
 
     def __init__(self, root: Path) -> None:
-        found = [p for p in (*root.iterdir(), *(p for f in FOLDERS for p in (root / f).rglob("*"))) if p.is_file()]
-        self.files = {name for p in found if not MADE.search(name := p.relative_to(root).as_posix())}
+        paths = [p for p in (*root.iterdir(), *(p for f in FOLDERS for p in (root / f).rglob("*"))) if p.is_file()]
+        self.files = {name for p in paths if not GENERATED.search(name := p.relative_to(root).as_posix())}
         self.tests = sorted(f for f in self.files if f.startswith("tests/") and fnmatch(Path(f).name, "test_*.py"))
         self.named: dict[str, set[str]] = {}
         """Files that are read by their name: all but packages, test files and the library's modules."""
@@ -55,13 +55,13 @@ class Tree:
     def _exports(self, package: str) -> dict[str, str]:
         """The module of each public name of a lazy package."""
         file = self.module(package)
-        found: dict[str, str] = {}
+        homes: dict[str, str] = {}
         if file.endswith("/__init__.py"):
             for node in ast.walk(ast.parse((self.root / file).read_text(encoding="utf-8"))):
                 rows = strings(node)
                 if rows and all(self.module(f"{package}.{home}") for home in rows):
-                    found |= {name: f"{package}.{home}" for home, names in rows.items() for name in names.split()}
-        return found
+                    homes |= {name: f"{package}.{home}" for home, names in rows.items() for name in names.split()}
+        return homes
 
     def _links(self, file: str) -> Links:
         scan = Scan(self, file)
@@ -99,7 +99,7 @@ class Tree:
             judges = any(self.links(f).judges for f in reached)
             for file in reached:  # last, when all words are known
                 new |= self.judging(file) if judges else set()
-                new |= {f for name, found in self.links(file).lists.items() if (file, name) in taken for f in found}
+                new |= {f for name, listed in self.links(file).lists.items() if (file, name) in taken for f in listed}
                 for name, table in self.links(file).tables.items():
                     keys = (commands if name == "commands" else words) & table.keys()
                     if (file, name) in taken or (name == "commands" and file in entered and not keys):
@@ -142,6 +142,6 @@ if __name__ == "__main__":
     parser = argparse.ArgumentParser(prog="python -m tests.closure", description="Test files that changes can affect.")
     parser.add_argument("files", nargs="*", metavar="FILE")
     parser.add_argument("--base", metavar="COMMIT", help="Add the files that have changed since this commit.")
-    asked = parser.parse_args()
-    for test in Tree(ROOT).affected([*asked.files, *(changes(ROOT, asked.base) if asked.base else [])]):
+    options = parser.parse_args()
+    for test in Tree(ROOT).affected([*options.files, *(changes(ROOT, options.base) if options.base else [])]):
         print(test)

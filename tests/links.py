@@ -72,9 +72,9 @@ def walk(tree: ast.AST) -> defaultdict[type, list[Any]]:
 def strings(node: ast.AST | None) -> dict[str, str]:
     """The rows of a dictionary that holds nothing but strings."""
     pairs = zip(node.keys, node.values, strict=True) if isinstance(node, ast.Dict) else ()
-    found = {k.value: v.value for k, v in pairs if isinstance(k, ast.Constant) and isinstance(v, ast.Constant)}
-    texts = all(isinstance(x, str) for pair in found.items() for x in pair)
-    return found if texts and isinstance(node, ast.Dict) and len(found) == len(node.keys) else {}  # type: ignore[return-value]
+    rows = {k.value: v.value for k, v in pairs if isinstance(k, ast.Constant) and isinstance(v, ast.Constant)}
+    texts = all(isinstance(x, str) for pair in rows.items() for x in pair)
+    return rows if texts and isinstance(node, ast.Dict) and len(rows) == len(node.keys) else {}  # type: ignore[return-value]
 
 
 class Scan:
@@ -209,10 +209,10 @@ class Scan:
     def call(self, node: ast.Call) -> None:
         """Keeps commands that are put into a typer app, and names that the library looks up in the catalogue."""
         key: ast.expr | None = next((k.value for k in node.keywords if k.arg == "name"), None)
-        made = node.func.func if isinstance(node.func, ast.Call) else node.func
+        function = node.func.func if isinstance(node.func, ast.Call) else node.func
         if isinstance(node.func, ast.Call) and node.func.args:
             key = node.func.args[0]
-        kind = made.attr if isinstance(made, ast.Attribute) else made.id if isinstance(made, ast.Name) else ""
+        kind = getattr(function, "attr", getattr(function, "id", ""))
         if kind in ("command", "add_typer") and node.args and isinstance(key, ast.Constant):
             module = self.dotted(node.args[0]).rpartition(".")[0]
             if self.tree.module(module):

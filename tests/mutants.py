@@ -59,17 +59,17 @@ def mutants_of(file: str, code: str, seed: int) -> Iterator[Mutant]:
     places: dict[tuple[int, int], list[tuple[str, int]]] = {}
     nodes = list(ast_nodes(get_ast(code)))
     for name in plugins.operator_names():
-        with suppress(TypeError):  # operators that need to be told a variable
+        with suppress(TypeError):  # operators that need a variable
             positions = [p for node in nodes for p in plugins.get_operator(name)().mutation_positions(node)]
             for occurrence, (start, _) in enumerate(positions):
                 places.setdefault(start, []).append((name, occurrence))
     draw = random.Random(f"{seed} {file}")
-    changes_of = [(start, draw.sample(found, len(found))) for start, found in sorted(places.items())]
-    draw.shuffle(changes_of)
-    for turn in range(max((len(found) for _, found in changes_of), default=0)):
-        for (line, _), found in changes_of:
-            if turn < len(found):
-                name, occurrence = found[turn]
+    places_in_turn = [(start, draw.sample(edits, len(edits))) for start, edits in sorted(places.items())]
+    draw.shuffle(places_in_turn)
+    for turn in range(max((len(edits) for _, edits in places_in_turn), default=0)):
+        for (line, _), edits in places_in_turn:
+            if turn < len(edits):
+                name, occurrence = edits[turn]
                 after = mutate_code(code, plugins.get_operator(name)(), occurrence)
                 if after is not None and differs(code, after):
                     yield Mutant(file, line, name.removeprefix("core/"), code, after)
@@ -121,7 +121,7 @@ class Copy:
             "PYTHONPATH": str(self.tree / "src"), "HOME": str(folder), "CI": "true", "PYTHONHASHSEED": "0",
             "LEADSCREW_CACHE_DIR": str(root / "build" / "mutants_cache"),
         }  # fmt: skip
-        self.took: dict[str, float | None] = {}
+        self.durations: dict[str, float | None] = {}
 
     def write(self, file: str, code: str) -> None:
         """Writes a file, with a time of its own: Python must not take its byte code from the cache."""
@@ -150,25 +150,25 @@ class Copy:
         passing: list[str] = []
         total = 0.0
         for test in tests:
-            if test not in self.took:
+            if test not in self.durations:
                 began = time.monotonic()
                 code = self.run([test], seconds + GRACE_S)
-                self.took[test] = time.monotonic() - began if code == 0 else None
-            took = self.took[test]
-            if took is not None and total + took <= seconds:
+                self.durations[test] = time.monotonic() - began if code == 0 else None
+            duration = self.durations[test]
+            if duration is not None and total + duration <= seconds:
                 passing.append(test)
-                total += took
+                total += duration
             if total > 0.8 * seconds:
                 break
         return passing, total
 
 
-def tried(copy: Copy, mutants: list[Mutant], tests: list[str], took: float) -> Counter[str]:
+def outcomes(copy: Copy, mutants: list[Mutant], tests: list[str], duration: float) -> Counter[str]:
     """Runs the tests with each mutant, prints who survives, and counts."""
     counts: Counter[str] = Counter()
     for mutant in mutants:
         copy.write(mutant.file, mutant.after)
-        code = copy.run(tests, SLOWER * took + GRACE_S)
+        code = copy.run(tests, SLOWER * duration + GRACE_S)
         copy.write(mutant.file, mutant.before)
         counts["timed out" if code is None else "killed" if code else "survived"] += 1
         if code == 0:
@@ -184,15 +184,15 @@ def main(arguments: list[str] | None = None, root: Path = ROOT) -> int:
     parser.add_argument("--max", type=int, default=30, help="number of mutants (30)")
     parser.add_argument("--seed", type=int, default=1, help="another number draws other mutants (1)")
     parser.add_argument("--seconds", type=float, default=30.0, help="what the tests of one mutant may take (30)")
-    asked = parser.parse_args(arguments)
+    options = parser.parse_args(arguments)
     try:
-        files = asked.files or changed(root, asked.base)
+        files = options.files or changed(root, options.base)
     except (OSError, subprocess.CalledProcessError):
-        parser.error(f"git does not know the commit {asked.base or 'HEAD~1'}")
+        parser.error(f"git does not know the commit {options.base or 'HEAD~1'}")
     for file in files:
         if not (file.startswith("src/") and file.endswith(".py") and (root / file).is_file()):
             parser.error(f"{file} is not a Python file of src")
-    if asked.max < 1 or not asked.seconds > 0:
+    if options.max < 1 or not options.seconds > 0:
         parser.error("--max and --seconds must be positive")
     codes = {file: (root / file).read_text(encoding="utf-8") for file in files}
     if not codes:
@@ -202,16 +202,17 @@ def main(arguments: list[str] | None = None, root: Path = ROOT) -> int:
     with tempfile.TemporaryDirectory(prefix="leadscrew-mutants-", ignore_cleanup_errors=True) as folder:
         copy = Copy(root, Path(folder))
         for i, (file, code) in enumerate(codes.items()):
-            share = asked.max // len(codes) + (i < asked.max % len(codes))
-            mutants = [m for m, _ in zip(mutants_of(file, code, asked.seed), range(share), strict=False)]
+            share = options.max // len(codes) + (i < options.max % len(codes))
+            mutants = [m for m, _ in zip(mutants_of(file, code, options.seed), range(share), strict=False)]
             tests = nearest_first(file, [test for test in tree.tests if file in reach[test]])
-            chosen, took = copy.baseline(tests, asked.seconds) if mutants else ([], 0.0)
+            chosen, duration = copy.baseline(tests, options.seconds) if mutants else ([], 0.0)
             print(
-                f"{file}: {len(mutants)} mutants, {len(chosen)} of {len(tests)} test files, {took:.0f} s:", flush=True
+                f"{file}: {len(mutants)} mutants, {len(chosen)} of {len(tests)} test files, {duration:.0f} s:",
+                flush=True,
             )
             print("".join(f"    {test}\n" for test in chosen), end="", flush=True)
             if chosen:
-                counts = tried(copy, mutants, chosen, took)
+                counts = outcomes(copy, mutants, chosen, duration)
                 print(", ".join(f"{counts[what]} {what}" for what in ("killed", "timed out", "survived")), flush=True)
             elif mutants:
                 print("no test file that reaches it passes in that time: nothing was tried")
@@ -223,8 +224,8 @@ def changed(root: Path, base: str | None) -> list[str]:
     if base is None:
         known = git(root, "for-each-ref", "refs/remotes/origin/main")
         base = "origin/main" if known else "HEAD~1"
-    found = sorted({*changes(root, base)})
-    return [f for f in found if f.startswith("src/") and f.endswith(".py") and (root / f).is_file()]
+    files = sorted({*changes(root, base)})
+    return [f for f in files if f.startswith("src/") and f.endswith(".py") and (root / f).is_file()]
 
 
 if __name__ == "__main__":

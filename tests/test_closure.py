@@ -1,4 +1,4 @@
-"""Which test files a change selects, in a tree made up for it."""
+"""Which test files a change selects, in a small tree."""
 
 import pytest
 
@@ -28,9 +28,9 @@ def blocks(): return [block(name) for name in BLOCKS]
     "src/leadscrew/references/sine.py": "",
     "src/leadscrew/references/ramp.py": "",
     "src/leadscrew/tune/__init__.py": LAZY,
-    "src/leadscrew/tune/job.py": "def late():\n    from leadscrew import late",
+    "src/leadscrew/tune/job.py": "def helper():\n    from leadscrew import helper",
     "src/leadscrew/tune/slow.py": "",
-    "src/leadscrew/late.py": "",
+    "src/leadscrew/helper.py": "",
     "src/leadscrew/studies/lathe/__init__.py": "",
     "src/leadscrew/studies/lathe/data/moves.csv": "1,2",
     "src/leadscrew/studies/lathe/study.py": "def evaluate():\n    from leadscrew.studies.lathe.claims import topics",
@@ -62,7 +62,7 @@ def main(): ...
     "tests/test_judged.py": "from leadscrew import catalogue\ndef test(): catalogue.study('lathe').evaluate()",
     "tests/test_run.py": "from leadscrew.cli import app\ndef test(): call(app, ['run', 'x'])",
     "tests/test_any_command.py": "from leadscrew.cli import app\ndef test(command): call(app, [command])",
-    "tests/test_process.py": "CODE = 'from leadscrew.references.{x} import a'\nMORE = 'import leadscrew.late'",
+    "tests/test_process.py": "CODE = 'from leadscrew.references.{x} import a'\nMORE = 'import leadscrew.helper'",
     "tests/test_first_page.py": "from tests.pages import read\ndef test(): read('first.md')",
     "tests/test_all_pages.py": "from tests.pages import PAGES",
     "tests/test_nothing.py": "",
@@ -88,8 +88,8 @@ def test_a_name_of_a_lazy_package_leads_to_its_own_file(tree):
 
 
 def test_imports_in_functions_and_in_strings_of_code_count(tree):
-    assert {"tune/test_job", "test_process"} <= selected(tree, "src/leadscrew/late.py")
-    assert "test_nothing" not in selected(tree, "src/leadscrew/late.py")
+    assert {"tune/test_job", "test_process"} <= selected(tree, "src/leadscrew/helper.py")
+    assert "test_nothing" not in selected(tree, "src/leadscrew/helper.py")
 
 
 def test_a_change_of_a_package_reaches_who_imports_anything_below_it(tree):

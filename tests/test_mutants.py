@@ -30,14 +30,14 @@ def root(tmp_path, monkeypatch):
     return root
 
 
-def made(file, code, seed):
+def three_mutants(file, code, seed):
     yield Mutant(file, 2, "Add_Sub", code, code.replace("a + b", "a - b"))
     yield Mutant(file, 6, "Gt_GtE", code, code.replace("a > 0", "a >= 0"))
     yield Mutant(file, 6, "Gt_Lt", code, code.replace("a > 0", "a < 0"))
 
 
 def test_a_change_that_no_test_notices_is_printed_and_the_tree_stays_as_it_is(root, monkeypatch, capsys):
-    monkeypatch.setattr(mutants, "mutants_of", made)
+    monkeypatch.setattr(mutants, "mutants_of", three_mutants)
     (root / "src/leadscrew/sums.py").write_text(CODE + "\n", encoding="utf-8")
     assert main(["--max", "2", "--base", "HEAD"], root) == 0
     printed = capsys.readouterr().out
@@ -70,7 +70,7 @@ def test_the_nearest_tests_come_first():
 
 def test_the_mutants_of_a_file_are_python_and_take_each_place_once():
     pytest.importorskip("cosmic_ray", reason="cosmic-ray is missing: pip install leadscrew[mutants]")
-    found = list(mutants.mutants_of("src/leadscrew/sums.py", CODE, 1))
-    assert {m.line for m in found} == {2, 6} and {m.line for m in found[:2]} == {2, 6}
-    assert [m.after for m in mutants.mutants_of("src/leadscrew/sums.py", CODE, 1)] == [m.after for m in found]
-    assert all(m.diff.count("\n") == 1 for m in found)
+    generated = list(mutants.mutants_of("src/leadscrew/sums.py", CODE, 1))
+    assert {m.line for m in generated} == {2, 6} and {m.line for m in generated[:2]} == {2, 6}
+    assert [m.after for m in mutants.mutants_of("src/leadscrew/sums.py", CODE, 1)] == [m.after for m in generated]
+    assert all(m.diff.count("\n") == 1 for m in generated)
