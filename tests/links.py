@@ -196,6 +196,7 @@ class Scan:
             return []
         homes = {k: (m[1], self.tree.exports(m[1]).get(m[2], m[1])) for k, m in rows.items() if m}
         name = ast.unparse(node.target if isinstance(node, ast.AnnAssign) else node.targets[0])
+        name = "commands" if name == "COMMANDS" else name
         self.links.tables[name] = {k: self.tree.module(home) for k, (_, home) in homes.items()}
         return node.value.values
 

@@ -22,36 +22,36 @@ from leadscrew.cli.version import print_and_exit
 __all__ = ["app", "main"]
 
 COMMANDS = {
-    "demo": "demo:demo",
-    "list": "listing:list_",
-    "run": "run:run",
-    "simulate": "simulate:simulate",
-    "export": "export:export",
-    "verify-export": "export:verify_export",
-    "replay": "replay:replay",
-    "diff": "diff:diff",
-    "tune": "tune:tune",
-    "compare": "compare:compare",
-    "montecarlo": "montecarlo:montecarlo",
-    "certify": "certify:certify",
-    "positioning": "positioning:positioning",
-    "ballbar": "ballbar:ballbar",
-    "harmonics": "harmonics:harmonics",
-    "excite": "excite:excite",
-    "following-error": "following_error:following_error",
-    "frequency-response": "frequency_response:frequency_response",
-    "predict": "predict:predict",
-    "fuzzy": "fuzzy:app",
-    "design": "design:app",
-    "log": "log:log",
-    "identify": "identify:app",
-    "tangent": "tangent:app",
-    "panel": "panel:panel",
-    "bench": "bench:bench",
-    "cache": "cache:app",
-    "version": "version:version",
+    "demo": "leadscrew.cli.demo:demo",
+    "list": "leadscrew.cli.listing:list_",
+    "run": "leadscrew.cli.run:run",
+    "simulate": "leadscrew.cli.simulate:simulate",
+    "export": "leadscrew.cli.export:export",
+    "verify-export": "leadscrew.cli.export:verify_export",
+    "replay": "leadscrew.cli.replay:replay",
+    "diff": "leadscrew.cli.diff:diff",
+    "tune": "leadscrew.cli.tune:tune",
+    "compare": "leadscrew.cli.compare:compare",
+    "montecarlo": "leadscrew.cli.montecarlo:montecarlo",
+    "certify": "leadscrew.cli.certify:certify",
+    "positioning": "leadscrew.cli.positioning:positioning",
+    "ballbar": "leadscrew.cli.ballbar:ballbar",
+    "harmonics": "leadscrew.cli.harmonics:harmonics",
+    "excite": "leadscrew.cli.excite:excite",
+    "following-error": "leadscrew.cli.following_error:following_error",
+    "frequency-response": "leadscrew.cli.frequency_response:frequency_response",
+    "predict": "leadscrew.cli.predict:predict",
+    "fuzzy": "leadscrew.cli.fuzzy:app",
+    "design": "leadscrew.cli.design:app",
+    "log": "leadscrew.cli.log:log",
+    "identify": "leadscrew.cli.identify:app",
+    "tangent": "leadscrew.cli.tangent:app",
+    "panel": "leadscrew.cli.panel:panel",
+    "bench": "leadscrew.cli.bench:bench",
+    "cache": "leadscrew.cli.cache:app",
+    "version": "leadscrew.cli.version:version",
 }
-"""Each command and where it is: the module in this package, and the function or the group of commands in it."""
+"""Each command and where it is: a module, and the function or the group of commands in it."""
 
 
 class Commands(Door):
@@ -80,7 +80,7 @@ class Made(Mapping[str, Any]):
 @cache
 def _command(name: str) -> Any:
     module, attribute = COMMANDS[name].split(":")
-    found = getattr(import_module(f"leadscrew.cli.{module}"), attribute)
+    found = getattr(import_module(module), attribute)
     if not isinstance(found, typer.Typer):
         alone = typer.Typer(add_completion=False, pretty_exceptions_enable=False)
         alone.command(name)(found)
