@@ -124,7 +124,7 @@ def test_a_page_reaches_the_tests_that_read_it(tree):
     assert selected(tree, "docs/second.md") == {"test_all_pages"}
 
 
-@pytest.mark.parametrize("file", ["pyproject.toml", "Makefile", ".ci/run", "tests/conftest.py"])
+@pytest.mark.parametrize("file", ["pyproject.toml", "tests/conftest.py"])
 def test_what_all_tests_depend_on_selects_all(tree, file):
     assert selected(tree, "docs/first.md", file) == {t[6:-3] for t in FILES if "test_" in t}
 
