@@ -78,7 +78,7 @@ def test_cache_is_shown_and_cleared(call, tmp_path, monkeypatch):
     monkeypatch.setenv("LEADSCREW_CACHE_DIR", str(tmp_path))
     folder = tmp_path / "0.1.0-py3.11-llvmlite0.50.0"
     folder.mkdir()
-    (folder / "loop_abc.py").write_text("x = 1\n")
+    (folder / "loop_abc.o").write_text("x = 1\n")
     assert strict_json(call("cache", "info", "--json").stdout) == {"folder": str(tmp_path), "modules": 1, "bytes": 6}
     assert str(tmp_path) in call("cache", "info").stdout
     assert strict_json(call("cache", "clear", "--json").stdout)["modules"] == 1
