@@ -73,6 +73,7 @@ def test_values_at_the_ends_of_their_ranges_are_noted_everywhere(call, tmp_path)
     assert words in (tmp_path / "c" / "report.html").read_text()
 
 
+@pytest.mark.slow
 def test_several_goals_give_a_front_as_table_and_picture(call, tmp_path):
     said = call(*SMALL, "--minimise", "overshoot", "--report", tmp_path / "r").stdout
     assert " taken" in said and "mean:rms_error, held out" in said

@@ -29,6 +29,7 @@ def test_softened_it_adds_width_times_tanh():
     assert outputs(dead_zone_inverse(pid), ERRORS, np.zeros(200)) == pytest.approx(expected, rel=1e-15)
 
 
+@pytest.mark.slow
 def test_20_mv_of_dead_zone_and_what_compensating_all_and_80_percent_of_it_leaves():
     loop = xy_loop(dead_zone_inverse(pid), eased_sine(amplitude=1.0, frequency=0.7), actuator=DRIVE)
     changes = {

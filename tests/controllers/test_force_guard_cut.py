@@ -82,6 +82,7 @@ BROKEN = (("constant", 0.0, 0.1), ("saturated", 1000.0, 0.0), ("saturated", -100
 """Faults, with their size in N, and the time within which the feed is to be held."""
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("from_s", [0.1, 1.5])
 def test_a_broken_load_cell_leads_to_feed_hold_within_its_time_and_never_to_more_feed(breaking, from_s):
     changes = {"sensor.fault": [KINDS[b[0]] for b in BROKEN], "sensor.size_n": [b[1] for b in BROKEN],

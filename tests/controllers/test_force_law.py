@@ -166,6 +166,7 @@ def test_any_material_is_cut_at_the_force_without_overshoot(hardness):
     assert force.max() < (1.04 if hardness <= 1.0 else 1.15)
 
 
+@pytest.mark.slow
 def test_iron_is_entered_without_a_peak_and_in_a_quarter_of_a_second():
     """Iron needs three times the feed of the belief, and its exponent is 0.96; without the care it peaks at 14 %."""
     iron = {"plant.law.kf": 1450.0, "plant.law.exponent": 0.96}

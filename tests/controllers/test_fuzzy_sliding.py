@@ -124,6 +124,7 @@ def test_and_with_the_vectors_table_to_a_hundredth_of_a_nanometre():
     assert -UM * run["true_error"][: len(known)] == pytest.approx(1e3 * known[:, 1], abs=0.01 * NM)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "rules", "largest", "rms"),
     [pytest.param(*r, marks=[pytest.mark.slow] * (i > 1)) for i, r in enumerate(IDEAL)],
@@ -298,6 +299,7 @@ def test_all_engines_give_the_same_bits(block):
     assert all(np.array_equal(fast[column], plain[column]) for column in plain.signals)
 
 
+@pytest.mark.sweep
 def test_a_batch_gives_the_bits_of_single_runs():
     loop = stage_loop(TUNINGS["ours.fsmc_4khz"], "fast", method="sdirk3", substeps=10)
     scales = np.linspace(105.0, 160.0, 17)

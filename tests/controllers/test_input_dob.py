@@ -85,6 +85,7 @@ def test_it_cannot_remove_the_following_error_of_the_believed_plant():
     assert observed == pytest.approx(plain, rel=1e-4) and plain == pytest.approx(7.12, abs=0.01)
 
 
+@pytest.mark.slow
 def test_a_slow_observer_makes_a_fast_line_worse():
     load = sine_load(amplitude=1e-3, frequency=7.7)
     plain, slow, fast = (

@@ -120,6 +120,7 @@ def test_taking_over_makes_no_jump_in_speed_and_feed():
     assert out == pytest.approx((7.9, 0.2, 0.0), abs=1e-9)
 
 
+@pytest.mark.slow
 def test_the_encoders_give_whole_counts_and_the_mean_speed():
     loop = lathe(noise_n=0.0).using({"sensor.spindle_counts": 100.0, "sensor.depth_count_mm": 0.01})
     run = loop.run(2.5)

@@ -61,6 +61,7 @@ def test_the_shares_become_what_the_axis_is(name, value, key, share):
     assert run[f"controller.shares.{key}"][-1] == pytest.approx(share, abs=0.02)
 
 
+@pytest.mark.slow
 def test_friction_that_is_20_percent_off_is_learned_away():
     fixed = rms_um(rough(learned_feed_forward(RETUNED, rate=0.0, **HIGH), friction_mv=180.0).run(30.0))
     learned = rms_um(rough(learned_feed_forward(RETUNED, **HIGH), friction_mv=180.0).run(30.0))

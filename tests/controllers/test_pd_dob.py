@@ -286,6 +286,7 @@ def test_all_engines_give_the_same_bits(changes):
     assert all(np.array_equal(fast[column], plain[column]) for column in plain.signals)
 
 
+@pytest.mark.sweep
 def test_a_batch_gives_the_bits_of_single_runs():
     loop = stage_loop(OURS, "fast", method="sdirk3", substeps=10)
     gains = np.linspace(200.0, 400.0, 17)

@@ -250,6 +250,7 @@ def friction(by):
     return ballscrew_stage(**{"friction.coulomb": by * 6.24, "friction.static": by * 9.36})
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("by", [0.8, 1.0, 1.2])
 def test_it_learns_what_table_2_believes_wrong(by):
     """Believed: bristles of 2e5 N m/rad and 632 N m s/rad, 1.2 N m s/rad viscous, 6.24 N m."""
@@ -334,6 +335,7 @@ def test_all_engines_give_the_same_bits(changes):
     assert all(np.array_equal(fast[column], plain[column]) for column in plain.signals)
 
 
+@pytest.mark.sweep
 def test_a_batch_gives_the_bits_of_single_runs():
     loop = stage_loop(pd_learned, "fast", method="sdirk3", substeps=10)
     gains = np.linspace(200.0, 400.0, 9)

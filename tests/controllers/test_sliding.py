@@ -158,6 +158,7 @@ def test_the_defaults_are_quiet_at_4_khz(block, largest):
     assert np.abs(np.diff(run["output"][8000:])).mean() < 0.1
 
 
+@pytest.mark.slow
 def test_the_integral_law_leaves_no_steady_error_and_the_conventional_one_does():
     """In fast sliding the believed viscous friction is wrong by 0.8 N m s/rad."""
     left = {}
@@ -243,6 +244,7 @@ def test_all_engines_give_the_same_bits(name, changes):
     assert all(np.array_equal(fast[column], plain[column]) for column in plain.signals)
 
 
+@pytest.mark.sweep
 def test_a_batch_gives_the_bits_of_single_runs():
     loop = stage_loop(csmc, "fast", method="sdirk3", substeps=10)
     rates = np.linspace(1000.0, 2500.0, 18)

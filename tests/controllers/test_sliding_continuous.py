@@ -79,12 +79,14 @@ def test_each_law_leaves_its_known_error(block, largest):
     assert np.abs(error).max() == pytest.approx(largest, rel=0.01)
 
 
+@pytest.mark.slow
 def test_believed_friction_from_the_measured_speed_with_its_damping_runs_away():
     """The believed damping exceeds the true one by 316 N m s/rad: the torque grows until the bristles slip."""
     run = loop_of(smc_ideal(friction_from=3), sample=1e-5).run(0.3, record="output")
     assert np.abs(run["output"]).max() > 5000.0
 
 
+@pytest.mark.slow
 def test_without_believed_friction_the_boundary_layer_holds_it_at_the_price_of_an_error():
     """In steady sliding J K sat(s / phi) must be F, so e = phi / lam F / (J K); at the largest speed e' is small."""
     run = loop_of(smc_ideal(friction_from=0), rtol=1e-6).run(1.2, record="true_error")

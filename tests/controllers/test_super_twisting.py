@@ -128,6 +128,7 @@ def test_all_engines_give_the_same_bits(changes):
     assert all(np.array_equal(fast[column], plain[column]) for column in plain.signals)
 
 
+@pytest.mark.sweep
 def test_a_batch_gives_the_bits_of_single_runs():
     loop = stage_loop(super_twisting, "fast", method="sdirk3", substeps=10)
     gains = np.linspace(0.5, 1.5, 17)

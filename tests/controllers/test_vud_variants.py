@@ -61,6 +61,7 @@ PRINTED_BLOCKS = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", PRINTED_BLOCKS)
 @pytest.mark.parametrize("target", [-170.0, 50.0])
 def test_the_family_is_the_printed_and_the_corrected_law_to_the_last_bit(name, target):

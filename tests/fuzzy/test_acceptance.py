@@ -182,6 +182,7 @@ def through_files(name: str, system: System, found: Counter) -> None:
         np.testing.assert_allclose(after, before, rtol=0, atol=1e-12, err_msg=f"{name}, {format}")
 
 
+@pytest.mark.slow
 def test_published_and_small_systems_keep_their_outputs_through_files():
     found: Counter = Counter()
     for name, made in {**PUBLISHED, **SMALL}.items():

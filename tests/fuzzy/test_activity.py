@@ -45,6 +45,7 @@ def hedged() -> System:
     return System("hedged", ins, (u,), (RuleBlock(rules),))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "system",
     [

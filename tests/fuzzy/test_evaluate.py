@@ -89,6 +89,7 @@ def test_named_arrays_go_together():
 
 
 # ---- closed forms
+@pytest.mark.slow
 @pytest.mark.parametrize("implication", ["minimum", "algebraic_product"])
 def test_the_exact_centroid_is_what_finer_and_finer_sums_tend_to(implication):
     system = with_block(mamdani(integration="exact"), implication=implication)

@@ -22,6 +22,7 @@ def test_a_system_survives_its_file(format, data):
     assert formats.dumps(found, format) == text
 
 
+@pytest.mark.slow
 @given(st.data())
 @MANY
 def test_a_rule_survives_its_text(data):

@@ -71,6 +71,7 @@ def test_the_ends_of_a_sum(integration, expected):
 PEAKS = (Term("N", "triangle", (-1.0, 0.0, 1.0)), Term("P", "triangle", (0.0, 1.0, 2.0)))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("implication", ["minimum", "algebraic_product"])
 @pytest.mark.parametrize("degrees", [(0.8, 0.7), (1.0, 1.0), (0.9, 0.2), (0.3, 0.6), (0.5, 0.5)])
 def test_two_neighbours_of_any_degrees(implication, degrees):

@@ -20,6 +20,7 @@ def test_a_thousand_lengths_share_few():
     assert len({len(lengthened(np.zeros(n))) for n in range(9000, 10000)}) <= 2
 
 
+@pytest.mark.slow
 def test_a_replay_is_the_same_to_the_bit(monkeypatch):
     log = truth(1033).log()
     point = {"mass": 90.0, "friction.forward.coulomb": 20.0, "friction.backward.coulomb": 22.0}

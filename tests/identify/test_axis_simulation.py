@@ -69,6 +69,7 @@ def test_friction_by_direction_reaches_the_simulated_axis() -> None:
     assert np.max(np.abs(both - unlike)) > 1e-3
 
 
+@pytest.mark.slow
 def test_the_closed_loop_repeats_the_record_that_the_same_cascade_made() -> None:
     log = record()
     simulated = simulate_closed(log, VALUES, Cascade(KP, KV, over=2))

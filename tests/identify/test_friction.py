@@ -59,6 +59,7 @@ def test_sliding_is_the_line_that_made_it():
     assert found.inertia == pytest.approx(1e-3, rel=2e-2) and found.offset == pytest.approx(0.7, rel=1e-3)
 
 
+@pytest.mark.slow
 def test_a_piece_played_back_moves_as_scipy_says():
     dt = 2.5e-4
     torque = 6.0 * np.sin(2.0 * math.pi * np.arange(80) / 160.0)

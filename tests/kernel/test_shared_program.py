@@ -8,15 +8,15 @@ from leadscrew.kernel.block import controller
 from leadscrew.kernel.loop import Loop
 from leadscrew.kernel.metrics import rms_error
 from leadscrew.kernel.program import programs
-from leadscrew.plants.mass_lugre import mass_lugre
 from leadscrew.references.sine import sine
 from leadscrew.references.step import step
+from tests.kernel import zoo
 
 
 def axis(**changes):
     parts = {
-        "reference": sine(), "controller": pid(kp=50.0, kd=1.0), "plant": mass_lugre, "period": 1e-3,
-        "metrics": {"rms": rms_error}, "method": "rodas",
+        "reference": sine(), "controller": pid(kp=50.0, kd=1.0), "plant": zoo.mass, "period": 1e-3,
+        "metrics": {"rms": rms_error},
     }  # fmt: skip
     return Loop(**(parts | changes))
 
@@ -31,7 +31,7 @@ def test_other_values_starts_and_periods_run_on_the_same_program_with_their_own_
     run_of(first)
     for changes in (
         {"controller": pid(kp=80.0)},
-        {"plant": mass_lugre.starting(speed=0.1)},
+        {"plant": zoo.mass.starting(velocity=0.1)},
         {"period": 5e-4},
         {"metrics": {"rms": rms_error(from_time=0.1)}},
         {"seed": 3},

@@ -78,6 +78,7 @@ def test_a_peak_of_one_period_counts_in_the_figures_whichever_period_it_is(perio
     assert len(circle.look()["points"]) <= 720
 
 
+@pytest.mark.slow
 def test_a_turn_so_slow_that_periods_are_left_out_says_so() -> None:
     slow, quick = Circle(loops(frequency=0.1), COLUMNS), Circle(loops(), COLUMNS)
     phi = 2.0 * math.pi * 0.1 * 0.25e-3 * np.arange(41_000)

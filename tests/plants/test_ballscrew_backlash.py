@@ -197,6 +197,7 @@ def test_started_in_motion_both_go_on_evenly(speed):
         assert run["plant.table"] == pytest.approx(LEAD * speed * 1e-3 * np.arange(20), abs=2e-10)
 
 
+@pytest.mark.slow
 def test_a_force_on_the_table_stretches_the_joint():
     """Through the gap, and then as far as what the guide leaves of 100 N bends 1e8 N/m; the screw stands."""
     loop = Loop(reference=torque, controller=through, plant=ballscrew_backlash, period=1e-3, metrics={},

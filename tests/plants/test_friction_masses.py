@@ -83,6 +83,7 @@ def test_sliding_under_the_stribeck_map_follows_scipy_with_the_order_of_the_step
     assert errors[0] / errors[1] == pytest.approx(2.0, rel=0.1) and errors[1] / errors[2] == pytest.approx(2.0, rel=0.1)
 
 
+@pytest.mark.slow
 def test_dahl_is_lugre_without_stribeck_and_bristle_damping():
     plain = {f"friction.{side}.static": 1.0 for side in ("forward", "backward")} | {"friction.damping": 0.0}
     one = opened(mass_dahl, amplitude=1.8).run(0.4, record="plant")
@@ -210,6 +211,7 @@ def test_all_engines_give_the_same_bits(plant):
         assert all(np.array_equal(fast[name], plain[name]) for name in plain.signals)
 
 
+@pytest.mark.sweep
 def test_a_batch_of_maxwell_slip_has_the_bits_of_its_single_runs():
     loop = opened(mass_maxwell_slip, options={"substeps": 20}, amplitude=2.0)
     pushes = [1.4, 1.8, 2.2]

@@ -43,6 +43,7 @@ def test_the_picture_of_the_play_has_the_width_of_the_play():
     assert np.ptp(drive - table) == pytest.approx(2.0)
 
 
+@pytest.mark.slow
 def test_after_a_reversal_an_elastic_impact_swings_longer_than_a_soft_one():
     """1 mm at 1 Hz: 50 ms after the flank change the table still swings with a restitution of 0.9, not with 0.05."""
     swings = []

@@ -94,6 +94,7 @@ def test_a_batch_of_trials_is_its_runs_one_by_one():
     assert found.rms[5] == pytest.approx(tail_um(alone)[1], rel=1e-3) and found.speeds[5] == 3000
 
 
+@pytest.mark.slow
 def test_the_box_has_twelve_plants_and_the_printed_pid_holds_on_all():
     assert {len(v) for v in BOX.values()} == {12} and len(set(zip(*BOX.values(), strict=True))) == 12
     found = trial(Loops(), "paper.pid", draws=1, box=BOX)
