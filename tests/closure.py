@@ -16,7 +16,7 @@ import re
 import subprocess
 from collections.abc import Iterable
 from fnmatch import fnmatch
-from functools import cache
+from functools import cache, cached_property
 from pathlib import Path, PurePath
 
 from tests.links import Links, Scan, strings
@@ -62,7 +62,7 @@ class Tree:
 
     def _links(self, file: str) -> Links:
         scan = Scan(self, file)
-        if file.endswith((".py", ".md", ".toml", ".ipynb", ".hal", ".ini")):
+        if file.endswith((".py", ".md", ".toml", ".txt", ".ipynb", ".hal", ".ini")):
             text = (self.root / file).read_text(encoding="utf-8", errors="replace")
             for language, body in FENCE.findall(text) if file.endswith(".md") else [(file.rpartition(".")[2], text)]:
                 scan.text(body, python=language in ("py", "python"))
@@ -79,9 +79,18 @@ class Tree:
         whole = any(self.links(e).siblings for e in links.edges & self.files)
         return links.judging | {f for f in self.files if whole and f.startswith(f"{folder}/") and f.endswith(".py")}
 
+    @cached_property
+    def shared(self) -> set[str]:
+        """The Python that every test reaches: of ``tests/conftest.py`` and its plug-ins, without what they name."""
+        new, reached = {"tests/conftest.py"} & self.files, set[str]()
+        while new:
+            reached |= new
+            new = {f for file in new for f in self.next(file) if f.endswith(".py")} - reached
+        return reached
+
     def closure(self, test: str) -> set[str]:
         """All files that a test reaches."""
-        new = {test, *(f"{folder}/conftest.py" for folder in PurePath(test).parents)} & self.files
+        new = {test, *(f"{folder}/conftest.py" for folder in PurePath(test).parents[:-2])} & self.files
         reached, entered, taken = set[str](), set[str](), set[tuple[str, str]]()
         words, commands = set[str](), set[str]()
         while new:
@@ -98,13 +107,14 @@ class Tree:
                 new |= self.judging(file) if judges else set()
                 new |= {f for name, listed in self.links(file).lists.items() if (file, name) in taken for f in listed}
                 for name, table in self.links(file).tables.items():
-                    keys = (commands if name == "commands" else words) & table.keys()
-                    if (file, name) in taken or (name == "commands" and file in entered and not keys):
+                    typed = name.lower() == "commands"
+                    keys = (commands if typed else words) & table.keys()
+                    if (file, name) in taken or (typed and file in entered and not keys):
                         keys = set(table)
                     new |= {table[k] for k in keys}
             entered |= new
             new = new & self.files - reached
-        return reached
+        return reached | self.shared
 
     def affected(self, changed: Iterable[str]) -> list[str]:
         """The test files that can notice a change of these files (paths from the root)."""

@@ -22,7 +22,7 @@ WORD, DOTTED = re.compile(r"[\w.*-]*\w"), re.compile(r"\b(?:leadscrew|tests)(?:\
 TARGET = re.compile(r"(leadscrew(?:\.\w+)+):(\w+)")
 PROGRAM = re.compile(r"\bleadscrew +([a-z][\w-]*)(?: +([a-z][\w-]*))?")
 PAGES = "*.md"
-FIRST = re.compile(r"^\s*([a-z][\w-]*)(?: +([a-z][\w-]*))?", re.MULTILINE)
+FIRST = re.compile(r"(?:^|\")\s*([a-z][\w-]*)(?: +([a-z][\w-]*))?", re.MULTILINE)
 IMPORT = re.compile(r"\bfrom ((?:leadscrew|tests)[\w.]*) import \(?([\w, \n]+)")
 STUDY, JUDGES = re.compile(r"src/leadscrew/studies/\w+/study\.py"), ("src/leadscrew/cli/", "src/leadscrew/panel/")
 """The file of a study; what of the library may evaluate one."""
@@ -161,7 +161,8 @@ class Scan:
         for node in kinds[ast.Constant]:
             if isinstance(node.value, str) and id(node) not in skipped:
                 self.text(node.value, home=lists.get(id(node), ""))
-        if {"-m", "leadscrew"} <= {node.value for node in kinds[ast.Constant] if isinstance(node.value, str)}:
+        constants = {node.value for node in kinds[ast.Constant] if isinstance(node.value, str)}
+        if {"-m", "leadscrew"} <= constants and not self.library:
             self.module("leadscrew.__main__")
         for node in kinds[ast.JoinedStr]:
             self.template([v.value if isinstance(v, ast.Constant) else None for v in node.values])
@@ -196,7 +197,6 @@ class Scan:
             return []
         homes = {k: (m[1], self.tree.exports(m[1]).get(m[2], m[1])) for k, m in rows.items() if m}
         name = ast.unparse(node.target if isinstance(node, ast.AnnAssign) else node.targets[0])
-        name = "commands" if name == "COMMANDS" else name
         self.links.tables[name] = {k: self.tree.module(home) for k, (_, home) in homes.items()}
         return node.value.values
 

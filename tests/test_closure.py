@@ -36,21 +36,28 @@ def blocks(): return [block(name) for name in BLOCKS]
     "src/leadscrew/studies/lathe/study.py": "def evaluate():\n    from leadscrew.studies.lathe.claims import topics",
     "src/leadscrew/studies/lathe/claims.py": "",
     "src/leadscrew/cli/__init__.py": """
-import typer
-from leadscrew.cli import run, tune
+from importlib import import_module
 from leadscrew.cli.output import show
-app = typer.Typer()
-app.command("run")(run.run)
-app.command("tune")(tune.tune)
+COMMANDS = {"run": "leadscrew.cli.run:run", "tune": "leadscrew.cli.tune:app"}
+app = [import_module(target.split(":")[0]) for target in COMMANDS.values()]
 def main(): ...
 """,
     "src/leadscrew/cli/output.py": "",
     "src/leadscrew/cli/run.py": "from leadscrew import catalogue\ndef run(study): study.evaluate()",
-    "src/leadscrew/cli/tune.py": "def tune(): from leadscrew.tune import slow",
+    "src/leadscrew/cli/tune.py": """
+import typer
+from leadscrew.cli import tune_all, tune_one
+app = typer.Typer()
+app.command("all")(tune_all.run)
+app.command("one")(tune_one.run)
+""",
+    "src/leadscrew/cli/tune_all.py": "def run(): from leadscrew.tune import slow",
+    "src/leadscrew/cli/tune_one.py": "",
     "docs/first.md": "# One\n```python\nfrom leadscrew import tune\ntune.Job()\n```\n",
     "docs/second.md": "# Two\n```console\n$ leadscrew run lathe\n```\n",
     "tests/__init__.py": "",
-    "tests/conftest.py": "",
+    "tests/conftest.py": "pytest_plugins = ['tests.plugin']",
+    "tests/plugin.py": "SAID = 'see second.md'",
     "tests/pages.py": "PAGES = ROOT.glob('*.md')\ndef read(page): ...",
     "tests/tune/conftest.py": "from leadscrew.references.ramp import ramp",
     "tests/tune/test_job.py": "from leadscrew.tune import Job",
@@ -61,6 +68,7 @@ def main(): ...
     "tests/test_study.py": "from leadscrew import catalogue\ndef test(): catalogue.study('lathe')",
     "tests/test_judged.py": "from leadscrew import catalogue\ndef test(): catalogue.study('lathe').evaluate()",
     "tests/test_run.py": "from leadscrew.cli import app\ndef test(): call(app, ['run', 'x'])",
+    "tests/test_tune.py": "from leadscrew.cli import app\ndef test(): call(app, 'tune one x'.split())",
     "tests/test_any_command.py": "from leadscrew.cli import app\ndef test(command): call(app, [command])",
     "tests/test_process.py": "CODE = 'from leadscrew.references.{x} import a'\nMORE = 'import leadscrew.helper'",
     "tests/test_first_page.py": "from tests.pages import read\ndef test(): read('first.md')",
@@ -115,7 +123,9 @@ def test_data_and_what_is_gone_count_as_their_package(tree):
 
 def test_a_command_reaches_tests_that_name_it_or_name_none(tree):
     assert selected(tree, "src/leadscrew/cli/run.py") == {"test_run", "test_any_command", "test_all_pages"}
-    assert selected(tree, "src/leadscrew/cli/tune.py") == {"test_any_command"}
+    assert selected(tree, "src/leadscrew/cli/tune.py") == {"test_tune", "test_any_command"}
+    assert selected(tree, "src/leadscrew/cli/tune_one.py") == {"test_tune", "test_any_command"}
+    assert selected(tree, "src/leadscrew/cli/tune_all.py") == {"test_any_command"}
     assert "test_run" in selected(tree, "src/leadscrew/cli/output.py")
 
 
@@ -124,7 +134,7 @@ def test_a_page_reaches_the_tests_that_read_it(tree):
     assert selected(tree, "docs/second.md") == {"test_all_pages"}
 
 
-@pytest.mark.parametrize("file", ["pyproject.toml", "tests/conftest.py"])
+@pytest.mark.parametrize("file", ["pyproject.toml", "tests/conftest.py", "tests/plugin.py"])
 def test_what_all_tests_depend_on_selects_all(tree, file):
     assert selected(tree, "docs/first.md", file) == {t[6:-3] for t in FILES if "test_" in t}
 
