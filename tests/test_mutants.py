@@ -6,6 +6,7 @@ import pytest
 
 from tests import mutants
 from tests.mutants import Mutant, differs, main, nearest_first
+from tests.tools import needed
 
 CODE = "def add(a: float, b: float) -> float:\n    return a + b\n\n\ndef unused(a):\n    return a > 0\n"
 FILES = {
@@ -69,7 +70,7 @@ def test_the_nearest_tests_come_first():
 
 
 def test_the_mutants_of_a_file_are_python_and_take_each_place_once():
-    pytest.importorskip("cosmic_ray", reason="cosmic-ray is missing: pip install leadscrew[mutants]")
+    needed("cosmic_ray", "mutants")
     generated = list(mutants.mutants_of("src/leadscrew/sums.py", CODE, 1))
     assert {m.line for m in generated} == {2, 6} and {m.line for m in generated[:2]} == {2, 6}
     assert [m.after for m in mutants.mutants_of("src/leadscrew/sums.py", CODE, 1)] == [m.after for m in generated]

@@ -20,6 +20,7 @@ TOOLS = {
     "fuzzylite": "an independent fuzzy toolbox",
     "peers": "the other fuzzy toolboxes of 'make peers'",
     "pathsim": "a simulator to be measured against",
+    "cosmic_ray": "what 'make mutants' changes code with",
     "shared": "measured data that is not in the repository",
     "posix": "signals, pipes and limits of POSIX",
     "x86-64": "the processor whose assembly a test reads",

@@ -27,6 +27,7 @@ def line():
 CASES = [c if c in ("table", "tuned") else pytest.param(c, marks=pytest.mark.slow) for c in GOLDEN]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("case", CASES)
 def test_the_digests_deviations_come_out_within_two_percent(case, line):
     block, _, root, most, at_200 = GOLDEN[case]

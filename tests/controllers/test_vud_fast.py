@@ -138,6 +138,7 @@ def test_with_its_gain_known_the_axis_is_within_3_ms_of_the_time_optimal_bound(t
     assert settled - (abs(target) / 289.0 + 2.0 * 0.0193 * math.log(2.0)) < 0.003
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("errors", [{}, SENSOR_ERRORS], ids=["ideal sensor", "sensor errors"])
 @pytest.mark.parametrize("target", [-50.0, -170.0])
 def test_over_gains_that_no_search_has_seen_it_stays_within_5_ms_of_the_bound_of_each(target, errors):

@@ -97,6 +97,7 @@ def test_stick_slip_has_the_times_period_and_speed_of_the_digest(pulled):
     assert pulled["plant.speed"].max() == pytest.approx(0.370, abs=5e-4)
 
 
+@pytest.mark.slow
 def test_every_model_with_a_stribeck_curve_sticks_and_slips_and_dahl_does_not():
     for plant in (mass_maxwell_slip, mass_stribeck):
         run = stick_slip(plant, seconds=16.0)

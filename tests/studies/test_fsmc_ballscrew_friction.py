@@ -143,6 +143,7 @@ def test_the_digests_soft_impact_is_the_one_of_the_usual_damping():
     assert usual.swing_um == pytest.approx(0.23, abs=0.01) and asked.swing_um == pytest.approx(0.17, abs=0.01)
 
 
+@pytest.mark.slow
 def test_the_least_lag_is_on_the_safe_side_and_not_far_off():
     """A limit cycle below 0.75 of it, none at it; 62.4 kg over the joint's damping at e = 0.9."""
     least = b.least_lag_s()

@@ -50,6 +50,7 @@ def test_a_table_of_zeros_is_the_inner_controller():
     assert all(np.array_equal(plain[column], tabled[column]) for column in plain.signals)
 
 
+@pytest.mark.slow
 def test_an_observer_takes_the_table_for_known_friction():
     """Half a newton metre more friction known to the table is half a newton metre less in the observer."""
     loops = [stage_loop(feed_forward_table(pd_dob, (u,)), "fast") for u in (0.0, 0.5)]
@@ -136,6 +137,7 @@ def test_records_and_settings_that_make_no_table_are_refused():
 
 
 # ---- the study
+@pytest.mark.slow
 def test_fifteen_passes_halve_the_error_on_the_fast_sine():
     loops = Loops()
     errors = passes(loops, FIXED, "sine_fast")

@@ -50,6 +50,7 @@ def test_with_the_digests_mean_of_the_friction_the_digests_peak_comes_out(monkey
     assert theirs == pytest.approx(0.232, abs=0.001) and ours < 0.87 * theirs
 
 
+@pytest.mark.slow
 def test_on_an_ideal_drive_the_default_keeps_to_its_limits_from_rest(loops):
     for scenario, limit in zip(SINES, LIMITS, strict=True):
         assert errors_um(loops, "ours.pd_dob", scenario).largest < limit

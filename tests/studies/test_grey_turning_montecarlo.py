@@ -108,6 +108,7 @@ def test_random_rules_err_by_one_set_and_are_antisymmetric_where_told():
     assert np.array_equal(even, -even[:, ::-1, ::-1]) and not np.array_equal(odd, -odd[:, ::-1, ::-1])
 
 
+@pytest.mark.slow
 def test_a_draw_of_the_batch_is_that_single_cut(loops):
     block = loops.controllers["corrected.gpfc_b_s9"]
     loop, drawn = loops.get(block, SCENARIO), draws("plant_f", 20)
@@ -117,6 +118,7 @@ def test_a_draw_of_the_batch_is_that_single_cut(loops):
     assert single.overshoot[0] == together.overshoot[17] and single.iae[0] == together.iae[17]
 
 
+@pytest.mark.slow
 def test_controllers_are_compared_under_the_same_noise(loops):
     from leadscrew.controllers.grey_fuzzy import gpfc
     from leadscrew.controllers.grey_fuzzy.tunings import FACTORS, at

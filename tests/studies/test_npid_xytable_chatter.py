@@ -36,6 +36,7 @@ def test_the_digest_has_ten_loads_and_six_chatter():
     assert loud == [begin + load for load in ("3", "4", "5", "7", "10", "12")]
 
 
+@pytest.mark.slow
 def test_the_axis_in_steps_of_25_us_chatters_alike(rows):
     loop = xy_loop(npid, step(target=0.0), disturbance=kicked_load(size=1.32e-3 * 5.0, kick=5e-3))
     tail = 1e3 * loop.run(c.RUN_S, record="true_error")["true_error"][-1000:]
@@ -68,6 +69,7 @@ def test_on_the_way_down_it_starts_to_chatter_later_than_it_ended_on_the_way_up(
     assert found["down_starts"] == pytest.approx(3.0 * math.cosh(1.5), abs=0.1)
 
 
+@pytest.mark.slow
 def test_the_balance_is_right_to_a_percent_in_every_row_and_one_term_in_all_but_the_first(rows):
     assert len(rows.rows) == 13
     off = {many: np.abs([errors_of(r, many) for r in rows.rows]) for many in (True, False)}

@@ -84,6 +84,7 @@ def test_a_following_error_of_e_max_fits_best():
     assert min(found, key=found.get) == 3.0
 
 
+@pytest.mark.slow
 def test_a_batch_of_trials_is_its_runs_one_by_one():
     loops = Loops()
     found = trial(loops, "paper.pid", draws=2, encoder_um=0.0, noise_um=0.0)

@@ -25,6 +25,7 @@ def loops():
     return Loops()
 
 
+@pytest.mark.slow
 def test_far_above_e_max_npid_is_pid_with_all_gains_2_35_fold(loops):
     """15 mm: the digest's compression law, 57.5 % less whatever the friction."""
     plain, nonlinear = (
@@ -33,6 +34,7 @@ def test_far_above_e_max_npid_is_pid_with_all_gains_2_35_fold(loops):
     assert nonlinear.rms / plain.rms == pytest.approx([1.0 / np.cosh(1.5)] * 2, rel=3e-3)
 
 
+@pytest.mark.slow
 def test_the_circles_deviation_is_the_contour_error(loops):
     """Against the polyline of the commands, by the analysis that knows no circle."""
     wide = MEDIUM._replace(amplitude_mm=RADIUS_MM)

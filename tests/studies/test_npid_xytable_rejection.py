@@ -19,6 +19,7 @@ def loops():
     return Loops()
 
 
+@pytest.mark.slow
 def test_what_the_loop_lets_through_is_what_a_run_shows():
     for name, hz in (("ours.pid_ms_185", 7.7), ("paper.pid", 33.3)):
         load = sine_load(amplitude=1e-3, frequency=hz)

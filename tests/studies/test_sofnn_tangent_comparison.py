@@ -30,6 +30,7 @@ def test_a_deviation_that_stays_never_settles():
     assert math.isinf(answer(np.concatenate([np.zeros(50), np.full(50, -4.13)])).settling_s)
 
 
+@pytest.mark.slow
 def test_mamdani_inference_is_max_min_and_the_centroid_of_241_points():
     """By NumPy, from the memberships on: 7 x 7 rules, the output set of the rule is the clipped sum of the two."""
     made, rng = system(), np.random.default_rng(5)

@@ -65,6 +65,7 @@ def test_networks_are_the_same_sample_by_sample(loops, name):
     assert np.abs(seen["output"][:n] - expected.d).max() < 1e-7
 
 
+@pytest.mark.slow
 def test_a_change_of_material_under_noise_is_the_same_sample_by_sample(loops):
     """Texture and noise of the product's run go into the oracle; the flower is cut there by its polar equation."""
     block, control = BLOCKS["table"]

@@ -47,6 +47,7 @@ def test_an_axis_without_faults_keeps_within_half_a_count_of_the_grating(loops):
     assert done.metrics["error_after_2s"] == pytest.approx([plain, plain], abs=1e-9)
 
 
+@pytest.mark.slow
 def test_later_errors_are_never_larger(loops):
     early, late = (
         accuracy.errors_um(loops, "corrected.vud_beta_e", STEPS[1], "grating", after_s=t) for t in (2.0, 2.5)

@@ -40,6 +40,7 @@ def test_behind_the_encoder_the_mean_deviation_is_the_screws_error(tests):
         assert np.abs(tests[name].both.reversal_at).max() < play_um + 1.0
 
 
+@pytest.mark.slow
 def test_the_warming_alone_spreads_the_runs_behind_the_encoder(tests, loops, monkeypatch):
     spread = [x.std(axis=1, ddof=1) for x in (tests["encoder"].up_um, tests["encoder"].down_um)]
     at = np.abs(ours.TARGETS_MM)
