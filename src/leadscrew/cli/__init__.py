@@ -59,11 +59,11 @@ class Commands(Door):
 
     def __init__(self, **more: Any) -> None:
         super().__init__(**more)
-        self.commands = Made()  # type: ignore[assignment]
+        self.commands = LazyCommands()  # type: ignore[assignment]
 
 
-class Made(Mapping[str, Any]):
-    """Each command by its name, made when it is asked for."""
+class LazyCommands(Mapping[str, Any]):
+    """Each command by its name, built on first use."""
 
     def __getitem__(self, name: str) -> Any:
         if name not in COMMANDS:

@@ -271,21 +271,24 @@ class Module:
 
     def fused(self, name: str) -> ast.FunctionDef:
         """An entry with all that it calls fused in, NamedTuples taken apart, nothing left that nobody reads."""
-        if name in self._fused:
-            return self._fused[name]
-        if self._fuser is None:
+        done = self._fused.get(name)
+        if done is not None:
+            return done
+        fuser = self._fuser  # another thread may drop it
+        if fuser is None:
             leaves = {
                 i.name: i.node for i in self.items.values() if isinstance(i.node, ast.FunctionDef) and i.kind == "leaf"
             }
-            self._fuser = Fuser(leaves)
+            fuser = self._fuser = Fuser(leaves)
         classes = fields_of([i.node for i in self.ordered() if isinstance(i.node, ast.ClassDef)])
         harmless = {"float", "int", "bool", "abs", "float_to_bits", "bits_to_float", *classes}
         node = self.items[name].node
         assert isinstance(node, ast.FunctionDef)
-        whole = Scalariser(classes).function(self._fuser.function(node))
+        whole = Scalariser(classes).function(fuser.function(node))
         lean = without_dead(without_copies(without_dead(whole, harmless)), harmless)
-        self._fused[name] = Branchless().visit(lean)
-        return self._fused[name]
+        fused: ast.FunctionDef = Branchless().visit(lean)
+        self._fused[name] = fused
+        return fused
 
     def drop_fused(self) -> None:
         """Frees the fused trees, five times as large as all else; they are made again where they are needed."""
