@@ -48,7 +48,7 @@ class View:
         """The value of an expression in the page, or of a function of one argument."""
         return self.page.evaluate(expression, argument)
 
-    def until(self, expression: str, seconds: float = 30.0) -> Any:
+    def until(self, expression: str, seconds: float = 120.0) -> Any:
         """Waits until an expression is true in the page; gives it. (The page's own rules forbid wait_for_function.)"""
         end = time.monotonic() + seconds
         while time.monotonic() < end:
