@@ -1,6 +1,6 @@
 """What the tests cost and why they skip: CPU time by folder and file; a skip must name the tool that is missing.
 
-``--record FILE`` writes which tests passed and which skipped; ``--not-yet FILE`` leaves out those that passed there.
+``--record=FILE`` writes which tests passed and which skipped; ``--not-yet=FILE`` leaves out those that passed there.
 """
 
 import json
