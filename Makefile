@@ -2,7 +2,7 @@
 SHELL := /bin/sh
 unexport PYTHONDONTWRITEBYTECODE # without bytecode every worker of the tests would compile all modules again
 .DEFAULT_GOAL := help
-.PHONY: help demo test same mutants bench peers lint docs clean
+.PHONY: help demo test same mutants faults bench peers lint docs clean
 
 BIN := .venv/bin
 INSTALL = $(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt
@@ -15,6 +15,7 @@ help:
 	@echo "make test    the tests, without the slow sweeps"
 	@echo "make same    what 81 commands compute, at BASE=COMMIT and in the working tree: every difference"
 	@echo "make mutants changes of src that no test notices: FILES=\"src/...\" or what differs from BASE=COMMIT, MAX=30"
+	@echo "make faults  forty known faults, each with the test that notices it: ONLY=PATTERN"
 	@echo "make bench   speed, beside C, plain Python and other libraries"
 	@echo "make peers   other fuzzy toolboxes to be measured against, in an environment of their own, .peers"
 	@echo "make lint    ruff and mypy"
@@ -33,6 +34,9 @@ same: .venv/.dev
 
 mutants: .venv/.mutants
 	$(BIN)/python -m tests.mutants --max $(MAX) $(if $(BASE),--base $(BASE)) $(FILES)
+
+faults: .venv/.dev
+	$(BIN)/python -m tests.faults $(if $(ONLY),--only "$(ONLY)")
 
 bench: .venv/.bench
 	$(BIN)/leadscrew bench

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from leadscrew.replay import first_difference
+from leadscrew.replay import _causes, first_difference
 
 TIME = np.array([0.0, 0.5, 1.0, 1.5])
 SAVED = {"time": TIME, "x": np.array([1.0, math.nan, 0.0, 4.0]), "y": np.array([1.0, 1.0, 1.0, 1.0])}
@@ -34,3 +34,15 @@ def changed(**values):
 )
 def test_the_first_row_that_differs_is_named_with_both_values(now, said):
     assert first_difference(SAVED, now) == said
+
+
+@pytest.mark.parametrize(
+    "name",
+    ["module", "period_s", "sample_s", "substeps", "method", "computation_delay_s", "transport_delay_s", "blocks",
+     "platform", "versions"],
+)  # fmt: skip
+def test_what_is_not_as_it_was_saved_is_named_as_a_cause(name):
+    now = dict.fromkeys(("module", "period_s", "sample_s", "substeps", "method", "computation_delay_s",
+                         "transport_delay_s", "blocks", "platform", "versions"), 1)  # fmt: skip
+    assert _causes(now, now) == ()
+    assert _causes(now | {name: 2}, now) == (f"{name}: saved 2, now 1",)

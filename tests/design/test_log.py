@@ -57,6 +57,12 @@ def test_three_rows_are_too_few(tmp_path):
         read_moves(write(tmp_path / "log.csv", rows()[:3]))
 
 
+def test_ten_rows_after_the_start_of_a_move_are_enough(tmp_path):
+    assert read_moves(write(tmp_path / "log.csv", rows()[:11])).rows == 10
+    with pytest.raises(DataError, match="9 rows after the start of a move"):
+        read_moves(write(tmp_path / "log.csv", rows()[:10]))
+
+
 @pytest.mark.parametrize("column", ["e", "ec", "rho"])
 def test_constant_data_is_refused(tmp_path, column):
     path = write(tmp_path / "log.csv", [{**r, column: "0.25"} for r in rows()])

@@ -50,6 +50,14 @@ def test_the_standard_error_counts_correlation_between_neighbours():
     assert scatter == pytest.approx(1.0, abs=0.12)
 
 
+def test_the_standard_error_is_that_of_newey_and_west():
+    """With their weights it is the mean square of the sums over lag + 1 samples in a row, zeros at both ends."""
+    x = 0.3 + np.cumsum(np.random.default_rng(3).normal(size=30))
+    lag = 6  # 2 * 30^(1/3) = 6.2
+    sums = np.convolve(x - x.mean(), np.ones(lag + 1))
+    assert standard_errors(x) == pytest.approx(30 * x.mean() / np.sqrt(np.mean(sums**2) * sums.size / (lag + 1)))
+
+
 def test_too_few_samples_are_refused():
     with pytest.raises(DataError, match="14 samples: windows of 5 and a horizon of 1 need at least 15"):
         compare(np.arange(14.0), ["gm11"])

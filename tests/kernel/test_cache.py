@@ -8,6 +8,7 @@ import sys
 import textwrap
 import warnings
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 
@@ -116,3 +117,18 @@ def test_a_change_of_any_file_of_the_kernel_compiles_anew(tmp_path, monkeypatch)
         assert key() != before
         file.write_bytes(text)
     assert key() == before
+
+
+@pytest.mark.parametrize(
+    ("name", "other"),
+    [
+        ("leadscrew.__version__", "0.0.0"),
+        ("leadscrew.kernel.cache.sys", SimpleNamespace(version_info=SimpleNamespace(major=3, minor=99))),
+        ("importlib.metadata.version", lambda package: "0.0.0"),
+    ],
+    ids=["Leadscrew", "Python", "llvmlite"],
+)
+def test_machine_code_of_another_version_is_not_loaded(monkeypatch, name, other):
+    before = cache.stamp.__wrapped__()
+    monkeypatch.setattr(name, other)
+    assert cache.stamp.__wrapped__() != before

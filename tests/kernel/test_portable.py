@@ -253,6 +253,12 @@ def test_special_values_of_the_others():
     assert (p.flush(1e-301), p.flush(-1e-301), p.flush(1e-299)) == (0.0, 0.0, 1e-299)
 
 
+@pytest.mark.parametrize("other", [0.0, -3.0, INF, NAN])
+@pytest.mark.parametrize("infinite", [INF, -INF])
+def test_a_length_with_an_infinite_side_is_infinite_whatever_the_other_side_is(infinite, other):
+    assert portable.hypot(infinite, other) == portable.hypot(other, infinite) == math.hypot(infinite, other) == INF
+
+
 def test_exact_results_where_a_user_expects_them():
     for n in range(-300, 309):
         assert portable.log10(float(f"1e{n}")) == n

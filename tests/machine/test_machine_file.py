@@ -261,3 +261,10 @@ def test_first_gains_by_hand_in_the_unit_of_the_machine(unit, per):
     parameters = EMPS.parameters | {"mass": 80.0, "force_per_drive": 40.0}
     found = cascade(replace(EMPS, position_unit=unit, delay_s=1e-3, resolution=0.0, noise=0.0, parameters=parameters))
     assert found == pytest.approx((50.0, 400.0 / per, 10_000.0 / per, 0.0), rel=1e-6)
+
+
+@pytest.mark.parametrize("offset", [-3.2, 3.2])
+def test_a_load_leaves_the_drive_its_room_whichever_way_the_axis_pulls_at_rest(offset):
+    """By hand, N: the drive makes 70.3; half of what 3.2 and static friction, 20.4, leave is 23.35, and 20.4 more."""
+    machine = replace(EMPS, drive=2.0, parameters={**EMPS.parameters, "offset": offset})
+    assert scenarios(machine)["load"].params.force == pytest.approx(43.75)

@@ -56,6 +56,16 @@ def test_derivatives_of_the_loss_are_those_of_finite_differences(name):
     assert slopes.T @ values == pytest.approx(approx_fprime(row, cost, 1e-7), rel=2e-4, abs=2e-3)
 
 
+def test_half_of_the_plane_costs_an_odd_network_what_the_whole_plane_does():
+    """0.045 max(P sign(E), 0) on 49 x 49 points; the loss of an odd network takes those of E > 0 alone."""
+    shape = READINGS["18"]
+    row = np.random.default_rng(5).normal(size=18)
+    cost = np.sum(Loss(shape, TABLE, safe=True).residuals(row)[2 * 169 : -18] ** 2)
+    e, ec = (x.ravel() for x in np.meshgrid(np.linspace(-6.0, 6.0, 49), np.linspace(-6.0, 6.0, 49)))
+    output = shape.outputs(row[None], np.column_stack([e, ec]))[0]
+    assert cost == pytest.approx(np.sum((0.045 * np.maximum(output * np.sign(e), 0.0)) ** 2), rel=1e-9) and cost > 0.1
+
+
 def test_the_golden_network_lies_at_the_foot_of_the_safe_loss():
     """The digest's weights come from elsewhere: polished here, they stay as good and move the surface by little."""
     shape = Shape()

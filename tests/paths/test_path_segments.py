@@ -69,6 +69,15 @@ def test_length_is_the_integral_and_travel_is_inverted_to_a_nanometre(name, char
     np.testing.assert_allclose(np.column_stack((places.x, places.y)), drawn, atol=1e-9)
 
 
+@pytest.mark.parametrize("name", SEGMENTS)
+def test_a_segment_that_was_moved_and_is_then_turned_lies_where_its_points_do(name):
+    u = np.array([0.0, 0.3, 1.0])
+    linear, shift = np.array(MAPS["turned and larger"])[:, :2], np.array(MAPS["turned and larger"])[:, 2]
+    moved = SEGMENTS[name].transformed(MAPS["skewed"])
+    expected = moved.derivative(u, 0) @ linear.T + shift
+    np.testing.assert_allclose(moved.transformed(MAPS["turned and larger"]).derivative(u, 0), expected, atol=1e-9)
+
+
 @pytest.mark.parametrize("chart", MAPS)
 @pytest.mark.parametrize("name", SEGMENTS)
 def test_heading_is_the_direction_of_travel_and_curvature_its_change(name, chart):

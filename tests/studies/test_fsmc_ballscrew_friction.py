@@ -8,8 +8,9 @@ import pytest
 
 from leadscrew.analysis.friction_runs import break_away, force_at_speed
 from leadscrew.friction.lugre import HAT, TABLE_2, TILDE, LuGre
-from leadscrew.plants.ballscrew_stage import ballscrew_stage
+from leadscrew.plants.ballscrew_stage import INERTIA, ballscrew_stage
 from leadscrew.plants.mass_lugre import mass_lugre
+from leadscrew.studies.fsmc_ballscrew import algebra
 from leadscrew.studies.fsmc_ballscrew import backlash_runs as b
 from leadscrew.studies.fsmc_ballscrew import friction_experiments as x
 from leadscrew.studies.fsmc_ballscrew import impacts as m
@@ -216,3 +217,10 @@ def test_every_picture_is_drawn_and_says_its_units(tmp_path):
         for axes in figure.axes:
             if axes.name != "polar":
                 assert "(" in axes.get_xlabel() and axes.lines
+
+
+@pytest.mark.parametrize("inertia", [INERTIA, 1.0])
+def test_the_damping_of_a_stuck_stage_is_that_of_its_poles(inertia):
+    f = LuGre()
+    p, q = np.linalg.eigvals([[-(f.damping + f.viscous) / inertia, -f.stiffness / inertia], [1.0, 0.0]])
+    assert algebra.stick_damping(f, inertia) == pytest.approx((-(p + q) / (2.0 * np.sqrt(p * q))).real, rel=1e-6)

@@ -50,6 +50,11 @@ def test_the_curve_is_that_of_the_block():
         assert float(th.slope(1e3 * e)) == pytest.approx(slope_of(npid.params, e), rel=1e-14)
 
 
+def test_the_steepest_slope_of_the_curve_is_the_one_just_below_its_end():
+    e, h = 3e-3, 1e-9
+    assert float(th.slope(1e3 * e)) == pytest.approx((th.curve(e) - th.curve(e - h)) / h, rel=1e-5)
+
+
 def test_rest_under_a_load_by_hand():
     # phi(e) + e/550.7 = 2 um: e = 1.5276 um gives 1.5276 cosh(0.7638) + 0.0028
     e = float(th.at_rest_um(2.0)[0])

@@ -65,3 +65,7 @@ def test_the_digits_of_a_printed_number_make_its_tolerance():
     assert _digits(0.07) == pytest.approx(0.0051)
     assert _digits(16.6) == pytest.approx(0.051)
     assert _digits(322.0) == pytest.approx(0.51)
+
+
+def test_the_spread_is_the_error_that_95_of_100_axes_stay_below_and_the_largest():
+    assert accuracy.spread(np.arange(201.0)) == (190.0, 200.0)
