@@ -114,6 +114,6 @@ def test_the_work_on_long_nonsense_does_not_grow_with_the_square_of_its_length(f
         return time.process_time() - start
 
     for place in starts[format]:
-        long, short = HOSTILE[what], HOSTILE[what][: LONG // 8]
+        long, short = HOSTILE[what], HOSTILE[what][: len(HOSTILE[what]) // 8]
         # Eight times the length: eight times the work, or 64 times; a second is more than any of them takes.
         assert seconds(place, long) < 1.0 + 30.0 * seconds(place, short)

@@ -92,7 +92,7 @@ def on_kernels(program: str, *options: str) -> dict[str, str]:
     found = {}
     for kernel in ("Haswell", "Prescott", "SkylakeX"):
         done = subprocess.run(
-            [sys.executable, "-c", program + KERNEL, *options], capture_output=True, text=True, timeout=120,
+            [sys.executable, "-c", program + KERNEL, *options], capture_output=True, text=True, timeout=600,
             env={**environment(), "OPENBLAS_CORETYPE": kernel},
         )  # fmt: skip
         *said, name = done.stdout.strip().splitlines() or [""]
