@@ -42,18 +42,20 @@ def test_the_count_itself_knows_inside_from_outside_and_an_offset_from_friction(
     assert truths_of["friction.backward.coulomb"] == pytest.approx(back - t.values["offset"])
 
 
-@pytest.fixture(scope="module")
-def fits():
-    """Of each axis: the log's truth with its fit, or with the reason why there is none."""
+def fitted(t: Truth) -> tuple[Truth, AxisFit | None, str]:
+    """The truth of a log with its fit, or with the reason why there is none."""
     from leadscrew.identify.axis.fit import identify_axis
 
-    found: list[tuple[Truth, AxisFit | None, str]] = []
-    for t in truths(SEEDS):
-        try:
-            found.append((t, identify_axis(t.log()), ""))
-        except DataError as refusal:
-            found.append((t, None, str(refusal)))
-    return found
+    try:
+        return t, identify_axis(t.log()), ""
+    except DataError as refusal:
+        return t, None, str(refusal)
+
+
+@pytest.fixture(scope="module")
+def fits():
+    """Each axis with its fit."""
+    return [fitted(t) for t in truths(SEEDS)]
 
 
 @pytest.mark.slow
@@ -97,9 +99,10 @@ def test_what_is_fixed_never_has_an_interval_and_says_why(fits):
 
 
 @pytest.mark.slow
-def test_a_log_that_moves_one_way_only_does_not_tell_the_other_way(fits):
-    one_way = [(t, fit) for t, fit, _ in fits if t.kind.endswith("one_way") and fit is not None]
-    assert one_way
+def test_a_log_that_moves_one_way_only_does_not_tell_the_other_way():
+    axes = [t for t in truths(range(1032, 1132)) if t.kind.endswith("one_way")]
+    one_way = [(t, fit) for t, fit, _ in map(fitted, axes) if fit is not None]
+    assert len(one_way) >= 3
     for _, fit in one_way:
         assert fit.parameters["friction.backward.coulomb"].how == "fixed"
         assert not fit.parameters["offset"].told
