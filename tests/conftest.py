@@ -1,5 +1,6 @@
 """Shared set-up: a compile cache of the tests' own, examples that are the same in CI, groups for xdist."""
 
+import gc
 import os
 import signal
 from pathlib import Path
@@ -33,3 +34,9 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
         left_out = [i for i in items if i.get_closest_marker("sweep")]
         config.hook.pytest_deselected(items=left_out)
         items[:] = [i for i in items if not i.get_closest_marker("sweep")]
+
+
+def pytest_collection_finish() -> None:
+    """What was imported and collected stays to the end: no garbage collection need go through it again."""
+    gc.collect()
+    gc.freeze()

@@ -10,7 +10,7 @@ import ast
 from collections.abc import Mapping
 
 from leadscrew.kernel.returns import single_exit
-from leadscrew.kernel.trees import Swap, clone, each, names
+from leadscrew.kernel.trees import INNER, Swap, clone, each, names
 
 
 def _simple(node: ast.expr) -> bool:
@@ -135,11 +135,13 @@ class Fuser:
 
     def expression(self, node: ast.expr, out: list[ast.stmt]) -> ast.expr:
         """An expression with the functions that it calls fused; their statements go to ``out``."""
-        for name, value in ast.iter_fields(node):
-            if isinstance(value, ast.expr):
-                setattr(node, name, self.expression(value, out))
-            elif isinstance(value, list):
+        held = node.__dict__
+        for field in INNER[node.__class__]:
+            value = held.get(field)
+            if value.__class__ is list:
                 value[:] = [self.expression(v, out) if isinstance(v, ast.expr) else v for v in value]
+            elif isinstance(value, ast.expr):
+                held[field] = self.expression(value, out)
         if isinstance(node, ast.IfExp) and isinstance(node.body, ast.Tuple) and isinstance(node.orelse, ast.Tuple):
             return self.chosen(node, node.body, node.orelse, out)
         if not (isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id in self.functions):

@@ -53,9 +53,10 @@ class Locals:
         """The widest type that each local is given (truth value, integer, float), and which locals are arrays."""
         self.ranks = {name: rank for name, rank, _ in self.arguments}
         self.ranks.update({name: value.ndim for name, value in self.constants.items()})
+        setters = [n for n in ast.walk(self.node) if isinstance(n, ast.For | ast.Assign)]
         while True:
             before = dict(self.types), dict(self.ranks)
-            for n in ast.walk(self.node):
+            for n in setters:
                 if isinstance(n, ast.For) and isinstance(n.target, ast.Name):
                     self.widen(n.target.id, I64)
                 elif isinstance(n, ast.Assign) and isinstance(n.targets[0], ast.Name):

@@ -18,7 +18,7 @@ import numpy as np
 
 from leadscrew.kernel import bits, guards
 from leadscrew.kernel.block import Block
-from leadscrew.kernel.branchless import Branchless
+from leadscrew.kernel.branchless import branchless
 from leadscrew.kernel.drivers import holes
 from leadscrew.kernel.errors import SubsetError
 from leadscrew.kernel.flow import Flow
@@ -30,6 +30,7 @@ from leadscrew.kernel.sheet import hints, leaf_type
 from leadscrew.kernel.source import MISSING, lookup
 from leadscrew.kernel.subset import MATHS, NUMBERS, call, is_named_tuple_type
 from leadscrew.kernel.trees import copied, each, fingerprint
+from leadscrew.kernel.uncollected import uncollected
 
 _RESERVED = {
     "ieee_select", "np", "math", "NamedTuple", "float", "int", "bool", "abs", "len", "range", *bits.INTRINSICS,
@@ -286,8 +287,7 @@ class Module:
         assert isinstance(node, ast.FunctionDef)
         whole = Scalariser(classes).function(fuser.function(node))
         lean = without_dead(without_copies(without_dead(whole, harmless)), harmless)
-        fused: ast.FunctionDef = Branchless().visit(lean)
-        self._fused[name] = fused
+        self._fused[name] = fused = branchless(lean)
         return fused
 
     def drop_fused(self) -> None:
@@ -316,6 +316,7 @@ class Module:
         parts.append(ast.unparse(ast.fix_missing_locations(self.fused(name))))
         return "\n\n".join(parts) + "\n"
 
+    @uncollected()
     def namespace(self) -> dict[str, Any]:
         """The module for the Python engine: the same trees, under the user's own files and lines."""
         import math

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from leadscrew.kernel import cache
+from leadscrew.kernel.uncollected import uncollected
 
 if TYPE_CHECKING:
     from leadscrew.kernel.module import Module
@@ -69,6 +70,7 @@ def _load(code: bytes, name: str) -> int:
     return int(engine.get_function_address(name))
 
 
+@uncollected()
 def compiled(module: Module, name: str, title: str, ranks: Mapping[str, tuple[int, str]]) -> Entry:
     """An entry of a module as a function of NumPy arrays; its machine code comes from the cache where it is there.
 

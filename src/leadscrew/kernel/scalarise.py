@@ -8,8 +8,9 @@ from __future__ import annotations
 
 import ast
 from collections.abc import Mapping, Sequence
+from typing import Any
 
-from leadscrew.kernel.trees import clone, each
+from leadscrew.kernel.trees import INNER, clone, each, rewritten
 
 Fields = Mapping[str, Mapping[str, str]]
 """Classes by name: fields in order, each with its annotation's text."""
@@ -149,11 +150,13 @@ class Scalariser:
                 return self.expression(ast.IfExp(base.test, *sides))
         if isinstance(node, ast.Name) and self.types.get(node.id) and isinstance(node.ctx, ast.Load):
             return self.whole(node, str(self.types[node.id]))
-        for name, value in ast.iter_fields(node):
-            if isinstance(value, ast.expr):
-                setattr(node, name, self.expression(value))
-            elif isinstance(value, list):
+        held = node.__dict__
+        for name in INNER[node.__class__]:
+            value = held.get(name)
+            if value.__class__ is list:
                 value[:] = [self.expression(v) if isinstance(v, ast.expr) else v for v in value]
+            elif isinstance(value, ast.expr):
+                held[name] = self.expression(value)
         return node
 
     @staticmethod
@@ -272,11 +275,11 @@ def without_copies(node: ast.FunctionDef) -> ast.FunctionDef:
     stores: dict[str, int] = {a.arg: 1 for a in node.args.args}
     first_read: dict[str, int] = {}
     copies: dict[str, ast.expr] = {}
-    for place, n in enumerate(_in_order(node)):
-        if isinstance(n, ast.Name) and isinstance(n.ctx, ast.Store):
+    for place, n in enumerate(_names_in_order(node)):
+        if isinstance(n.ctx, ast.Store):
             stores[n.id] = stores.get(n.id, 0) + 1
             order.setdefault(n.id, place)
-        elif isinstance(n, ast.Name):
+        else:
             first_read.setdefault(n.id, place)
     for n in each(node):
         if (
@@ -289,43 +292,36 @@ def without_copies(node: ast.FunctionDef) -> ast.FunctionDef:
             steady = isinstance(y, ast.Constant) or (stores.get(y.id, 0) == 1 and order.get(y.id, -1) < order[x])
             if stores[x] == 1 and late and steady:
                 copies[x] = y
-    swap = _Copies(copies)
-    swap.visit(node)
+
+    def original(name: ast.Name) -> ast.expr:
+        if not isinstance(name.ctx, ast.Load):
+            return name
+        found: ast.expr = name
+        while isinstance(found, ast.Name) and found.id in copies:
+            found = copies[found.id]
+        return found if found is name else clone(found)
+
+    rewritten(node, {ast.Name: original})
     return node
 
 
-def _in_order(node: ast.AST) -> list[ast.AST]:
-    """Every node, the value of an assignment before its target."""
-    out: list[ast.AST] = []
-
-    def walk(n: ast.AST) -> None:
-        if isinstance(n, ast.Assign):
-            walk(n.value)
-            for t in n.targets:
-                walk(t)
-            return
-        if isinstance(n, ast.For):
-            walk(n.iter)
-            walk(n.target)
-            for s in n.body:
-                walk(s)
-            return
-        out.append(n)
-        for child in ast.iter_child_nodes(n):
-            walk(child)
-
-    walk(node)
+def _names_in_order(node: ast.AST) -> list[ast.Name]:
+    """Every name, those of an assignment's value before its target."""
+    out: list[ast.Name] = []
+    stack: list[Any] = [node]
+    while stack:
+        n = stack.pop()
+        if n.__class__ is ast.Name:
+            out.append(n)
+            continue
+        fields = _ORDER.get(n.__class__) or INNER[n.__class__]
+        for field in reversed(fields):
+            value = n.__dict__.get(field)
+            if value.__class__ is list:
+                stack.extend(v for v in reversed(value) if isinstance(v, ast.AST))
+            elif isinstance(value, ast.AST):
+                stack.append(value)
     return out
 
 
-class _Copies(ast.NodeTransformer):
-    def __init__(self, copies: Mapping[str, ast.expr]) -> None:
-        self.copies = copies
-
-    def visit_Name(self, node: ast.Name) -> ast.expr:
-        if not isinstance(node.ctx, ast.Load):
-            return node
-        found: ast.expr = node
-        while isinstance(found, ast.Name) and found.id in self.copies:
-            found = self.copies[found.id]
-        return found if found is node else clone(found)
+_ORDER: dict[type, tuple[str, ...]] = {ast.Assign: ("value", "targets"), ast.For: ("iter", "target", "body")}

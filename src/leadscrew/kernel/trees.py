@@ -3,56 +3,85 @@
 from __future__ import annotations
 
 import ast
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from typing import Any
 
 Swap = Callable[[ast.Name], ast.expr]
+Rules = Mapping[type, Callable[[Any], ast.AST]]
+"""What stands in place of the nodes of a class."""
+_PLAIN = {"ctx", "op", "ops", "id", "attr", "arg", "kind", "type_comment", "type_ignores", "type_params"}
+
+MARKS = ("is_local", "wraps", "meets_float")
+"""What the normaliser and the flow note on nodes."""
+
+
+class _Inner(dict[type, tuple[str, ...]]):
+    """The fields of each class of node in which further nodes stand."""
+
+    def __missing__(self, cls: type[ast.AST]) -> tuple[str, ...]:
+        found = () if cls is ast.Constant else tuple(f for f in cls._fields if f not in _PLAIN)
+        self[cls] = found
+        return found
+
+
+INNER = _Inner()
 
 
 def clone(node: Any, swap: Swap | None = None) -> Any:
-    """A copy of a tree without its own line numbers; ``swap`` says what stands for each name."""
+    """A copy of a tree without its own line numbers, constants shared; ``swap`` says what stands for each name."""
     cls = node.__class__
     if cls is ast.Name:
         return ast.Name(node.id, node.ctx) if swap is None else swap(node)
+    if cls is ast.Constant:
+        return node
     new = cls.__new__(cls)
+    old, made = node.__dict__, new.__dict__
     for field in cls._fields:
-        value = getattr(node, field, None)
+        value = old.get(field)
         if value.__class__ is list:
-            value = [clone(v, swap) if isinstance(v, ast.AST) else v for v in value]
+            made[field] = [clone(v, swap) if isinstance(v, ast.AST) and v._fields else v for v in value]
         elif isinstance(value, ast.AST) and value._fields:
-            value = clone(value, swap)
-        setattr(new, field, value)
+            made[field] = clone(value, swap)
+        else:
+            made[field] = value
     if isinstance(new, ast.stmt):
         new.lineno = 1  # what ast.unparse asks of a statement
     return new
 
 
 def copied(node: Any) -> Any:
-    """A copy of a tree with its line numbers."""
+    """A copy of a tree with its line numbers and our marks; what others hung on its nodes stays behind."""
     cls = node.__class__
     new = cls.__new__(cls)
-    for field, value in node.__dict__.items():
+    old, made = node.__dict__, new.__dict__
+    for field in (*cls._fields, *cls._attributes, *MARKS):
+        if field not in old:
+            continue
+        value = old[field]
         if value.__class__ is list:
-            value = [copied(v) if isinstance(v, ast.AST) else v for v in value]
+            made[field] = [copied(v) if isinstance(v, ast.AST) and v._fields else v for v in value]
         elif isinstance(value, ast.AST) and value._fields:
-            value = copied(value)
-        setattr(new, field, value)
+            made[field] = copied(value)
+        else:
+            made[field] = value
     return new
 
 
 def each(node: ast.AST) -> Iterator[Any]:
     """Every node of a tree that has fields, in no order that matters."""
     stack: list[Any] = [node]
-    pop, push = stack.pop, stack.append
+    pop, push, inner = stack.pop, stack.append, INNER
     while stack:
         n = pop()
         yield n
-        for value in n.__dict__.values():
+        held = n.__dict__
+        for field in inner[n.__class__]:
+            value = held.get(field)
             if value.__class__ is list:
                 for v in value:
                     if isinstance(v, ast.AST):
                         push(v)
-            elif isinstance(value, ast.AST) and value._fields:
+            elif isinstance(value, ast.AST):
                 push(value)
 
 
@@ -61,6 +90,20 @@ def names(node: ast.AST) -> Iterator[ast.Name]:
     for n in each(node):
         if n.__class__ is ast.Name:
             yield n
+
+
+def rewritten(node: Any, rules: Rules) -> Any:
+    """A tree whose nodes are replaced, innermost first, by what the rule of their class gives; changed in place."""
+    cls = node.__class__
+    held = node.__dict__
+    for field in INNER[cls]:
+        value = held.get(field)
+        if value.__class__ is list:
+            value[:] = [rewritten(v, rules) if isinstance(v, ast.AST) else v for v in value]
+        elif isinstance(value, ast.AST):
+            held[field] = rewritten(value, rules)
+    rule = rules.get(cls)
+    return node if rule is None else rule(node)
 
 
 def fingerprint(node: ast.AST) -> str:
