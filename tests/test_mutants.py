@@ -37,6 +37,7 @@ def three_mutants(file, code, seed):
     yield Mutant(file, 6, "Gt_Lt", code, code.replace("a > 0", "a < 0"))
 
 
+@pytest.mark.slow
 def test_a_change_that_no_test_notices_is_printed_and_the_tree_stays_as_it_is(root, monkeypatch, capsys):
     monkeypatch.setattr(mutants, "mutants_of", three_mutants)
     (root / "src/leadscrew/sums.py").write_text(CODE + "\n", encoding="utf-8")

@@ -179,6 +179,7 @@ def test_what_no_signature_explains_is_what_is_left():
     assert found.left_peak_um > 1.0 and np.argmax(found.left[0]) == pytest.approx(2.2 / angle[1], abs=20)
 
 
+@pytest.mark.slow
 def test_a_peak_of_one_point_has_a_size_with_a_sound_uncertainty():
     """Its decay cannot be seen: it ends at the shortest one, and takes no part in the uncertainty."""
     angle = 2.0 * np.pi * np.arange(1800) / 1800

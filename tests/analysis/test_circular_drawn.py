@@ -137,6 +137,7 @@ def test_the_path_is_the_ellipse_of_the_frequency_response(block):
         assert np.abs(turn.x_mm - x).max() < 1e-6 and np.abs(turn.y_mm - y).max() < 1e-6
 
 
+@pytest.mark.slow
 def test_the_servo_mismatch_is_the_difference_of_the_lags():
     test = draw(Machine(moving()), Circle(RADIUS, 300.0))
     omega = 300.0 / 60.0 / RADIUS

@@ -199,6 +199,7 @@ def test_the_example_in_the_repository_is_the_one_that_is_made():
     assert (EXAMPLES / "ballbar.csv").read_text(encoding="utf-8") == made.example()
 
 
+@pytest.mark.slow
 def test_the_example_s_faults_come_back_within_what_the_bar_of_its_recipe_can_show():
     test = read_circles(EXAMPLES / "ballbar.csv", made.RADIUS_MM, made.FEED_MM_MIN)
     found = diagnose(test)

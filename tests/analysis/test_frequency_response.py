@@ -140,6 +140,7 @@ def truth(hertz, rate=100.0):
     return (0.5 + 0.5 * z) / (1.0 - 0.5 * z)
 
 
+@pytest.mark.slow
 def test_gain_and_phase_are_inside_their_intervals_as_often_as_they_say():
     t = np.arange(4096) / 100.0
     inside, turned = [], []
@@ -152,6 +153,7 @@ def test_gain_and_phase_are_inside_their_intervals_as_often_as_they_say():
     assert 0.93 < np.mean(inside) < 0.97 and 0.93 < np.mean(turned) < 0.97
 
 
+@pytest.mark.slow
 def test_h1_is_right_with_noise_on_the_output_and_h2_with_noise_on_the_input():
     t, rng = np.arange(200_000) / 100.0, np.random.default_rng(2)
     x, y = (s[0] for s in made(rng, 1, len(t), 0.0))

@@ -333,6 +333,7 @@ def test_sampling_says_its_length_and_nyquist():
     assert taken.time == pytest.approx(times(20000, start=5.0)) and isinstance(taken, Sampling)
 
 
+@pytest.mark.slow
 def test_noise_alone_is_no_spindle():
     """By the interval of one line most of these records have one: the best of many places is that large by chance."""
     t, seen, taken = times(3200, rate=200.0), 0, 0

@@ -62,6 +62,7 @@ def test_a_gain_behind_the_pid_is_no_static_map():
     assert any("circle criterion" in note for note in found.notes)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "linear",
     [

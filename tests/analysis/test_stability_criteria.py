@@ -95,6 +95,7 @@ def run(loop, phi, x, steps):
     return np.linalg.norm(x) / first
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(5))
 def test_no_nonlinearity_of_a_certified_sector_makes_the_loop_unstable(seed):
     loop = random_rational(seed, 4e-3)

@@ -47,6 +47,7 @@ def test_python_control_finds_the_same_margins(dt):
     assert compared >= 6
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("dt", [None, 2e-3])
 def test_the_peak_of_sensitivity_is_that_of_a_very_dense_grid(dt):
     for seed in range(4):

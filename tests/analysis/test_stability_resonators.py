@@ -53,6 +53,7 @@ def test_the_response_around_a_line_is_that_of_the_poles_of_the_open_and_the_clo
     assert box.response(w) == pytest.approx(ratio - 1.0, rel=1e-6)
 
 
+@pytest.mark.slow
 def test_peaks_of_sensitivity_are_those_of_a_very_dense_grid(box):
     w = np.concatenate([np.linspace(1e-3, 60.0, 60_001), np.linspace(60.0, box.nyquist, 60_001)])
     g = box.response(w)

@@ -101,6 +101,7 @@ def test_one_lag_takes_the_way_over_the_speed_and_two_ln_2():
     assert single_lag_time(1.0, 1.0, 1e-6) == pytest.approx(1.0, abs=2e-6)
 
 
+@pytest.mark.slow
 def test_one_lag_is_the_limit_of_many_periods():
     """Speed and position alone, a period of 0.1 ms: the programme finds the formula, with and without a top speed."""
     a, b = np.array([[-1 / 0.02, 0.0], [1.0, 0.0]]), np.array([100.0 / 0.02, 0.0])

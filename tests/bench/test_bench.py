@@ -55,6 +55,7 @@ def test_c_with_libm_is_close_but_another_program(pair):
     assert theirs.position == pytest.approx(ours.position, abs=1e-3)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("form", sorted(INTEGRATORS))
 def test_plain_python_runs_the_same_loop(form):
     loop = loops.lathe(form)
@@ -90,6 +91,7 @@ def test_rows_have_the_schema_and_one_verdict_each():
     assert all(line.count("|") == len(HEAD) + 1 for line in lines)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("load", "judged"), [(0.1, True), (2.0, False), (None, False)])
 def test_threads_are_judged_on_an_idle_machine_only(monkeypatch, load, judged):
     monkeypatch.setattr(threads, "load", lambda: load)

@@ -35,6 +35,7 @@ def test_c_by_hand_does_what_our_loop_does(form, by_hand):
     assert theirs == pytest.approx(compiled(system).many(visited(POINTS)).sum(), rel=1e-12)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("form", ["sugeno", "exact"])
 def test_the_loop_asks_the_system_at_every_point(form):
     system = fuzzy.systems()[form]

@@ -106,6 +106,7 @@ def row(shown, name):
 
 
 # ---- a measured file
+@pytest.mark.slow
 def test_the_tables_of_a_file_show_what_the_library_computes(call):
     shown = call(*FILE).stdout
     found = quantities(read_circles(MEASURED, 100.0, 1000.0))
@@ -119,6 +120,7 @@ def test_the_tables_of_a_file_show_what_the_library_computes(call):
     assert len([x for x in shown.splitlines() if x.startswith(("X+", "X-", "Y+", "Y-"))]) == 8
 
 
+@pytest.mark.slow
 def test_editions_name_their_quantities(call):
     old, new = call(*FILE, "--edition", "1996").stdout, call(*FILE, "--edition", "2005").stdout
     assert "circular hysteresis" in old and "H_XY" in old and "G(b)" not in old and "D_XY" not in old
@@ -137,6 +139,7 @@ def test_json_is_one_strict_object_with_conditions_and_everything(call):
     assert found["bar"] is None and found["report"] is None and len(found["reversals"]) == 8
 
 
+@pytest.mark.slow
 def test_the_report_opens_offline_and_its_json_is_the_command_s(call, tmp_path):
     out = tmp_path / "report"
     call(*FILE, "--out", out)
@@ -158,6 +161,7 @@ def test_the_example_is_written_once_and_is_the_one_of_the_repository(call, refu
 
 
 # ---- loops
+@pytest.mark.slow
 def test_a_loop_of_two_axes_draws_the_circle_itself_and_the_bar_reads_it(call, two_axes):
     shown = call("ballbar", two_axes, "--radius", 50, "--feed", 300, "--bar", "--set", "bar.centring_x_um=5").stdout
     # The lags of both loops, 25 and 40 ms, at 5 mm/s.

@@ -91,12 +91,14 @@ def test_a_grid_that_is_too_coarse_is_refused_in_a_sentence(call):
     assert certified("npid_slope", "--points", 400)["autonomous"][0]["grade"] == "grid-checked"
 
 
+@pytest.mark.slow
 def test_an_error_in_mm_is_warned_of(call):
     said = call("certify", STUDY, "-c", "paper.npid_mm", "--duration", 2, code=1).stdout
     assert "K(e) never gets near its bound of 2.352 here" in said and "Was um meant?" in said
     assert "error of 3 mm" in said
 
 
+@pytest.mark.slow
 def test_the_levels_and_a_reserve_decide_what_counts():
     steep = "--set", "controller.k=2.29"
     assert not certified("npid_slope", *steep, code=1)["certified"]
@@ -195,6 +197,7 @@ def test_the_gain_behind_the_pid_has_no_driven_criterion(call):
     assert [c["criterion"] for c in found["autonomous"]] == ["circle", "circle, matrix inequality"]
 
 
+@pytest.mark.slow
 def test_undamped_resonators_do_not_stop_it():
     found = certified("ours.resonant")
     assert found["certified"] and found["grade"] == "certificate"
@@ -214,6 +217,7 @@ def test_two_paths_are_one_map_beside_a_linear_loop():
     assert found["driven"]["limit"] > 3.0
 
 
+@pytest.mark.slow
 def test_at_rest_the_papers_gain_is_proved_by_zames_falb_where_the_other_criteria_fall_short():
     rest = certified("corrected.npid_um", "--level", "autonomous", "--proof")
     assert rest["certified"] and rest["grade"] == "certificate"
@@ -222,11 +226,13 @@ def test_at_rest_the_papers_gain_is_proved_by_zames_falb_where_the_other_criteri
     assert {grades[name] for name in ("circle", "Tsypkin", "Jury-Lee", "Tsypkin, matrix inequality")} == {"refused"}
 
 
+@pytest.mark.slow
 def test_a_loop_in_a_file_of_ones_own_is_certified_too(call):
     found = strict_json(call("certify", FILE, "--json", code=1).stdout)
     assert found["run"] is None and found["map"]["sector"] == pytest.approx([1.0, 2.35241], abs=1e-5)
 
 
+@pytest.mark.slow
 def test_the_hash_is_that_of_the_export(call, tmp_path):
     folder = tmp_path / "machine"
     call("export", FILE, "--target", "c99", "--duration", 0.1, "--out", folder)
@@ -237,6 +243,7 @@ def test_the_hash_is_that_of_the_export(call, tmp_path):
     assert other["source_hash"] == whose["source_hash"] and other["fingerprint"] != whose["fingerprint"]
 
 
+@pytest.mark.slow
 def test_the_plot_is_drawn(call, tmp_path):
     for name, code in (("npid_slope", 0), ("paper.pid", 0), ("npid_after", 1)):
         out = tmp_path / f"{name}.png"

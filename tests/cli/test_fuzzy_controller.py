@@ -50,6 +50,7 @@ def test_a_file_drives_the_loop_as_its_block_does(call, study, made):
     assert found["controller"].endswith("/axis.fis")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["axis.fis", "axis.fll", "axis.fcl", "AXIS.FLL"])
 def test_every_format_gives_the_same_run(call, study, made, name):
     path = made("axis.fis")

@@ -29,6 +29,7 @@ def test_surface_tables_are_what_the_system_computes(call, servo, tmp_path):
         assert rows[1, 0] == rows[0, 0] and rows[1, 1] > rows[0, 1]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("suffix", ["png", "svg", "pdf"])
 def test_surface_pictures(call, servo, tmp_path, suffix):
     out = tmp_path / f"s.{suffix}"

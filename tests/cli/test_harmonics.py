@@ -134,6 +134,7 @@ def test_the_loop_gain_of_a_log_has_its_margins(call, swept):
     assert found["margins"]["sensitivity"] < 1.2 and found["method"] == "joint"
 
 
+@pytest.mark.slow
 def test_response_files_hold_every_frequency(call, swept, tmp_path):
     call("frequency-response", swept, "--plot", tmp_path / "b.svg", "--csv", tmp_path / "b.csv", "--segment", 1)
     assert b"<svg" in (tmp_path / "b.svg").read_bytes()

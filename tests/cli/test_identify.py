@@ -14,6 +14,7 @@ def log(tmp_path_factory):
     return write_csv(tmp_path_factory.mktemp("log") / "sines.csv", *record("sines"))
 
 
+@pytest.mark.slow
 def test_the_table_shows_values_errors_and_what_is_not_told(call, log):
     said = call("identify", "friction", log).stdout
     rows = {line.split()[0]: line for line in said.splitlines() if line[:1].isalpha()}

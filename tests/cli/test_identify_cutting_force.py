@@ -41,6 +41,7 @@ def test_the_tables_show_what_the_library_finds(call, cuts):
     assert "row 12 repeats row 6" in said.stderr and "not in proportion to the depth" in said.stderr
 
 
+@pytest.mark.slow
 def test_json_and_folder_hold_the_same_result(call, tmp_path):
     out = tmp_path / "cut"
     said = strict_json(call(*NAME, PUBLISHED, "--json", "-o", out, "--at", "0.2,1").stdout)

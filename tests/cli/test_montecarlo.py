@@ -73,6 +73,7 @@ def test_a_report_with_everything(call, asked, tmp_path):
         assert json.loads(again.stdout)["metrics"][row["of"].removesuffix("_small")] == row["value"]
 
 
+@pytest.mark.slow
 def test_json_is_strict_and_the_same_for_any_crew(call, asked):
     one, two = (strict_json(call(*asked, "--threads", n, "--json", "--no-figures").stdout) for n in (1, 2))
     assert one.pop("cost")["crew"] == "1 thread" and two.pop("cost")["crew"] == "2 threads"

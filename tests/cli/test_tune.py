@@ -56,6 +56,7 @@ def test_json_has_everything_and_is_the_same_on_one_and_two_threads(call):
     assert {"values", "before", "trained", "held_out", "history", "verdict", "versions"} <= set(found[0])
 
 
+@pytest.mark.slow
 def test_values_at_the_ends_of_their_ranges_are_noted_everywhere(call, tmp_path):
     narrow = ("--vary", "controller.output_gain=0.5:0.6", "--minimise", "rms_error", "--budget", "20", "--seed", "1")
     asked = ("tune", "vud_lathe", "-c", "corrected.vud_beta_e", *STEPS, *narrow)

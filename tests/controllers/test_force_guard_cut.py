@@ -96,6 +96,7 @@ def test_a_broken_load_cell_leads_to_feed_hold_within_its_time_and_never_to_more
     assert run["controller.guard.cause"][0, -1] == STUCK
 
 
+@pytest.mark.slow
 def test_a_dead_load_cell_gives_no_more_than_the_feed_of_air_and_a_sound_one_lets_it_come_back(breaking):
     changes = {"sensor.fault": [KINDS["dead"], KINDS["error code"]], "sensor.size_n": [0.0, 9999.0],
                "sensor.until_s": [1e9, 1.6]}  # fmt: skip
@@ -143,6 +144,7 @@ def poisoned(p, s, command, feedback, t, dt):
     return ProbeState(seen), 0.2
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("engine", TRIED)
 def test_nan_and_infinity_are_seen_by_every_engine_and_go_no_further(engine):
     run = cutting(poisoned).run(0.6, record=SIGNALS, engine=runnable(engine))

@@ -58,6 +58,7 @@ def outing(name, stairs, radial, seconds=2.2):
     return run["output"], run["plant.peak"][-1]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", KNOWING)
 def test_told_air_the_feed_stays_an_air_feed(name):
     output, _ = outing(name, {"depth.start": 0.0, "depth.step": 0.0, "depth.every_s": 1.0, "depth.steps": 0}, 0.0, 1.0)
@@ -157,6 +158,7 @@ def dips(block, **more):
     return 100.0 * late.min(), 100.0 * late.max()
 
 
+@pytest.mark.slow
 def test_a_staircase_hardly_shows_in_the_force():
     ahead = TUNINGS["ours.tfc_ff"](**{"radial.gain": RADIAL})
     plain, previewed, late = (
@@ -167,6 +169,7 @@ def test_a_staircase_hardly_shows_in_the_force():
     assert late[0] < -6.0  # the same without preview
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["ours.tfc_ff", "ours.gain_normalised", "ours.inversion", "ours.constant_force"])
 def test_taking_over_in_the_cut_is_bumpless(name):
     live = cut(TUNINGS["ours.tfc_ff"]).start() if name != "ours.gain_normalised" else cut(TUNINGS[name]).start()

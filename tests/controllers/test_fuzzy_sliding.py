@@ -216,6 +216,7 @@ def test_sampled_fast_enough_it_is_the_ideal_law():
     assert errors_um(run) == (pytest.approx(0.053, rel=0.015), pytest.approx(0.0105, rel=0.01))
 
 
+@pytest.mark.slow
 def test_the_default_scales_are_not_for_4_khz():
     run = stage_loop(fsmc, "fast").run(1.0, record=SIGNALS)
     assert errors_um(run)[0] > 10.0 and np.abs(np.diff(run["output"])).mean() > 10.0
@@ -257,6 +258,7 @@ def test_from_rest_the_first_output_after_an_align_is_the_last_one_before(block)
         assert u == pytest.approx(output, abs=1e-9)
 
 
+@pytest.mark.slow
 def test_another_law_takes_over_in_motion_without_a_kick():
     live = stage_loop(TUNINGS["ours.fsmc_4khz"], "fast").start()
     before = live.advance(400)["output"]
@@ -309,6 +311,7 @@ def test_a_batch_gives_the_bits_of_single_runs():
         assert np.array_equal(batch["true_error"][k], single["true_error"])
 
 
+@pytest.mark.slow
 def test_any_two_input_system_can_take_the_place_of_the_papers():
     """Here Takagi and Sugeno's with the same rules: a table of nine numbers."""
     s, s_c = surface_of("corrected").inputs

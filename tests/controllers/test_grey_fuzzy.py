@@ -250,6 +250,7 @@ def test_taking_over_keeps_the_voltage(name):
         assert block.step(p, state, command, feedback, DT)[1] == pytest.approx(output, abs=1e-12)
 
 
+@pytest.mark.slow
 def test_a_live_loop_is_switched_between_them_without_a_bump():
     live = force_loop(TUNINGS["corrected.tfc_stfc"]).start()
     before = live.advance(150)

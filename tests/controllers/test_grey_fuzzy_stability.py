@@ -24,6 +24,7 @@ def sizes(name, machine, gains):
     return np.stack([off[:, 500:550].max(axis=1), off[:, 1000:1050].max(axis=1)], axis=1)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("law", "name", "machine"),
     [

@@ -127,6 +127,7 @@ def after_a_blow(block):
     return run.diverged, error.max(), error[-400:].max()
 
 
+@pytest.mark.slow
 def test_a_blow_at_rest_needs_a_limit_of_the_torque():
     """The schedule goes by the commanded speed: torn loose it meets the gains for bristles that hold."""
     with pytest.warns(DivergenceWarning):
@@ -163,6 +164,7 @@ def test_and_stays_below_the_known_peaks(block):
         assert errors_um(stage_loop(block, name, encoder_mm=1e-5).run(seconds(name), record="true_error"))[0] < largest
 
 
+@pytest.mark.slow
 def test_without_a_schedule_slow_motion_sticks_and_slips():
     peaks = {
         tuning: errors_um(stage_loop(TUNINGS[tuning], "wide", encoder_mm=1e-5).run(4.0 * math.pi))[0]

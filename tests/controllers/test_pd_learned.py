@@ -278,6 +278,7 @@ def test_when_it_has_learned_the_usual_peak_is_half_of_that_with_the_fixed_model
     assert usual_peak(pd_learned, name, by, seconds) < 0.5 * usual_peak(PD_DOB["ours.pd_dob"], name, by, seconds)
 
 
+@pytest.mark.slow
 def test_its_gains_without_learning_are_no_better_than_the_fixed_model():
     assert usual_peak(pd_learned(learns=False), "fast", 1.0, 6.0) > 3.0 * usual_peak(pd_learned, "fast", 1.0, 6.0)
 

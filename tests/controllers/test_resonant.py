@@ -98,6 +98,7 @@ def test_the_loop_stays_as_stable_as_without_them():
 LINES = (0.7, 2.1, 3.5, 4.9, 6.3, 7.7)
 
 
+@pytest.mark.slow
 def test_every_line_of_table_ii_goes_below_one_hundredth():
     load = five_sines(**{f"{place}.amplitude": 1e-3 for place in five_sines.params._fields})
     blocks = (pid, TUNINGS["ours.resonant"])
@@ -152,6 +153,7 @@ def test_the_parameters_are_those_of_the_inner_controller_and_its_gain_moves_the
     assert not np.allclose(before.in_im, after.in_im) and np.array_equal(before.turn_re, after.turn_re)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "block", [TUNINGS["ours.resonant_box"], resonant(inverse_feed_forward(PID["ours.pid_ms_159"]))]
 )

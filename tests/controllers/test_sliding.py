@@ -115,6 +115,7 @@ def test_friction_from_the_measured_speed_without_its_damping_works_when_sampled
     assert errors_um(run)[0] == pytest.approx(largest, rel=0.005)
 
 
+@pytest.mark.slow
 def test_friction_by_the_letter_of_the_paper_throws_the_torque_about():
     torque = {
         reading: np.abs(

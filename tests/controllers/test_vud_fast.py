@@ -201,6 +201,7 @@ def test_from_any_start_the_state_stays_finite_and_the_duty_inside_its_limits(se
             assert 0.5 <= s.chain.gain <= 2.0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("lost", "least", "most"), [(1e-3, 0.1, 0.3125), (1e-2, 1.0, 6.0), (0.05, 5.0, 20.0)])
 def test_a_dead_zone_is_answered_with_a_standing_error_not_with_hunting(lost, least, most):
     """There is no integral action: at the worst of 64 targets this much is left, in micrometres."""

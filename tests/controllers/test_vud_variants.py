@@ -76,6 +76,7 @@ def test_the_family_is_the_printed_and_the_corrected_law_to_the_last_bit(name, t
         assert np.array_equal(a[signal], b[signal]), signal
 
 
+@pytest.mark.slow
 def test_the_scaled_controller_is_a_member_of_the_family():
     same = {f: getattr(ROBUST, f) for f in ROBUST._fields if f in vud_family.params._fields}
     member = vud_family(**{k: v for k, v in same.items() if np.ndim(v) == 0}, output_from=UNITY, inputs_held=1)
@@ -223,6 +224,7 @@ def test_the_inverse_adds_its_share_in_the_direction_of_the_duty():
 
 
 # ---- increments and Li's factor
+@pytest.mark.slow
 def test_increments_add_up_and_never_settle():
     block = vud_incremental(gain=0.01)
     p, state = block.prepare(block.params, DT), block.state._replace(e=-0.5, started=1.0, rho=0.25)

@@ -35,6 +35,7 @@ def test_the_table_of_windows_is_what_is_measured():
         assert shown == [int(x) for x in np.rint(METHODS[name]()) + 0.0], name
 
 
+@pytest.mark.slow
 def test_the_sweep_of_the_page_prints_what_the_page_shows(tmp_path, monkeypatch):
     from typer.testing import CliRunner
 
@@ -64,6 +65,7 @@ def test_the_refusal_of_the_page_is_the_one_that_comes():
     assert f"`{refused.value}`" in PAGE.read_text(encoding="utf-8")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("samples", "shown"), [(20000, 95), (8192, 94), (4096, 88), (2048, 73)])
 def test_intervals_hold_as_often_as_the_page_says_in_noise_that_bends(samples, shown):
     from scipy.signal import lfilter

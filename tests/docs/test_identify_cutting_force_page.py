@@ -16,6 +16,7 @@ PAGE = ROOT / "docs" / "identify_cutting_force.md"
 TEXT = PAGE.read_text(encoding="utf-8")
 
 
+@pytest.mark.slow
 def test_the_commands_of_the_page_print_what_it_shows(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     steps = [s for s in sessions.steps_of(PAGE) if " identify " in s.command]

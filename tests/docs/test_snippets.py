@@ -32,6 +32,7 @@ def each(pages):
     return [pytest.param(p, marks=() if p.name in QUICK else pytest.mark.slow, id=p.name) for p in pages]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("page", each(p for p in PAGES if blocks(p, ("python",)) and p.name not in ELSEWHERE))
 def test_python_of_page_runs(page: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     name = f"page_{page.stem.lower()}"
@@ -50,6 +51,7 @@ def test_first_loop_of_the_readme_is_short() -> None:
     assert len([line for line in first if line.strip()]) <= 25
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("page", each(p for p in COMMANDS if COMMANDS[p]))
 def test_commands_of_a_page_run(page: Path, tmp_path: Path) -> None:
     shown = {step.command: step for step in steps_of(page)}
@@ -72,6 +74,7 @@ def test_links_between_pages_lead_somewhere() -> None:
             assert (page.parent / target).exists(), f"{page.name}: {target}"
 
 
+@pytest.mark.slow
 def test_notebook_runs(tmp_path: Path) -> None:
     nbclient = pytest.importorskip("nbclient", reason="nbclient is missing: pip install leadscrew[dev]")
     nbformat = pytest.importorskip("nbformat", reason="nbformat is missing: pip install leadscrew[dev]")

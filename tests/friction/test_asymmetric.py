@@ -27,6 +27,7 @@ def test_with_equal_sides_it_is_lugre():
     assert one_way_lugre(TwoSidedLuGre(), -1.0) == LuGreSlide()
 
 
+@pytest.mark.slow
 def test_reversing_it_follows_scipy_and_the_force_does_not_jump():
     w, a = 4.0, 3e-4
 

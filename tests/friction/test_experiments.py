@@ -33,6 +33,7 @@ def lugre(v, z):
     return dz, 1e5 * z + math.sqrt(1e5) * dz + 0.4 * v
 
 
+@pytest.mark.slow
 def test_lugre_breaks_away_earlier_the_faster_the_force_rises():
     digest = [1.4324, 1.3944, 1.3132, 1.2200, 1.0986, 1.0075]
     assert break_away(mass_lugre, RATES) == pytest.approx(digest, abs=6e-5)
@@ -47,6 +48,7 @@ def test_maxwell_slip_breaks_away_near_static_friction_when_slow_and_earlier_whe
     assert 1.48 < found[0] <= 1.501 and list(np.diff(found)[1:] < -0.02) == [True] * 4
 
 
+@pytest.mark.slow
 def test_dahl_breaks_away_at_coulomb_friction():
     """Without the viscous part, which goes on rising while the mass runs away."""
     found = break_away(mass_dahl(**{"friction.viscous": 0.0}), (0.2, 5.0, 50.0))
@@ -60,6 +62,7 @@ def test_no_model_here_breaks_away_later_after_a_longer_rest(plant):
     assert np.ptp(found) < 1e-6 and 1.2 < found[0] < 1.51
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("w", "area"), [(1.0, 5.18e-6), (10.0, 4.79e-5), (25.0, 9.39e-5)])
 def test_the_friction_speed_loop_widens_with_the_frequency_of_the_speed(w, area):
     t = np.linspace(0.0, 4.0 * math.pi / w, 200001)
@@ -73,6 +76,7 @@ def pulled():
     return stick_slip(mass_lugre)
 
 
+@pytest.mark.slow
 def test_pulled_by_a_spring_the_mass_sticks_and_slips_as_in_scipy(pulled):
     def rates(t, x):
         dz, force = lugre(x[1], x[2])
@@ -170,6 +174,7 @@ def pid_of_1995(s, command, feedback):
     return PIDState(error), -6.0 * feedback.velocity - 3.0 * error - 4.0 * s.integral
 
 
+@pytest.mark.slow
 def test_integral_control_hunts_around_the_target():
     """The digest's 0.9360 and 1.0650 m are the extremes between 34 and 50 s; the cycle itself is even, +-0.0639 m."""
     hunted = replace(mass_lugre, output=moving)

@@ -76,6 +76,7 @@ def test_strengths_are_what_explain_says():
     assert {i + 1: w for i, w in enumerate(row.tolist()) if w > 0.0} == said
 
 
+@pytest.mark.slow
 def test_ten_thousand_points_of_343_rules_are_worked_out():
     ins = tuple(Input(n, -1.0, 1.0, triangles(LABELS, -1.0, 1.0)) for n in "abc")
     u = Output("u", -1.0, 1.0, triangles(LABELS, -1.0, 1.0))

@@ -130,6 +130,7 @@ def test_the_exact_centroid_of_any_straight_sets(seed):
     assert np.isfinite(exact).any() or np.isnan(fine).all()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("ends", "fast"),
     [((-math.inf, math.inf), True), ((-1.0, 1.0), True), ((-4 / 3, 4 / 3), True), ((-1.2, 1.2), False)],

@@ -64,6 +64,7 @@ def test_outputs_are_those_of_the_system_and_shares_sum_to_one(system):
         assert all(r.strength > 0 for r in found.rules)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(3000, 3030))
 def test_any_system_can_be_explained(seed):
     system = generator.system(seed)

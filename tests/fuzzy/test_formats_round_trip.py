@@ -6,9 +6,10 @@ from hypothesis import strategies as st
 
 from leadscrew.fuzzy import formats
 from leadscrew.fuzzy.rules_text import parse, rule_text
+from tests.budget import WHOLE
 from tests.fuzzy.formats_systems import systems
 
-MANY = settings(max_examples=100, deadline=None, suppress_health_check=list(HealthCheck))
+MANY = settings(max_examples=100 if WHOLE else 25, deadline=None, suppress_health_check=list(HealthCheck))
 
 
 @pytest.mark.parametrize("format", formats.WRITTEN)
@@ -32,6 +33,7 @@ def test_a_rule_survives_its_text(data):
             assert parse(rule_text(rule), system) == rule
 
 
+@pytest.mark.slow
 @given(st.data())
 @settings(max_examples=50, deadline=None, suppress_health_check=list(HealthCheck))
 def test_a_matlab_system_survives_fuzzylites_formats(data):

@@ -68,6 +68,7 @@ def test_every_choice_is_recorded_also_those_by_default():
     assert len(plain["learning"]["partitions"]["u"]["centres"]) == 7
 
 
+@pytest.mark.slow
 def test_completion_takes_symmetric_universes_only_where_it_needs_them():
     left = DATA["e"] < 0.0
     half = {n: c[left] for n, c in DATA.items()}

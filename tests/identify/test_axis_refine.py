@@ -33,6 +33,7 @@ def refined(mode: Mode = "windows") -> Any:
     return refine(record(), START, KEYS, True, mode, cascade=None)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("mode", ["windows", "open"])
 def test_a_noisy_record_of_a_closed_loop_gives_the_parameters_and_intervals_that_hold_them(mode: Mode) -> None:
     found = refined(mode)

@@ -60,6 +60,7 @@ def test_a_run_that_starts_in_motion_starts_where_the_log_was_and_as_fast() -> N
     assert rms(simulate_open(part, VALUES), part.position) < 2e-5 * np.ptp(part.position)
 
 
+@pytest.mark.slow
 def test_friction_by_direction_reaches_the_simulated_axis() -> None:
     log = record()
     both = simulate_open(log, VALUES, start_state=(0.0, 0.0))

@@ -116,6 +116,7 @@ def test_first_gains_leave_the_speed_loop_a_phase_margin_of_60_degrees():
         assert control.margin(kpos * inner * control.tf([1.0], [1.0, 0.0]))[1] > 55.0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("rough", [{"resolution": 0.05, "noise": 0.0}, {"noise": 0.01}, {"resolution": 0.1}])
 def test_a_coarse_or_noisy_encoder_slows_the_loop_and_does_not_shake_the_drive(rough):
     machine = replace(EMPS, delay_s=1e-3, **rough)

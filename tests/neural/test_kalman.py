@@ -40,6 +40,7 @@ def test_one_update_worked_by_hand():
     assert np.delete(covariance.diagonal(), 23).tolist() == [1.0] * 48
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("cap", [4.0, 0.5, math.inf])
 def test_four_rules_do_what_all_of_them_do(cap):
     rng = np.random.default_rng(2)

@@ -167,6 +167,7 @@ def test_a_matlab_file_that_crashes_its_reader_is_refused_and_the_process_goes_o
         captures.load(tmp_path / "x.mat")
 
 
+@pytest.mark.slow
 def test_a_large_log_is_read_in_a_process_of_its_own_to_the_same_bits(tmp_path, monkeypatch):
     rows = "".join(f"{k / 1000:.3f},{float(np.sin(k))!r}\n" for k in range(12_000))
     path = text(tmp_path, f"time (s),x [mm]\n{rows}")

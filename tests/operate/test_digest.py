@@ -2,6 +2,8 @@
 
 import hashlib
 
+import pytest
+
 from leadscrew.operate.operated import Operated
 from leadscrew.operate.session import Start
 from tests.operate.bench_study import NAME
@@ -25,6 +27,7 @@ def test_the_digest_is_that_of_all_columns_in_full_precision_across_a_switch():
     assert operated.digest == operated.session().digest == digest_of(*pieces)
 
 
+@pytest.mark.slow
 def test_the_digest_of_two_axes_is_of_the_columns_of_both():
     operated = Operated(Start("fsmc_ballscrew", "ours.pid", "sine_fast", circle=True, engine="python"))
     pieces = [operated.advance(20)[0]]

@@ -176,6 +176,7 @@ def test_the_restitution_of_a_flank_that_only_pushes():
     assert restitution_of(usual) == pytest.approx(0.2139, abs=1e-3)
 
 
+@pytest.mark.slow
 def test_both_bodies_follow_scipy_through_gaps_impacts_and_reversals():
     damping = 2.0 * damping_ratio(0.6) * math.sqrt(1e8 * REDUCED)
 
@@ -216,6 +217,7 @@ def imposed(radius, rate, restitution):
     return run.time - 0.5 * math.pi / rate, run["plant.motor"] - run["plant.table"]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("radius", "rate", "digest_ms"), [(5e-3, 1.0, 29.2), (1e-3, 2.0 * math.pi, 10.5)])
 def test_after_a_reversal_the_screw_needs_the_time_of_its_parabola_to_cross_the_play(radius, rate, digest_ms):
     """sqrt(2 b / (R w^2)) for the 2 um of play: 28.3 and 10.1 ms; and a little more, for the flanks give way."""

@@ -42,6 +42,7 @@ def test_free_and_held_screws_ring_at_the_frequencies_worked_by_hand():
     assert crossings(held) == pytest.approx(201.5, abs=0.5)  # bristles of 1e5 N m/rad hold the screw, and slow it
 
 
+@pytest.mark.slow
 def test_the_free_mode_dies_away_by_its_damping_ratio():
     run = opened(period=1e-4, plant=ballscrew_axial(damping_ratio=0.05, **FREE).starting(table=1e-4)).run(
         0.1, record="plant"
@@ -94,6 +95,7 @@ def test_sliding_and_reversing_it_follows_radau(share):
     assert np.abs(run["plant.table"] - expected[:, 2]).max() < 1e-10
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("share", [0.0, 0.5])
 def test_as_stiff_as_can_be_it_is_the_rigid_stage(share):
     rigid = opened(amplitude=20.0, plant=ballscrew_stage).run(0.1, record="actual")["actual"]

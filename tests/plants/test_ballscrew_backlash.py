@@ -82,6 +82,7 @@ def test_the_table_follows_the_exact_play_to_a_nanometre(play):
     assert np.abs(run["plant.table"] - np.array(exact)).max() < 2.5e-9
 
 
+@pytest.mark.slow
 def test_the_play_does_not_act_back_on_the_screw():
     run = opened(ballscrew_play, amplitude=12.0).run(0.8, ("plant",))
     alone = opened(ballscrew_stage, amplitude=12.0).run(0.8, ("plant",))
@@ -183,6 +184,7 @@ def test_the_jacobian_of_dahl_is_the_one_of_finite_differences(speed, force, exp
     assert np.array(mass_dahl_jacobian(p, state)) == pytest.approx(found, rel=1e-5, abs=1e-6)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("speed", [2.0, -2.0])
 def test_started_in_motion_both_go_on_evenly(speed):
     """Driven by what rubs: 6.24 N m and 0.4 N m s/rad at the screw; with two masses the guide as well."""

@@ -79,6 +79,7 @@ def test_stuck_it_is_a_spring():
     assert run["plant.angle"][-1] == pytest.approx(run["output"][-1] / 1e5, rel=0.02)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("ramp", "breaks_at"), [(2.0, 8.499), (5.0, 7.832), (10.0, 7.052)])
 def test_the_faster_the_torque_rises_the_earlier_it_breaks_away(ramp, breaks_at):
     run = opened(period=1e-4, ramp=ramp).run(10.0 / ramp, record=("plant.speed", "output"))

@@ -34,6 +34,7 @@ def fixed(amplitude, substeps, periods=60, engine="llvm", **more):
     return loop.run(periods * 1e-3, record="plant", engine=engine)
 
 
+@pytest.mark.slow
 def test_sliding_and_reversing_it_follows_radau_with_order_three():
     expected = radau(20.0, 1e-3, 60)
     coarse, fine = (np.abs(fixed(20.0, n)["plant.angle"] - expected[:, 0]).max() for n in (100, 400))
@@ -41,6 +42,7 @@ def test_sliding_and_reversing_it_follows_radau_with_order_three():
     assert coarse / fine > 4.0**2.5
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("sine", SMOOTH)
 def test_steps_of_50_us_are_good_to_a_tenth_of_a_nanometre_on_the_smooth_sines(sine):
     truth = angles(sine, TRUTH)
@@ -126,6 +128,7 @@ def test_a_simulated_machine_with_it_is_exported_and_compiles_without_a_loop_in_
     subprocess.run(command, cwd=tmp_path / "out", check=True)
 
 
+@pytest.mark.slow
 def test_a_batch_gives_each_run_its_own_bits():
     loop = benchmark("sine_fast", every("fixed", 50.0))
     inertia = np.linspace(2.12e-4, 3.7e-4, 19)

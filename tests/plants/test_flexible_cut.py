@@ -103,6 +103,7 @@ def test_texture_has_its_size_and_length_at_every_feed():
         assert np.std(first) == pytest.approx(0.25, rel=0.2)
 
 
+@pytest.mark.slow
 def test_the_camera_sees_the_cut_late_with_noise_and_loses_it():
     camera = cut_reading(noise_deg=0.15, zero_deg=0.1, lost_from_s=1.0, lost_for_s=0.5)
     line = along(cut_line, np.zeros(1), np.zeros(1))

@@ -45,6 +45,7 @@ def by_radau(params, inputs, period=0.5e-3):
     return np.array(seen)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("level", "volts"), [("low", 0.02), ("medium", 0.05), ("high", 0.3), ("high", 0.12)])
 def test_at_25_us_the_axis_stays_within_two_nanometres_of_radau(level, volts):
     """The last case stays inside the bristles: 19 um there and back."""

@@ -217,6 +217,7 @@ def test_the_colours_of_the_map_are_the_values():
     assert np.array_equal(np.ravel(shown), compiled(system).many(e=x[None, :], de=x[:, None]).ravel())
 
 
+@pytest.mark.slow
 def test_where_there_is_no_value_it_is_hatched_and_said():
     partly = mamdani()
     partly = replace(partly, blocks=(replace(partly.blocks[0], rules=partly.blocks[0].rules[:20]),))

@@ -50,6 +50,7 @@ def test_pictures_of_the_ruler_draw_with_units_on_every_axis():
         assert picture.caption and len(labels) >= 4 and all("(" in text for text in labels)
 
 
+@pytest.mark.slow
 def test_the_page_prints_what_it_shows(tmp_path):
     (tmp_path / "page.py").write_text(with_marks(PAGE), encoding="utf-8")
     done = subprocess.run([sys.executable, "page.py"], cwd=tmp_path, capture_output=True, text=True, timeout=120)

@@ -50,6 +50,7 @@ def test_the_counter_counts_what_unwrapped_angles_say_there_and_back(errors, noi
     assert counted.max() > 1990 and counted.min() < -550
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("errors", [PERFECT, ALL_ERRORS, ROUGH])
 def test_the_fast_ruler_and_the_counter_block_agree_count_for_count(errors):
     ruler, counter = grating_ruler(**errors._asdict()), grating_counter(**errors._asdict())
@@ -110,6 +111,7 @@ def loop_with(sensor, period):
     )  # fmt: skip
 
 
+@pytest.mark.slow
 def test_a_loop_at_one_millisecond_outruns_the_counter_but_not_the_ruler():
     fast, lost = (loop_with(sensor, 1e-3).run(0.2) for sensor in (grating_ruler, grating_counter))
     away = abs(lost["feedback"][-1] - lost["actual.reading"][-1])

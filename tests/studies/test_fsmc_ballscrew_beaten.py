@@ -35,6 +35,7 @@ def test_the_path_that_never_repeats_has_the_speed_and_acceleration_of_its_posit
         assert (after.velocity - before.velocity) / (2 * h) == pytest.approx(now.acceleration, abs=1e-5)
 
 
+@pytest.mark.slow
 def test_peaks_are_counted_around_reversals_and_not_at_the_start():
     runs = Runs(Loops())
     e = np.abs(runs.error(OURS, "sine_fast"))

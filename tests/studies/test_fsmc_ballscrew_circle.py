@@ -44,6 +44,7 @@ def assert_all_hold(claims):
         assert (claim.passed is None) == (claim.kind == "report"), claim.id
 
 
+@pytest.mark.slow
 def test_the_evaluation_s_claims_hold():
     claims = circle_analytic_claims()
     assert_all_hold(claims)
@@ -125,6 +126,7 @@ def test_a_start_from_rest_draws_the_circle_of_a_start_in_sliding(loops):
     assert rest.both.mean_radial == pytest.approx(sliding.both.mean_radial, abs=0.001)
 
 
+@pytest.mark.slow
 def test_the_report_of_a_circle_says_how_it_was_made(loops):
     test = drawn(loops, "ours.pd_dob", Way(1.0, 2.0 * math.pi), both=False, turns=1.25, period=5e-4)
     assert test.feed_mm_min == pytest.approx(377.0, abs=0.1) and test.start_deg == pytest.approx(90.0)

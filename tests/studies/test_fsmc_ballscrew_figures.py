@@ -53,6 +53,7 @@ def test_the_error_on_the_sines_is_the_one_that_the_claims_judge(runs, tmp_path)
         assert f"largest {before:.3f} and {ours:.3f}" in axes.get_title("left")
 
 
+@pytest.mark.slow
 def test_learning_is_shown_from_what_is_believed_to_the_truth(runs, tmp_path):
     t, found = learned_over_truth(runs)
     assert [round(float(v[0]), 9) for v in found.values()] == [1.0, 2.0, 2.0, 3.0]

@@ -76,6 +76,7 @@ def test_slow_ramps_before_sliding_agree_with_radau_in_every_row():
     assert ends == pytest.approx(TURNS_URAD, abs=5e-4)
 
 
+@pytest.mark.slow
 def test_the_studys_experiments_are_those_of_the_analysis():
     """Another loop, another integration in time: held forces and 8000 samples a rise."""
     assert [x.peak_friction(LOOPS, r) for r in (1.0, 20.0)] == pytest.approx(
@@ -97,6 +98,7 @@ def test_the_profile_pushes_rests_and_turns():
     assert found == pytest.approx([2.0, 0.5, 0.5, 3.5, 6.5, 3.5, 0.5, -5.5, 0.5])
 
 
+@pytest.mark.slow
 def test_lugre_forgets_an_inner_loop_and_maxwell_slip_does_not():
     assert abs(inner_loop(LuGre())[2]) > 1.0
     made = claims("friction")
@@ -127,6 +129,7 @@ def smoothed(radius, rate, restitution, over, step=2e-6):
     return crossing, 1e6 * (max(beyond) - min(beyond))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("name", "digest_ms"), [("sine_wide", 29.2), ("sine_fast", 10.5)])
 def test_the_digests_reversal_is_that_of_a_friction_smoothed_over_10_um_s(name, digest_ms):
     radius, rate = m.SINES[name]
@@ -156,6 +159,7 @@ def test_the_least_lag_is_on_the_safe_side_and_not_far_off():
     assert swings[0] > 5.0 and swings[1] < 0.1
 
 
+@pytest.mark.slow
 def test_a_loop_that_diverges_says_when():
     found = b.reversed_by(b.backlash_run(LOOPS, "ours.pd_dob", "sine_wide", "play", b.TABLE, 4.0), 1.0)
     assert found.diverged.startswith("diverged at t = 1.5") and math.isnan(found.height_um)

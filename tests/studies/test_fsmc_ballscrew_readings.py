@@ -82,6 +82,7 @@ def test_an_explicit_method_stays_bounded_on_a_stuck_stage_up_to_its_limit_and_n
             assert (np.abs(np.linalg.eigvals(step)).max() <= 1.0) == bounded
 
 
+@pytest.mark.slow
 def test_no_s_inside_the_layer_gives_a_larger_error_than_the_tight_bound_and_one_gives_it():
     """The worst s switches with the sign of the impulse response turned round in time."""
     of_e, of_rate = algebra.tight_bounds()

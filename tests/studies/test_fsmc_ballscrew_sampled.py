@@ -70,6 +70,7 @@ def test_with_a_sample_of_delay_the_robust_gains_hold_by_chance_and_those_made_f
     assert 0 < held["ours.pd_dob_robust"] < 8 == held["ours.pd_dob_delay"]
 
 
+@pytest.mark.slow
 def test_a_filter_that_the_controller_does_not_know_costs_its_lag_times_the_speed(loops):
     """1 mm at 2 pi rad/s behind 1 / (2 pi 1000 Hz): 1 um, RMS 0.707 um."""
     found = errors_um(loops, "ours.pd_dob", "sine_fast", "filter")

@@ -30,6 +30,7 @@ def test_loops_that_differ_in_values_share_a_program_and_give_their_own_bits():
     assert (second.run(0.2, record="true_error")["true_error"] == alone).all()
 
 
+@pytest.mark.slow
 def test_runs_made_ahead_are_the_runs_that_are_asked_for_later():
     ahead, later = Loops(), Loops()
     options = {"changes": {"plant.inertia": 3e-4}}

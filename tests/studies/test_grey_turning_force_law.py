@@ -24,6 +24,7 @@ def claims(entered):
     return {c.id.partition(".")[2]: c for c in force_law_claims(entered=entered)}
 
 
+@pytest.mark.slow
 def test_every_claim_meets_its_target(claims):
     assert [name for name, c in claims.items() if c.passed is False] == []
     assert all(c.reason and c.source for c in claims.values()) and len(claims) > 30
@@ -71,6 +72,7 @@ def test_scatter_is_of_noise_and_runout_and_does_not_depend_on_the_entry(entered
         assert (run.raw - run.force)[settled].std() == pytest.approx(reading_noise(), rel=0.03)
 
 
+@pytest.mark.slow
 def test_pictures_are_drawn_from_the_same_runs(entered):
     assert len(fits_figure().axes) == 3
     left, right = entry_figure(entered).axes

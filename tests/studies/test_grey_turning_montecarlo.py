@@ -138,6 +138,7 @@ def test_a_controller_that_reads_the_programme_is_told_the_depth_that_is_cut(loo
     assert judge(done).bad.shape == (3,)
 
 
+@pytest.mark.slow
 def test_the_table_of_all_controllers_names_each_with_intervals(loops):
     made = MonteCarlo(loops)
     names = force_controllers(loops)

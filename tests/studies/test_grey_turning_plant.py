@@ -32,6 +32,7 @@ def both(loops, name, fuzzy, rpm, lathe=None, machine="plant_f"):
     return ours, run(fuzzy, 1.5, Lathe(rpm=rpm, **(lathe or {})))["y"]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("law", "reading"), [("tfc", ""), ("gpfc_b", "B"), ("gpfc_a", "A")])
 def test_a_second_program_of_the_loop_gives_the_same_force(loops, law, reading):
     ours, theirs = both(loops, f"corrected.{law}_s9", Fuzzy(S9, reading), ON_THE_RING)

@@ -36,6 +36,7 @@ def test_the_weak_table_is_the_one_worked_by_hand():
     np.testing.assert_array_equal(TABLES["weak_ec"], RULES)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("law", "reading"), [("tfc", ""), ("b", "B")])
 def test_a_second_program_finds_the_same_contrast(found, law, reading):
     theirs = run(Fuzzy((28.0, 15.4, 0.0214), reading, RULES), 3.0, Lathe())["y"]

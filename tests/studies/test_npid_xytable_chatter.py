@@ -62,6 +62,7 @@ def test_rest_under_a_load_by_hand():
     assert th.load_of(e) == pytest.approx(2.0, rel=1e-12)
 
 
+@pytest.mark.slow
 def test_the_threshold_is_where_a_pole_of_the_loop_closed_with_the_slope_leaves_the_unit_circle(rows):
     quiet, loud, quiet_um, loud_um = rows.threshold
     largest = [np.abs(th.linear().closed_poles(float(th.slope(e)))).max() for e in (quiet_um - 0.01, loud_um + 0.01)]

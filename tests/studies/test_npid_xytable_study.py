@@ -13,6 +13,7 @@ from tests.studies.whole import whole
 TABLE = study("npid_xytable")
 
 
+@pytest.mark.slow
 def test_every_controller_runs_under_cutting_and_every_scenario_runs():
     pairs = [(name, "spindle_1000") for name in TABLE.controllers] + [("paper.pid", s) for s in TABLE.scenarios]
     for name, scenario in pairs:

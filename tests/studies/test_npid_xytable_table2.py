@@ -68,6 +68,7 @@ def test_the_fundamental_of_the_printed_frequencies():
     assert base_hz() == pytest.approx(199.9 / 285.0)
 
 
+@pytest.mark.slow
 def test_required_claims_are_met_and_ids_are_unique(claims, loops):
     missed = [f"{c.id}: {c.measured} for {c.target}" for c in claims.values() if c.passed is False]
     assert not missed

@@ -53,6 +53,7 @@ def test_the_place_of_the_gain_decides_on_chatter_on_another_simulation_too(loop
     assert stepped == pytest.approx((most, calm), rel=0.005)
 
 
+@pytest.mark.slow
 def test_a_constant_load_is_counted_as_the_error_that_it_leaves_under_the_pid(loops):
     """5 um, less the share of the spring, a0 / (b Kp) = 0.1816 %, and what the slow integral took in 3 s."""
     held = loops.get("paper.pid", "constant_load").batch(

@@ -37,6 +37,7 @@ def test_the_second_writing_gives_the_numbers_of_the_digest(control, rms, most, 
     assert at_200 is None or e[200] == pytest.approx(at_200, rel=2e-3)
 
 
+@pytest.mark.slow
 def test_the_uncompensated_cut_is_the_same_sample_by_sample(loops):
     seen = loops.run("paper.uncompensated", "wave_fabric_quiet")
     expected = oracle.cut(*oracle.wave(), None, W0)

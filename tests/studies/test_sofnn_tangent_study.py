@@ -44,6 +44,7 @@ def test_lines_have_the_lengths_that_their_scenarios_run_for():
         assert TABLE.scenarios[f"{name}_fabric"].duration_s == pytest.approx((lines.samples_of(name) + 1) * 0.01)
 
 
+@pytest.mark.slow
 def test_a_cell_has_textures_of_its_own_and_every_controller_meets_the_same():
     loops = Loops()
     mild, strong = (loops.cells(name, runs=3, lines=("wave",)) for name in ("ours.pid_mild", "paper.uncompensated"))

@@ -55,6 +55,7 @@ def test_later_errors_are_never_larger(loops):
     assert np.all(late <= early) and late.max() < early.max()
 
 
+@pytest.mark.slow
 def test_a_dead_zone_that_the_controller_knows_exactly_costs_nothing_much(loops):
     without = robustness.friction_sweep(loops, STEPS[0], integral=False, share=0.0)
     exact = robustness.friction_sweep(loops, STEPS[0], integral=False, share=1.0)

@@ -46,6 +46,7 @@ def test_all_three_engines_agree_over_the_whole_run(controller, scenario):
             assert np.array_equal(runs[0][name].view(np.int64), other[name].view(np.int64)), (other.engine, name)
 
 
+@pytest.mark.slow
 def test_a_run_of_a_gain_sweep_is_the_single_run_with_that_gain():
     loop = LATHE.loop("corrected.vud_beta_e", "fig11b_step_m170")
     gains = np.linspace(259.0, 334.0, 20)

@@ -150,6 +150,7 @@ def test_partials_of_the_known_law_are_its_differences():
     assert p.ec(e, c) == 0.0 == pytest.approx(p.e(e, c + h) - p.e(e, c - h))
 
 
+@pytest.mark.slow
 def test_the_picture_of_figure_5_draws_with_labelled_axes(loops):
     (picture,) = differentiator_pictures(loops)
     figure = picture.draw()

@@ -81,6 +81,7 @@ def loops():
     return Loops()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("controller", ["paper.vud", "corrected.vud_beta_e", "corrected.vud_beta_e_half"])
 def test_a_controller_stands_inside_its_own_dead_zone(loops, controller):
     """At rest for the last half second, and no farther than the law's quiet zone and half a count of the grating."""

@@ -48,6 +48,7 @@ def misfits(speed, gain, exponent):
     return np.array(parts)
 
 
+@pytest.mark.slow
 def test_every_required_claim_holds(claims):
     assert {name for name, c in claims.items() if c.kind == "required" and not c.passed} == set()
     assert sum(c.kind == "required" for c in claims.values()) > 50

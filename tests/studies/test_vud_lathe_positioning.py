@@ -51,6 +51,7 @@ def test_the_warming_alone_spreads_the_runs_behind_the_encoder(tests, loops, mon
     assert cold.compensated().both.accuracy < 0.2 * tests["encoder"].compensated().both.accuracy
 
 
+@pytest.mark.slow
 def test_the_first_approach_is_that_of_a_plain_run(loops):
     loop = loops.get(ours.CONTROLLER, STEPS[0], "screw", "grating")
     plain = loop.using({"reference.target": -ours.OVERRUN_MM, "plant.warming_K": 0.0})
@@ -69,6 +70,7 @@ def test_every_target_is_approached_from_both_sides_with_an_overrun_at_the_ends(
     assert sorted(n for n, _, _ in ours.way()) == sorted([-1, -1, *range(9), *range(9)])
 
 
+@pytest.mark.slow
 def test_what_the_standard_asks_for_is_met(tests):
     assert all(test.notes() == [] for test in tests.values())
 

@@ -85,6 +85,7 @@ def test_what_is_not_different_is_not_called_so():
     assert less.shown and less.difference.high < 0, "pairing finds what is a tenth of the spread"
 
 
+@pytest.mark.slow
 def test_intervals_hold_what_they_promise():
     """Of 95 % intervals of a mean about 95 % hold it: against a known normal distribution."""
     rng = np.random.default_rng(1)

@@ -21,6 +21,7 @@ SPACE = Space.of(["plant.full_duty_speed_mm_s=259:334", "plant.mechanical_lag_s=
 NOISY = Space.of(["plant.lag_s=0.02:0.08"])
 
 
+@pytest.mark.slow
 def test_one_thread_and_two_give_the_same_bits():
     for j, space, runs in ((lathe(2.0), SPACE, 2500), (job("small", "large", duration=1.0), NOISY, 5000)):
         one, two, five = (montecarlo(j, space, runs, crew=Threads(n)).samples for n in (1, 2, 5))
@@ -48,6 +49,7 @@ def test_a_killed_worker_loses_nothing(tmp_path):
     assert same(alone, found)
 
 
+@pytest.mark.slow
 def test_a_cluster_of_this_machine_gives_the_same_bits_and_the_same_refusals(tmp_path):
     j = job("small", "large", duration=1.0, changes={"controller.kp": 15.0})
     with crew("local:2") as cluster:
@@ -106,6 +108,7 @@ def test_what_is_no_crew_is_refused(options, words):
         pass
 
 
+@pytest.mark.slow
 def test_a_scheduler_that_dies_is_said_and_not_waited_for(tmp_path):
     with dask(tmp_path, 1) as (address, _), crew(address) as cluster:
         scheduler = cluster.client.run_on_scheduler(os.getpid)

@@ -84,6 +84,7 @@ def killed_and_resumed(folder: Path, expected, moment: float) -> int:
     return kept
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("chunks", [1, 4])
 def test_a_killed_job_goes_on_to_the_identical_result(tmp_path, whole, chunks):
     with process(*asked(tmp_path), program=stopped_after(chunks, signal.SIGKILL)) as p:
