@@ -1,10 +1,13 @@
 """The cache: nothing compiled twice, nothing half-written, private, bounded."""
 
+import errno
+import hashlib
 import os
 import shutil
 import stat
 import subprocess
 import sys
+import tempfile
 import textwrap
 import warnings
 from pathlib import Path
@@ -13,6 +16,10 @@ from types import SimpleNamespace
 import pytest
 
 from leadscrew.kernel import cache
+from leadscrew.kernel.loop import Loop
+from leadscrew.kernel.program import programs
+from tests.kernel import zoo
+from tests.tools import missing
 
 PROGRAM = textwrap.dedent(
     """
@@ -98,6 +105,69 @@ def test_a_cache_that_cannot_be_written_falls_back_with_one_warning(tmp_path, mo
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         assert cache.directory() == folder
+
+
+def whole_but_forged(code: bytes) -> bytes:
+    """A file as anybody could write it: with a hash that needs no key."""
+    return code + hashlib.sha256(code).digest()
+
+
+def test_machine_code_that_another_program_wrote_is_not_loaded(own):
+    cache.write("loop_a.o", b"code")
+    (cache.directory() / "loop_a.o").write_bytes(whole_but_forged(b"other code"))
+    assert cache.read("loop_a.o") is None
+    cache.write("loop_a.o", b"code")
+    shutil.copy(cache.directory() / "loop_a.o", cache.directory() / "loop_b.o")
+    assert cache.read("loop_a.o") == b"code" and cache.read("loop_b.o") is None
+    assert len((cache.directory() / cache.KEY).read_bytes()) == 32
+
+
+@pytest.mark.skipif(os.name != "posix", reason="posix: owners, modes and pipes")
+@pytest.mark.parametrize("what", ["pipe", "folder", "link", "open to others"])
+def test_what_is_no_private_file_is_compiled_again_and_replaced(own, what):
+    cache.write("loop_a.o", b"code")
+    file = cache.directory() / "loop_a.o"
+    if what == "open to others":
+        file.chmod(0o666)
+    else:
+        file.rename(own / "elsewhere")
+        {"pipe": os.mkfifo, "folder": Path.mkdir, "link": lambda at: at.symlink_to(own / "elsewhere")}[what](file)
+    assert cache.read("loop_a.o") is None
+    assert cache.write("loop_a.o", b"code") and cache.read("loop_a.o") == b"code"
+
+
+@pytest.mark.skipif(os.name != "posix", reason="posix: owners and modes")
+@pytest.mark.parametrize("open_one", ["the folder", "the folder above"])
+def test_a_folder_that_others_can_write_is_refused_with_one_warning(own, open_one):
+    folder = cache.directory()
+    (folder if open_one == "the folder" else own).chmod(0o777)
+    with pytest.warns(UserWarning, match="can be written by other users"):
+        assert cache.directory() != folder
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        assert not cache.directory().is_relative_to(own)
+
+
+@pytest.mark.parametrize("engine", ["llvm", pytest.param("c", marks=pytest.mark.slow)])
+def test_on_a_full_disk_a_loop_still_runs_with_one_warning(own, monkeypatch, engine):
+    if engine == "c" and shutil.which("gcc") is None:
+        missing("gcc", "gcc is not installed")
+    cache.directory()
+    real = tempfile.mkstemp
+
+    def full(*args, **options):
+        if options.get("dir") == cache.directory():
+            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+        return real(*args, **options)
+
+    monkeypatch.setattr(tempfile, "mkstemp", full)
+    monkeypatch.setattr(cache, "_told", set())
+    programs.clear()
+    loop = Loop(reference=zoo.sine, controller=zoo.pid, plant=zoo.mass, metrics={})
+    with pytest.warns(UserWarning, match="takes no more files") as said:
+        runs = [loop.run(0.01, engine=engine), loop.using({"controller.kp": 1.0}).run(0.02, engine=engine)]
+        loop.batch(0.01, {"controller.kp": [1.0, 2.0]}, engine=engine)
+    assert len(said) == 1 and not any(run.diverged for run in runs)
 
 
 def test_without_the_variable_it_lies_where_the_platform_says(monkeypatch):

@@ -74,16 +74,17 @@ def build(source: str = "lathe.c") -> ctypes.CDLL:
     sources = (path for path in sorted(SOURCES.iterdir()) if path.suffix in (".c", ".h"))
     text = "".join(path.read_text(encoding="utf-8") for path in sources)
     name = hashlib.sha256(f"{version} {FLAGS} {source} {text}".encode()).hexdigest()[:20]
-    library = cache.directory() / f"yardstick_{name}.so"
-    if not library.exists():
-        with tempfile.TemporaryDirectory(dir=library.parent) as folder:
-            made = Path(folder) / library.name
-            command = [gcc, *FLAGS, str(SOURCES / source), "-o", str(made), "-lm"]
-            done = subprocess.run(command, capture_output=True, text=True, check=False)
-            if done.returncode:
-                raise NoCompilerError(f"gcc failed: {done.stderr.strip()[:200]}")
-            made.replace(library)
-    return ctypes.CDLL(str(library))
+    library = f"yardstick_{name}.so"
+    if cache.read(library) is not None:
+        return ctypes.CDLL(str(cache.directory() / library))
+    with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as folder:
+        made = Path(folder) / library
+        command = [gcc, *FLAGS, str(SOURCES / source), "-o", str(made), "-lm"]
+        done = subprocess.run(command, capture_output=True, text=True, check=False)
+        if done.returncode:
+            raise NoCompilerError(f"gcc failed: {done.stderr.strip()[:200]}")
+        kept = cache.write(library, made.read_bytes())
+        return ctypes.CDLL(str(cache.directory() / library if kept else made))
 
 
 class Yardstick:

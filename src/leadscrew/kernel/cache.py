@@ -1,20 +1,31 @@
-"""Where compiled modules lie: in the user's cache directory, private, bounded, whole or not at all."""
+"""Where compiled modules lie: in the user's cache directory, private, bounded, whole or not at all.
+
+Machine code is loaded only from a folder and from files that nobody else can write, and only if its last 32 bytes are
+the HMAC-SHA256 of the rest under a key of this folder: what another program put there is compiled anew.
+"""
 
 from __future__ import annotations
 
+import atexit
 import hashlib
+import hmac
 import os
 import shutil
 import sys
 import tempfile
 import warnings
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
 
+from leadscrew.kernel.private import is_private, may_be_replaced, read_private
+
 LIMIT = 5000
 """Files of modules kept, some 100 MB: more than the five studies compile; beyond, the oldest go."""
+KEY = "key"
 _fallback: Path | None = None
+_told: set[str] = set()
 
 
 @lru_cache(maxsize=1)
@@ -48,43 +59,79 @@ def root() -> Path:
 
 
 def directory() -> Path:
-    """The directory for these versions, created private; a temporary one if that fails."""
+    """The directory for these versions, created private; a temporary one if that fails or others can write there."""
     global _fallback
     if _fallback is not None:
         return _fallback
     wanted = root() / stamp()
     try:
         wanted.mkdir(mode=0o700, parents=True, exist_ok=True)
-        with tempfile.TemporaryFile(dir=wanted):
-            return wanted
+        if not is_private(wanted.stat()) or may_be_replaced(wanted.parent.stat()):
+            problem = "can be written by other users, who could put their own machine code there"
+        else:
+            with tempfile.TemporaryFile(dir=wanted):
+                return wanted
     except OSError as error:
-        _fallback = Path(tempfile.mkdtemp(prefix="leadscrew-"))
-        warnings.warn(
-            f"the cache directory {wanted} cannot be written ({error.strerror or error}); compiled loops go to "
-            f"{_fallback} for this session; set LEADSCREW_CACHE_DIR to a directory that can",
-            stacklevel=2,
-        )
-        return _fallback
+        problem = f"cannot be written ({error.strerror or error})"
+    _fallback = Path(tempfile.mkdtemp(prefix="leadscrew-"))
+    atexit.register(shutil.rmtree, _fallback, ignore_errors=True)
+    _warn(f"the cache directory {wanted} {problem}; compiled loops go to {_fallback} for this session; set "
+          "LEADSCREW_CACHE_DIR to a directory of yours")  # fmt: skip
+    return _fallback
+
+
+def _warn(text: str) -> None:
+    if text not in _told:
+        _told.add(text)
+        warnings.warn(text, stacklevel=3)
+
+
+@lru_cache(maxsize=4)
+def _key(folder: Path) -> bytes:
+    """The secret of a cache folder, made at its first use."""
+    with suppress(OSError):
+        handle, beside = tempfile.mkstemp(dir=folder, suffix=".tmp")
+        with os.fdopen(handle, "wb") as out:
+            out.write(os.urandom(32))
+        with suppress(FileExistsError):  # another process was faster
+            os.link(beside, folder / KEY)
+        Path(beside).unlink()
+    key = read_private(folder / KEY)
+    return key if key is not None and len(key) == 32 else os.urandom(32)
+
+
+def _mark(folder: Path, name: str, code: bytes) -> bytes:
+    return hmac.digest(_key(folder), f"{name}\n".encode() + code, "sha256")
 
 
 def read(name: str) -> bytes | None:
-    """A file of the cache, if it is there and whole: its last 32 bytes are the hash of the rest."""
-    try:
-        data = (directory() / name).read_bytes()
-    except OSError:
+    """A file of the cache, if it is there, private and whole, and was written under this name."""
+    folder = directory()
+    data = read_private(folder / name)
+    if data is None:
         return None
     code, mark = data[:-32], data[-32:]
-    return code if hashlib.sha256(code).digest() == mark else None
+    return code if hmac.compare_digest(_mark(folder, name, code), mark) else None
 
 
-def write(name: str, code: bytes) -> None:
-    """Puts a file into the cache, written beside and renamed."""
+def write(name: str, code: bytes) -> bool:
+    """Puts a file into the cache, written beside and renamed; False, with one warning, where the disk takes no more."""
     folder = directory()
-    _evict(folder)
-    handle, beside = tempfile.mkstemp(dir=folder, suffix=".tmp")
-    with os.fdopen(handle, "wb") as out:
-        out.write(code + hashlib.sha256(code).digest())
-    Path(beside).replace(folder / name)
+    beside = None
+    try:
+        _evict(folder)
+        handle, beside = tempfile.mkstemp(dir=folder, suffix=".tmp")
+        with os.fdopen(handle, "wb") as out:
+            out.write(code + _mark(folder, name, code))
+        if (folder / name).is_dir() and not (folder / name).is_symlink():
+            shutil.rmtree(folder / name)
+        Path(beside).replace(folder / name)
+    except OSError as error:
+        if beside is not None:
+            Path(beside).unlink(missing_ok=True)
+        _warn(f"the cache {folder} takes no more files ({error.strerror or error}); what is compiled now is not kept")
+        return False
+    return True
 
 
 def _evict(folder: Path) -> None:
@@ -125,4 +172,5 @@ def clear() -> CacheInfo:
     base = root()
     for folder in base.glob("*-py*-llvmlite*") if base.exists() else ():
         shutil.rmtree(folder, ignore_errors=True)
+    _key.cache_clear()
     return before

@@ -88,13 +88,15 @@ def compiled(module: Module, name: str, title: str, ranks: Mapping[str, tuple[in
         EngineError: there is no compiler, or it refuses the source.
     """
     file = f"{title}_{_identity()}.so"
-    if cache.read(file) is None:
+    if cache.read(file) is not None:
+        library = ctypes.CDLL(str(cache.directory() / file))
+    else:
         from leadscrew.kernel.c99.entry import entry_text
 
-        with tempfile.TemporaryDirectory(prefix="leadscrew-") as folder:
+        with tempfile.TemporaryDirectory(prefix="leadscrew-", ignore_cleanup_errors=True) as folder:
             made = build(entry_text(module, name, ranks), Path(folder), name)
-            cache.write(file, made.read_bytes())
-    library = ctypes.CDLL(str(cache.directory() / file))
+            kept = cache.write(file, made.read_bytes())
+            library = ctypes.CDLL(str(cache.directory() / file if kept else made))
     address = ctypes.cast(getattr(library, name), ctypes.c_void_p).value
     assert address is not None
     return Entry(name, [ranks[a] for a in module.arguments_of(name)], address)
