@@ -7,6 +7,7 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 
+from leadscrew.kernel import live as live_module
 from leadscrew.kernel.block import controller, disturbance, make, metric, plant, reference
 from leadscrew.kernel.errors import BlockError, Diverged, NameUnknown, ValueRefused
 from leadscrew.kernel.loop import DivergenceWarning, Loop
@@ -104,6 +105,36 @@ def test_ten_short_advances_equal_one_long_one_bit_for_bit():
     assert parts[-1].metrics == a.metrics or all(
         x == y or math.isnan(x) for x, y in zip(parts[-1].metrics.values(), a.metrics.values(), strict=True)
     )
+
+
+def test_a_run_in_slices_is_the_same_bit_for_bit(monkeypatch):
+    loop = Loop(reference=zoo.sine, controller=zoo.history, plant=zoo.mass, sensor=zoo.ruler, substeps=2, seed=3)
+    whole = loop.start().advance(2000, every=3)
+    monkeypatch.setattr(live_module, "FIRST_SLICE", 7)
+    monkeypatch.setattr(live_module, "SLICE_S", 0.0)  # a period at a time after the first seven
+    sliced = loop.start().advance(2000, every=3)
+    assert all(np.array_equal(whole[name], sliced[name]) for name in whole.signals)
+    assert np.array_equal([*whole.metrics.values()], [*sliced.metrics.values()], equal_nan=True)
+
+
+def test_after_ctrl_c_a_live_loop_stands_where_its_last_slice_ended(monkeypatch):
+    loop = Loop(reference=zoo.sine, controller=zoo.pid, plant=zoo.mass)
+    monkeypatch.setattr(live_module, "FIRST_SLICE", 10)
+    stopped, seen = loop.start(), []
+
+    def clock():
+        seen.append(1)
+        if len(seen) == 4:  # begin of the run, begin and end of the first slice, begin of the second
+            raise KeyboardInterrupt
+        return 0.0
+
+    with monkeypatch.context() as m:
+        m.setattr(live_module.time, "perf_counter", clock)
+        with pytest.raises(KeyboardInterrupt):
+            stopped.advance(2000)
+    assert stopped.period == 10
+    rest, whole = stopped.advance(1990), loop.start().advance(2000)
+    assert np.array_equal(rest["actual"], whole["actual"][10:])
 
 
 def test_a_saved_place_can_be_gone_back_to_and_parameters_set_on_the_way():
@@ -343,6 +374,8 @@ def test_metrics_read_as_attributes():
     with pytest.raises(AttributeError, match="rms_error"):
         _ = run.metrics.rms_eror
     assert "rms_error" in repr(run) and "<table>" in run._repr_html_()
+    run.loop.name = "<script>"
+    assert "<script>" not in run._repr_html_()
 
 
 # ---- the contract of blocks

@@ -25,6 +25,9 @@ if TYPE_CHECKING:
 MEMORY = 8 * 1024**3
 """Bytes of recorded signals above which a run is refused; record less, or every n-th period."""
 
+SLICE_S, FIRST_SLICE = 0.1, 1000
+"""Seconds of machine code between two looks at Ctrl-C, and the periods of the first slice."""
+
 
 @dataclass(frozen=True)
 class Saved:
@@ -93,9 +96,11 @@ class Live:
         start = self.period
         began = time.perf_counter()
         if self.diverged is None:
-            self._call(counters, select, table, metrics)
+            try:
+                self._call(counters, select, table, metrics)
+            finally:  # after Ctrl-C too: the state stands where the last slice ended
+                self.period = int(counters[0])
         wall = time.perf_counter() - began
-        self.period = int(counters[0])
         if counters[5] and self.diverged is None:
             self.diverged = self._divergence()
             warn_diverged(f"{self.loop.name}: {self.diverged}")
@@ -112,7 +117,7 @@ class Live:
         if isinstance(self.entry, Entry):
             if self._bound is None or any(a is not b for a, b in zip(arrays, self._bound[0], strict=True)):
                 self._bound = arrays, self.entry.bind(*arrays)
-            self._bound[1]()
+            self._in_slices(self._bound[1], counters)
             return
         if self.engine != "python":
             self.entry(*arrays)
@@ -122,6 +127,18 @@ class Live:
         scalars, counts = S.tolist(), counters.tolist()
         self.entry(P.tolist(), A, scalars, B, counts, select, table, metrics)
         S[:], counters[:] = scalars, counts
+
+    def _in_slices(self, call: Callable[[], int], counters: np.ndarray) -> None:
+        """Runs machine code to its end with a return to Python every tenth of a second, where Ctrl-C is heard."""
+        end, periods = int(counters[1]), FIRST_SLICE
+        while True:
+            counters[1] = min(end, int(counters[0]) + periods)
+            began = time.perf_counter()
+            call()
+            if counters[0] >= end or counters[5]:
+                return
+            took = max(time.perf_counter() - began, 1e-9)
+            periods = max(1, int(periods * min(4.0, SLICE_S / took)))
 
     def _divergence(self) -> Divergence:
         plan = self.program.plan
