@@ -212,3 +212,9 @@ def test_a_broken_file_is_refused_with_its_place(format, old, new, said):
 @pytest.mark.parametrize("format", WHOLE)
 def test_the_files_that_were_broken_are_whole(format):
     assert len(formats.loads(WHOLE[format], format).rules) == 1
+
+
+@pytest.mark.parametrize("encoding", ["ISO-8859-1", "foo"])
+def test_a_text_is_read_whatever_encoding_it_declares(encoding):
+    text = f'<?xml version="1.0" encoding="{encoding}"?>\n' + FML.replace('name="s"', 'name="größe"', 1)
+    assert formats.loads(text, "fml").name == "größe"

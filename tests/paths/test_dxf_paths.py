@@ -217,7 +217,10 @@ def test_empty_and_broken_files_are_refused(drawn, tmp_path):
         drawn(lambda m: None)
     with pytest.raises(DataError, match=r"nothing to cut.*1 TEXT"):
         drawn(lambda m: m.add_text("a"))
-    for content in (b"this is no DXF", b"", b"\x00\x01\x02\xff" * 40, b"0\nSECTION\n2\nENTITIES\n0\nLINE\n10\nfoo\n"):
+    infinite = b"0\nSECTION\n2\nENTITIES\n0\nLWPOLYLINE\n 90\n-inf\n10\n0\n20\n0\n0\nENDSEC\n0\nEOF\n"
+    broken = (b"this is no DXF", b"", b"\x00\x01\x02\xff" * 40, b"0\nSECTION\n2\nENTITIES\n0\nLINE\n10\nfoo\n",
+              b"  0\nSECTION", infinite)  # fmt: skip
+    for content in broken:
         (tmp_path / "broken.dxf").write_bytes(content)
         with pytest.raises(DataError, match=r"broken\.dxf"):
             read_drawing(tmp_path / "broken.dxf", unit="mm")

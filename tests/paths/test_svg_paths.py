@@ -299,9 +299,10 @@ def test_files_that_are_no_drawings_are_refused(tmp_path):
     (tmp_path / "a.svg").write_text("<html/>")
     with pytest.raises(DataError, match="first element is <html>"):
         read_drawing(tmp_path / "a.svg")
-    (tmp_path / "a.svg").write_bytes(b"\xff\xfe\x00\x01")
-    with pytest.raises(DataError, match="is no SVG"):
-        read_drawing(tmp_path / "a.svg")
+    for content in (b"\xff\xfe\x00\x01", b'<?xml version="1.0" encoding="foo"?><svg/>'):
+        (tmp_path / "a.svg").write_bytes(content)
+        with pytest.raises(DataError, match="is no SVG"):
+            read_drawing(tmp_path / "a.svg")
     with pytest.raises(ValueRefused, match=r"unit = 'furlong': expected one of mm, cm, m, in, px \(in or inch\)"):
         read_drawing(tmp_path / "a.svg", unit="furlong")
     with pytest.raises(ValueRefused, match="tolerance"):

@@ -81,11 +81,9 @@ def _document(file: File) -> Any:
 
     try:
         return ezdxf.readfile(file)
-    except (ezdxf.DXFError, UnicodeDecodeError, ValueError, KeyError, IndexError, AttributeError, TypeError):
-        pass
-    except OSError as error:
-        # ezdxf raises OSError for a file that is no DXF.
-        if error.errno is not None:
+    except Exception as error:
+        # ezdxf raises OSError without a number for a file that is no DXF, and of a broken one what its parts raise.
+        if isinstance(error, OSError) and error.errno is not None:
             raise
     try:
         return recover.readfile(file)[0]

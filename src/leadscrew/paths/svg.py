@@ -41,7 +41,7 @@ def read_svg(file: File, unit: str | None, tolerance: float, layers: Sequence[st
     """The paths of an SVG file; see :func:`leadscrew.paths.read.read_drawing`."""
     try:
         root = ElementTree.parse(file).getroot()
-    except (ElementTree.ParseError, UnicodeDecodeError, ValueError) as error:
+    except (ElementTree.ParseError, LookupError, ValueError) as error:  # LookupError: an unknown encoding
         raise DataError(f"{file} is no SVG: {error}") from None
     if _tag(root) != "svg":
         raise DataError(f"{file} is no SVG: its first element is <{_tag(root)}>")

@@ -35,7 +35,7 @@ def tree(source: Source) -> tuple[Element, bool]:
     Raises:
         DataError: it is no XML, is nested too deep, or has a document type (whose entities could grow without end).
     """
-    parser = expat.ParserCreate(namespace_separator=" ")
+    parser = expat.ParserCreate("utf-8", " ")  # as the text is encoded below, whatever it declares
     parser.buffer_text = True
     top = Element("", 1, 1, {})
     path = [top]
