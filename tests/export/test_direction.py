@@ -4,11 +4,13 @@ import numpy as np
 import pytest
 
 from leadscrew.export import hal_check, hal_run
-from tests.budget import some
+from tests.budget import WHOLE
 from tests.export.hal_bench import needed
 from tests.export.table import ROWS, folder_of, loop_of
 
 PERIODS = 400
+BACKWARDS = [r for r in ROWS if ROWS[r].backwards and not r.startswith("60 s")]
+ONE_A_DRIVE = ["vud_beta_e", "npid", "axis_cascade", "smc", "tangent_dob"]
 STOCK = ["setp pid.0.Pgain 0.25", "setp pid.0.maxoutput 0.3"]
 
 
@@ -37,7 +39,14 @@ def first(values):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("row", some([r for r in ROWS if ROWS[r].backwards and not r.startswith("60 s")], 2))
+def test_every_kind_of_drive_has_a_row():
+    """The sign at a drive is that of its kind: duty, voltage, torque, position, or the machine's own unit."""
+    kinds = [loop_of(row).blocks["controller"].drive for row in ONE_A_DRIVE]
+    assert sorted(kinds) == sorted({loop_of(row).blocks["controller"].drive for row in BACKWARDS})
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("row", BACKWARDS if WHOLE else ONE_A_DRIVE)
 def test_the_first_move_is_that_of_stock_pid(row, tmp_path):
     needed()
     folder = folder_of(row, "hal", tmp_path)
