@@ -10,6 +10,7 @@ import time
 
 import pytest
 
+from leadscrew.cli.terminal import visible
 from leadscrew.kernel.errors import DataError
 from leadscrew.kernel.run import load
 from tests.cli.conftest import FILE
@@ -70,6 +71,57 @@ def test_ctrl_c_is_quiet(tmp_path):
         said = process.stderr.read()
         code = process.wait(60)
     assert said == b"" and code == 130
+
+
+TITLE, COVER = "\x1b]0;owned\x07", "\x1b[2J\u202e"
+
+
+def test_names_in_files_do_not_command_the_terminal(tmp_path):
+    rows = "\n".join(f"{k / 1000},{k * k},{k}" for k in range(200))
+    (tmp_path / "log.csv").write_text(f"time,position{TITLE},drive{COVER}\n{rows}\n", encoding="utf-8")
+    fll = f"Engine: a{TITLE}\nInputVariable: x\n  range: 0.0 1.0\n  term: {COVER} Triangle 0.0 0.5 1.0\n"
+    (tmp_path / "a.fll").write_text(fll, encoding="utf-8")
+    for asked in (["log", "log.csv"], ["fuzzy", "show", "a.fll"]):
+        done = subprocess.run(
+            [sys.executable, "-m", "leadscrew", *asked], cwd=tmp_path, capture_output=True, encoding="utf-8"
+        )
+        assert "x1b" in done.stdout or done.returncode == 2, done.stderr
+        assert not set("\x1b\x07\u202e") & {*done.stdout, *done.stderr}, asked
+
+
+def test_colours_of_tables_and_line_ends_stay():
+    assert visible("\x1b[32mreproduced\x1b[0m\t1\r\n") == "\x1b[32mreproduced\x1b[0m\t1\r\n"
+    assert visible("a\rb\x1b[8m\x9b2J") == r"a\rb\x1b[8m\x9b2J"
+
+
+@pytest.mark.skipif(os.name != "posix", reason="posix: signals")
+def test_ctrl_c_ends_a_compiled_run_that_would_take_days(tmp_path):
+    told = tmp_path / "told.py"  # says when the machine code is about to run
+    told.write_text(
+        "import sys\nfrom leadscrew.kernel.live import Live\nrun = Live._in_slices\n"
+        "def told(self, *given):\n    print('running', flush=True)\n    return run(self, *given)\n"
+        "Live._in_slices = told\nsys.argv = ['leadscrew', *sys.argv[1:]]\n"
+        "from leadscrew.cli import main\nmain()\n"
+    )
+    asked = [
+        "simulate",
+        "vud_lathe",
+        "-c",
+        "paper.vud",
+        "-s",
+        "step_p50",
+        "--duration",
+        "1e10",
+        "--every",
+        "1000000000",
+    ]
+    with subprocess.Popen(
+        [sys.executable, told, *asked], cwd=tmp_path, stdout=subprocess.PIPE, stderr=subprocess.PIPE
+    ) as process:
+        assert process.stdout.readline() == b"running\n"
+        process.send_signal(signal.SIGINT)
+        process.communicate(timeout=120)
+    assert process.returncode == 130
 
 
 SAVING = f"""

@@ -1,15 +1,19 @@
 """Texts of a user in what an export writes: nothing of them acts as C, HTML or a format."""
 
 import html
+import re
 from dataclasses import replace
 from html.parser import HTMLParser
 
 import pytest
 
 from leadscrew.export.c99 import shown_unit
+from leadscrew.export.controller import export_controller
 from leadscrew.export.core import Port
 from leadscrew.export.fmu import _page
+from leadscrew.export.plant import plant_files
 from tests.export import hal_sample
+from tests.export.table import loop_of
 
 
 @pytest.mark.parametrize(
@@ -19,6 +23,18 @@ def test_a_unit_behind_a_number_of_printf_is_printed_and_takes_no_argument(unit,
     text = shown_unit(Port("output", "output", "output", unit))
     # Python's formats have C's rule of the percent sign.
     assert text % () == shown and '"' not in text and "\\" not in text
+
+
+def test_the_name_of_a_loop_stays_inside_the_comments_of_its_simulated_machine():
+    """What stands behind ``*/`` would be compiled into the machine."""
+    loop = loop_of("pid").using({"controller.kp": 20.0})
+    loop.name = "emps */\n#define PWNED 1\nstatic void pwned(void){}\n/*"
+    core, _ = export_controller(loop, 0.05, name="ours", title="ours")
+    files = plant_files(loop, core)
+    assert any("pwned" in text for text in files.values())
+    for name, text in files.items():
+        outside = re.sub(r"/\*.*?\*/", "", text, flags=re.DOTALL) if not name.endswith(".hal") else text
+        assert "pwned" not in outside.lower(), name
 
 
 def test_the_page_of_an_fmu_shows_what_a_user_wrote_and_runs_none_of_it():

@@ -78,6 +78,8 @@ def test_one_lane_that_diverges_leaves_its_neighbours_alone(both_ways):
     text = repr(compiled)
     assert "18 runs of 0.06 s, 2 diverged" in text and f"max_error {healthy:.4g}" in text
     assert compiled._repr_html_().count("<tr>") == 1 + len(ERRORS)
+    compiled.loop.name = "<script>"
+    assert "<script>" not in compiled._repr_html_()
 
 
 class Start(NamedTuple):

@@ -187,6 +187,16 @@ def test_a_folder_that_is_none_of_simulate_is_refused(tmp_path):
         read_table(tmp_path)
 
 
+def test_a_folder_whose_blocks_name_a_python_file_does_not_run_it(run_folder, tmp_path):
+    shutil.copytree(run_folder, tmp_path / "a")
+    python = tmp_path / "evil.py"
+    python.write_text(f"open({str(tmp_path / 'ran')!r}, 'w').close()\n")
+    blocks = dict.fromkeys(("plant", "controller", "reference", "sensor", "disturbance"), f"{python}:block")
+    (tmp_path / "a" / "run.json").write_text(json.dumps({"blocks": blocks, "parameters": {}}))
+    assert "feedback" not in read_table(tmp_path / "a").units
+    assert not (tmp_path / "ran").exists()
+
+
 def test_the_unit_of_a_machine_shown_in_metres_is_known(run_folder, tmp_path):
     shutil.copytree(run_folder, tmp_path / "a")
     said = {"blocks": {"plant": "servo_axis", "controller": "pd_dob"}, "parameters": {"plant.per_si": 1.0}}

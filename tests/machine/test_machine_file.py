@@ -56,6 +56,8 @@ def test_what_is_written_is_read_back(file):
         ("force_per_drive = 35.15", "force_per_drive = -35.15", "force_per_drive = -35.15: expected a number above 0"),
         ('position_unit = "mm"', 'position_unit = "furlong"', "position_unit = 'furlong': expected one of m, mm"),
         ('kind = "machine"', 'kind = "engine"', "kind"),
+        ('name = "emps"', r'name = "emps\n#define X"', r"name = 'emps.n#define X': expected one line"),
+        ('name = "emps"', r'name = "emps\u001b[2J"', "name = .*expected one line"),
         ("schema_version = 1", "schema_version = 2", "schema_version = 2"),
     ],
 )

@@ -17,6 +17,7 @@ from typing import Annotated, Any
 import typer
 
 from leadscrew.cli.door import INTERNAL, INTERRUPTED, PIPE_CLOSED, Door, to_nowhere
+from leadscrew.cli.terminal import Guarded
 from leadscrew.cli.version import print_and_exit
 
 __all__ = ["app", "main"]
@@ -119,6 +120,7 @@ def main() -> None:
     for stream in (sys.stdout, sys.stderr):
         if hasattr(stream, "reconfigure"):
             stream.reconfigure(errors="backslashreplace")
+    sys.stdout = Guarded(sys.stdout)
     try:
         app(prog_name="leadscrew")
     except SystemExit as stop:

@@ -8,7 +8,7 @@ import os
 import sys
 import traceback
 import warnings
-from typing import Any, TextIO
+from typing import Any
 
 import typer
 from typer.core import TyperGroup
@@ -56,7 +56,7 @@ def _one_line(message: Warning | str, category: type[Warning], filename: str, li
     say(f"warning: {one_line(str(message))}")
 
 
-def to_nowhere(stream: TextIO) -> None:
+def to_nowhere(stream: Any) -> None:
     """Nobody reads this stream any more; what is left in it goes to the null device."""
     with contextlib.suppress(OSError, ValueError):
         os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())

@@ -80,7 +80,7 @@ def _derived(signal: str, unit: str) -> str:
 def _of_block(name: Any, slot: str) -> str | None:
     from leadscrew import catalogue
 
-    if not isinstance(name, str):
+    if not isinstance(name, str) or name not in catalogue.block_names():  # a name of a file would run its Python
         return None
     try:
         return catalogue.block(name, slot).unit

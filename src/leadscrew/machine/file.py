@@ -51,6 +51,7 @@ from leadscrew.kernel.errors import DataError
 from leadscrew.kernel.sheet import nearest
 from leadscrew.newfile import save
 
+LONGEST_NAME = 100
 SCHEMA_VERSION = 1
 KIND = "machine"
 MODELS = ("servo_axis", "servo_axis_lugre", "linear")
@@ -151,6 +152,8 @@ def validated(table: Mapping[str, Any], where: Path) -> MachineFile:
     if table.get("schema_version") != SCHEMA_VERSION:
         raise DataError(f"{where}: schema_version = {table.get('schema_version')!r}: expected {SCHEMA_VERSION}")
     said = {key: door.text(table, key) for key in texts}
+    if len(said["name"]) > LONGEST_NAME or not said["name"].isprintable():
+        raise DataError(f"{where}: name = {said['name'][:40]!r}: expected one line, {LONGEST_NAME} characters at most")
     if said["model"] not in MODELS:
         raise DataError(f"{where}: model = {said['model']!r}: expected {', '.join(MODELS)}")
     numbers = {
