@@ -3,8 +3,8 @@
     python docs/generate.py            writes docs/studies/generated and docs/reference/generated
 
 Nothing is computed here: claims, figures and notes come from the study, sheets from the blocks. Where the variable
-``LEADSCREW_STUDY_PAGES`` is ``keep``, pages of studies that exist stay: in CI the tests have written them of the
-evaluation that they judge.
+``LEADSCREW_STUDY_PAGES`` is ``keep``, no study is evaluated: pages that exist stay (in CI the tests have written them of
+the evaluation that they judge), and the page of a study that no test evaluated goes without its results.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ from leadscrew.studies.study import Study, StudyResult
 
 
 def kept() -> bool:
-    """Whether pages of studies that exist stay."""
+    """Whether pages of studies stay as they are, and none is evaluated."""
     return os.environ.get("LEADSCREW_STUDY_PAGES") == "keep"
 
 
@@ -66,16 +66,12 @@ def items_table(study: Study) -> str:
     return table(head, rows)
 
 
-def study_page(study: Study, folder: Path, result: StudyResult) -> str:
-    """The page of a study; its figures go to ``folder``."""
+def results(study: Study, folder: Path, result: StudyResult) -> list[str]:
+    """Findings, figures and claims; the figures go to ``folder``."""
     verdicts = Counter(c.verdict for c in result.claims)
     parts = [
-        f"# {study.title}",
-        f"{study.paper}",
-        study.summary,
         "This page was written by the run that measured its numbers. All results are for a simulated plant; nothing "
         "here is evidence about the real machine.",
-        f"```console\n$ leadscrew run {study.name}\n$ leadscrew list {study.name}\n```",
         "## Findings",
         "\n".join(f"- {note}" for note in result.notes),
         "## Figures",
@@ -88,6 +84,18 @@ def study_page(study: Study, folder: Path, result: StudyResult) -> str:
         "## Claims",
         f"{len(result.claims)} claims: " + ", ".join(f"{n} {verdict}" for verdict, n in verdicts.most_common()) + ".",
         claims_tables(result),
+    ]
+    return parts
+
+
+def study_page(study: Study, folder: Path, result: StudyResult | None) -> str:
+    """The page of a study; its figures go to ``folder``."""
+    parts = [
+        f"# {study.title}",
+        f"{study.paper}",
+        study.summary,
+        f"```console\n$ leadscrew run {study.name}\n$ leadscrew list {study.name}\n```",
+        *(results(study, folder, result) if result is not None else ["This build did not evaluate the study."]),
     ]
     parts += ["## Controllers", table(["name", "block", "what it is"], (
         (name, block.name, tables.first_line(block.doc)) for name, block in study.controllers.items()
@@ -134,7 +142,7 @@ def everything(docs: Path) -> None:
     for name in catalogue.STUDIES:
         if not (kept() and page_of(docs, name).exists()):
             study = catalogue.study(name)
-            write_study(docs, study, study.evaluate(lambda what, done: None))
+            write_study(docs, study, None if kept() else study.evaluate(lambda what, done: None))
 
 
 def page_of(docs: Path, name: str) -> Path:
@@ -142,8 +150,8 @@ def page_of(docs: Path, name: str) -> Path:
     return docs / "studies" / "generated" / f"{name}.md"
 
 
-def write_study(docs: Path, study: Study, result: StudyResult) -> None:
-    """The page of a study, of an evaluation of it; the page itself comes last."""
+def write_study(docs: Path, study: Study, result: StudyResult | None) -> None:
+    """The page of a study, of an evaluation of it or without one; the page itself comes last."""
     page = page_of(docs, study.name)
     page.parent.mkdir(parents=True, exist_ok=True)
     write(page, study_page(study, page.parent, result))

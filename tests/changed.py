@@ -20,9 +20,11 @@ import pytest
 from tests.closure import Tree, changes, git
 
 QUARTER = 4
-KERNEL, ITS_OWN = "src/leadscrew/kernel/", ("tests/kernel/", "tests/export/")
-"""The kernel is below everything. Where it changes, its own tests and those of exports are kept (every block of the
-catalogue in C, machine code and Python) and, as ever, a quarter of the others; ``make test`` has run all mechanisms."""
+KERNEL, ITS_OWN = "src/leadscrew/kernel/", "tests/kernel/"
+"""The kernel is below everything. Where it changes, its own tests are kept (every block of the catalogue in C, machine
+code and Python) and, as ever, a quarter of the others; ``make test`` has run all mechanisms."""
+EVALUATION = "tests/studies/whole.py"
+"""Whole evaluations of studies, minutes each: kept where something of the study has changed, never drawn."""
 
 
 def drawn(head: str, tests: list[str]) -> list[str]:
@@ -47,7 +49,7 @@ def choice(root: Path, commit: str) -> tuple[list[str] | None, str]:
     if any(f.startswith(KERNEL) for f in changed):
         affected = sorted({*affected, *(t for t in tree.tests if t.startswith(ITS_OWN))})
     others = sorted({*tree.tests} - {*affected})
-    too = drawn(head, others)
+    too = drawn(head, sorted({*others} - {*tree.affected([EVALUATION])}))
     return [*affected, *too], (
         f"changed since {commit}: {len(changed)} files; test files: {len(affected)} by the change, "
         f"{len(too)} by rotation, {len(others) - len(too)} left out"

@@ -59,6 +59,19 @@ def test_the_rotation_draws_every_file_in_time():
     assert sum(map(len, draws)) / 40 == pytest.approx(400 / QUARTER, rel=0.05)
 
 
+def test_whole_evaluations_are_kept_by_a_change_of_theirs_alone(root):
+    (root / "tests/studies").mkdir()
+    (root / "tests/studies/whole.py").write_text("W = 1\n", encoding="utf-8")
+    heavy = [f"tests/studies/test_{i}.py" for i in range(24)]
+    for file in heavy:
+        (root / file).write_text("from tests.studies.whole import W\n\ndef test_it():\n    pass\n", encoding="utf-8")
+    git(root, "add", "-A")
+    git(root, "commit", "-q", "-m", "studies")
+    assert not {*heavy} & {*choice(root, "HEAD")[0]}
+    (root / "tests/studies/whole.py").write_text("W = 2\n", encoding="utf-8")
+    assert {*heavy} <= {*choice(root, "HEAD")[0]}
+
+
 def test_all_are_kept_where_nothing_can_be_said(root, tmp_path, monkeypatch):
     assert choice(root, "gone") == (None, "all test files: git does not know the commit gone")
     git(root, "commit", "-q", "-a", "-m", "second")
