@@ -3,8 +3,8 @@
     python docs/generate.py            writes docs/studies/generated and docs/reference/generated
 
 Nothing is computed here: claims, figures and notes come from the study, sheets from the blocks. Where the variable
-``LEADSCREW_STUDY_PAGES`` is ``keep``, no study is evaluated: pages that exist stay (in CI the tests have written them of
-the evaluation that they judge), and the page of a study that no test evaluated goes without its results.
+``LEADSCREW_STUDY_PAGES`` is ``keep``, no study is evaluated: pages that exist stay (in CI the tests have written them
+of the evaluation that they judge), and the page of a study that no test evaluated goes without its results.
 """
 
 from __future__ import annotations

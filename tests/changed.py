@@ -49,7 +49,8 @@ def choice(root: Path, commit: str) -> tuple[list[str] | None, str]:
     if any(f.startswith(KERNEL) for f in changed):
         affected = sorted({*affected, *(t for t in tree.tests if t.startswith(ITS_OWN))})
     others = sorted({*tree.tests} - {*affected})
-    too = drawn(head, sorted({*others} - {*tree.affected([EVALUATION])}))
+    heavy = tree.affected([EVALUATION]) if (root / EVALUATION).exists() else []
+    too = drawn(head, sorted({*others} - {*heavy}))
     return [*affected, *too], (
         f"changed since {commit}: {len(changed)} files; test files: {len(affected)} by the change, "
         f"{len(too)} by rotation, {len(others) - len(too)} left out"
