@@ -29,12 +29,13 @@ def test_the_name_of_a_loop_stays_inside_the_comments_of_its_simulated_machine()
     """What stands behind ``*/`` would be compiled into the machine."""
     loop = loop_of("pid").using({"controller.kp": 20.0})
     loop.name = "emps */\n#define PWNED 1\nstatic void pwned(void){}\n/*"
-    core, _ = export_controller(loop, 0.05, name="ours", title="ours")
+    core, _ = export_controller(loop, 0.05, name="ours", title='ours" "')
     files = plant_files(loop, core)
     assert any("pwned" in text for text in files.values())
     for name, text in files.items():
         outside = re.sub(r"/\*.*?\*/", "", text, flags=re.DOTALL) if not name.endswith(".hal") else text
         assert "pwned" not in outside.lower(), name
+    assert files["ours_plant.comp"].partition("component ")[2].split("\n")[0].count('"') == 2
 
 
 def test_the_page_of_an_fmu_shows_what_a_user_wrote_and_runs_none_of_it():

@@ -82,6 +82,7 @@ def plant_files(loop: Loop, core: Core) -> dict[str, str]:
         "own": hal_names.component(core.name),
         "licence": LICENCE,
         "loop": clean(loop.name),
+        "text": hal_names.text,
         "vectors": {k: [number(x) for x in v.tolist()] for k, v in vectors.items()},
         "held": len(held),
         "shown": [p for p in pins if not p.key.startswith("output")],
