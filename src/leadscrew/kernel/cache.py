@@ -86,18 +86,28 @@ def _warn(text: str) -> None:
         warnings.warn(text, stacklevel=3)
 
 
+def _put(folder: Path, name: str, data: bytes) -> None:
+    """Writes a file beside its place and renames it."""
+    handle, beside = tempfile.mkstemp(dir=folder, suffix=".tmp")
+    try:
+        with os.fdopen(handle, "wb") as out:
+            out.write(data)
+        Path(beside).replace(folder / name)
+    except OSError:
+        Path(beside).unlink(missing_ok=True)
+        raise
+
+
 @lru_cache(maxsize=4)
 def _key(folder: Path) -> bytes:
-    """The secret of a cache folder, made at its first use."""
-    with suppress(OSError):
-        handle, beside = tempfile.mkstemp(dir=folder, suffix=".tmp")
-        with os.fdopen(handle, "wb") as out:
-            out.write(os.urandom(32))
-        with suppress(FileExistsError):  # another process was faster
-            os.link(beside, folder / KEY)
-        Path(beside).unlink()
-    key = read_private(folder / KEY)
-    return key if key is not None and len(key) == 32 else os.urandom(32)
+    """The secret of a cache folder, made where there is none that is whole and private."""
+    for _ in range(2):
+        key = read_private(folder / KEY)
+        if key is not None and len(key) == 32:
+            return key
+        with suppress(OSError):
+            _put(folder, KEY, os.urandom(32))
+    return os.urandom(32)
 
 
 def _mark(folder: Path, name: str, code: bytes) -> bytes:
@@ -117,18 +127,12 @@ def read(name: str) -> bytes | None:
 def write(name: str, code: bytes) -> bool:
     """Puts a file into the cache, written beside and renamed; False, with one warning, where the disk takes no more."""
     folder = directory()
-    beside = None
     try:
         _evict(folder)
-        handle, beside = tempfile.mkstemp(dir=folder, suffix=".tmp")
-        with os.fdopen(handle, "wb") as out:
-            out.write(code + _mark(folder, name, code))
         if (folder / name).is_dir() and not (folder / name).is_symlink():
             shutil.rmtree(folder / name)
-        Path(beside).replace(folder / name)
+        _put(folder, name, code + _mark(folder, name, code))
     except OSError as error:
-        if beside is not None:
-            Path(beside).unlink(missing_ok=True)
         _warn(f"the cache {folder} takes no more files ({error.strerror or error}); what is compiled now is not kept")
         return False
     return True
