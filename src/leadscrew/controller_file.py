@@ -23,7 +23,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from leadscrew import userfile
+from leadscrew import reading, userfile
 from leadscrew.kernel.errors import DataError, LeadscrewError
 from leadscrew.kernel.sheet import checked_replace, nearest
 from leadscrew.newfile import save
@@ -75,14 +75,7 @@ def table_of(where: Path) -> dict[str, Any]:
     Raises:
         DataError: no such file, or bad TOML.
     """
-    import tomllib
-
-    try:
-        return tomllib.loads(where.read_text(encoding="utf-8"))
-    except FileNotFoundError:
-        raise DataError(f"there is no file {str(where)!r}") from None
-    except (OSError, ValueError, RecursionError) as error:
-        raise DataError(f"{where}: cannot be read as TOML: {error}") from None
+    return reading.toml(where)
 
 
 def validated(table: Mapping[str, Any], where: Path) -> ControllerFile:

@@ -6,21 +6,8 @@ import csv
 import math
 from pathlib import Path
 
+from leadscrew import reading
 from leadscrew.kernel.errors import DataError
-
-
-def text_of(path: Path) -> str:
-    """The text of a file, without a byte order mark.
-
-    Raises:
-        DataError: no such file, or not UTF-8.
-    """
-    try:
-        return path.read_text(encoding="utf-8-sig")
-    except OSError as problem:
-        raise DataError(f"{path}: cannot be read ({problem.strerror or problem})") from None
-    except UnicodeDecodeError as problem:
-        raise DataError(f"{path}: is not UTF-8 text (byte {problem.start})") from None
 
 
 def read_lines(path: Path, expected: str) -> list[tuple[int, list[str]]]:
@@ -29,15 +16,17 @@ def read_lines(path: Path, expected: str) -> list[tuple[int, list[str]]]:
     ``expected`` says what the header line should hold, for the message about an empty file.
 
     Raises:
-        DataError: no such file, not UTF-8, not CSV, empty, or nothing below its header.
+        DataError: no such file, too large, not UTF-8, not CSV, empty, or nothing below its header.
     """
-    text = text_of(path)
-    reader = csv.reader(text.splitlines(), strict=True)
+    reader = csv.reader(reading.text(path, reading.POINTS, "tables of points").splitlines(), strict=True)
+    lines: list[tuple[int, list[str]]] = []
     try:
-        lines = [(reader.line_num, [cell.strip() for cell in row]) for row in reader]
+        for row in reader:
+            cells = [cell.strip() for cell in row]
+            if any(cells) and not cells[0].startswith("#"):
+                lines.append((reader.line_num, cells))
     except csv.Error as problem:
         raise DataError(f"{path}, row {reader.line_num}: {problem}") from None
-    lines = [(n, row) for n, row in lines if any(row) and not row[0].startswith("#")]
     if not lines:
         raise DataError(f"{path}: is empty; expected a header line with {expected}")
     if len(lines) == 1:

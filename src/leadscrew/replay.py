@@ -62,6 +62,10 @@ def replay(folder: str | Path) -> Replay:
         raise _malformed(str(path), error) from None
     if start != 0.0:
         raise DataError(f"{path} is a part of a live loop, from t = {start:g} s on; only runs from 0 can be replayed")
+    held = max(map(len, saved.values()), default=0)
+    rows = -(-loop.periods(duration) // every) if saved and every > 0 else 0
+    if rows > held + 1:
+        raise DataError(f"{path}: signals.parquet has {held} rows, but a run of {duration:g} s would have {rows}")
     with warnings.catch_warnings(), _of(str(path), manifest["origin"]):
         warnings.simplefilter("ignore")
         run = loop.run(duration, record=record, every=every if saved else 0, engine=engine, run=number)
@@ -80,6 +84,9 @@ def rebuilt(manifest: Mapping[str, Any], where: str) -> Loop:
             f"{where}/run.json does not say how to build its loop (origin is empty): it was made in Python, "
             "not by leadscrew simulate or run"
         )
+    for key, kind in {"study": str, "controller": str | None, "scenario": str | None, "changes": dict | None}.items():
+        if not isinstance(origin.get(key), kind):
+            raise DataError(f"{where}/run.json: origin.{key} = {str(origin[key])[:40]!r}: expected a name, or a table")
     try:
         experiment = Experiment(
             origin["study"], origin.get("controller"), origin.get("scenario"), origin.get("changes") or {}

@@ -10,8 +10,8 @@ from typer.testing import CliRunner
 from leadscrew.cli import app
 from leadscrew.logs import look_at, plausible, signals
 from leadscrew.logs.roles import ROLES
-from leadscrew.logs.table import MOST_TEXT
 from leadscrew.logs.units import DRIVES, LENGTHS, TIMES
+from leadscrew.reading import LOG_TEXT
 from tests.docs.snippets import ROOT, blocks, python_of
 from tests.fuzzy.formats_systems import shared
 
@@ -46,7 +46,7 @@ def test_the_units_and_limits_of_the_page_are_those_of_the_code():
     assert (signals.LEAST, signals.FEW, signals.STANDS, signals.PLACES) == (20, 200, 5.0, 6)
     assert plausible.MASS == {"m": (0.5, 5e3, "kg"), "rad": (1e-6, 1e2, "kg m^2")}
     assert "0.5 kg to 5 t or an inertia outside 1e-6 to 100 kg m^2" in text
-    assert MOST_TEXT == 3e8 and "of text up to 300 MB" in text
+    assert LOG_TEXT == 3e8 and "of text up to 300 MB" in text
     assert plausible.TOP["m"] == (20.0, 1e4, 100.0)
 
 

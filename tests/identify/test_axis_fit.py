@@ -64,6 +64,17 @@ def test_the_fit_goes_into_json_and_the_log_stays_as_it_was():
         assert np.array_equal(now, then)
 
 
+@pytest.mark.parametrize("refine", ["none", pytest.param("auto", marks=pytest.mark.slow)])
+def test_a_model_of_which_every_parameter_is_given_is_judged_as_it_is(refine):
+    true = {"mass": 50.0, COULOMB: 15.0, VISCOUS: 120.0, "friction.backward.coulomb": 15.0,
+            "friction.backward.viscous": 120.0, "offset": -2.0}  # fmt: skip
+    fit = identify_axis(shoved(), refine=refine, model="coulomb", given=true, delay=0.0)
+    assert all(fit.parameters[key].value == value and fit.parameters[key].how == "given" for key, value in true.items())
+    assert all(j.force_percent < 1.0 for j in fit.judged)
+    doubled = identify_axis(shoved(), refine=refine, model="coulomb", given={**true, "mass": 100.0}, delay=0.0)
+    assert all(j.force_percent > 50.0 for j in doubled.judged)
+
+
 def test_given_values_are_believed_and_not_fitted():
     fit = identify_axis(shoved(), refine="none", model="coulomb", given={"mass": 51.0}, delay=0.0)
     assert fit.parameters["mass"][:1] == (51.0,) and fit.parameters["mass"].how == "given"

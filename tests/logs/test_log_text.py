@@ -9,9 +9,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from leadscrew import reading
 from leadscrew.kernel.errors import DataError
 from leadscrew.logs import read_table
-from leadscrew.logs import table as table_module
 from leadscrew.logs.text import table_of
 
 BODY = [[0.0, -1.25, 3e-7], [0.001, 2.5, -4e-7], [0.002, 1e6, 5.0], [0.003, 0.1, 7.0]]
@@ -132,15 +132,11 @@ def test_a_file_that_is_missing_too_large_or_no_text_is_refused(tmp_path, monkey
     with pytest.raises(DataError, match="is no text"):
         read_table(tmp_path / "a.csv")
     path = written(tmp_path / "b.csv", BODY)
-    monkeypatch.setattr(table_module, "MOST_CELLS", 11)
+    monkeypatch.setattr(reading, "CELLS", 11)
     with pytest.raises(DataError, match=r"4 rows of 3 columns are .* cut it into parts"):
         read_table(path)
-    monkeypatch.setattr(table_module, "MOST_TEXT", path.stat().st_size - 1)
-    with pytest.raises(DataError, match="MB of text are read: cut it into parts, leave out columns, or save it as Par"):
-        read_table(path)
-    monkeypatch.setattr(table_module, "MOST_BYTES", 20)
-    with pytest.raises(DataError, match="GB; logs up to"):
-        read_table(path)
+    monkeypatch.setenv(reading.VARIABLE, "4")
+    assert read_table(path).rows == 4
 
 
 FINITE = st.floats(allow_nan=False, allow_infinity=False)

@@ -151,8 +151,8 @@ def test_a_network_comes_back_from_its_file_to_the_last_bit(tmp_path):
 @pytest.mark.parametrize(
     ("text", "said"),
     [
-        ("[1, 2]", "is not a performance network"),
-        ("{", "is not a JSON file"),
+        ("[1, 2]", "holds no JSON object"),
+        ("{", "is not JSON"),
         (net_text(GOLDEN).replace('"version": 1', '"version": 7'), "has version 7"),
         (net_text(GOLDEN).replace('"out":', '"outs":'), "'out' is missing"),
         (net_text(GOLDEN).replace("6.735155", "NaN"), "not finite"),
@@ -168,7 +168,7 @@ def test_a_bad_network_file_is_refused_in_a_sentence(tmp_path, text, said):
 
 
 def test_a_missing_network_file_is_refused(tmp_path):
-    with pytest.raises(DataError, match="cannot be read"):
+    with pytest.raises(DataError, match="there is no file"):
         read_net(tmp_path / "none.json")
 
 

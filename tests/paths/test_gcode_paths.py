@@ -164,7 +164,7 @@ def test_a_folder_is_called_one(tmp_path):
 
 def test_a_file_that_is_not_text_is_refused(tmp_path):
     (tmp_path / "p.nc").write_bytes(b"\xff\xfe\x80")
-    with pytest.raises(DataError, match="it is not text"):
+    with pytest.raises(DataError, match="is not UTF-8 text"):
         read_drawing(tmp_path / "p.nc")
     with pytest.raises(ValueRefused, match="G-code has no layers"):
         read_drawing(tmp_path / "p.nc", layers=["CUT"])

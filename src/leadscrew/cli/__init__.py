@@ -19,6 +19,7 @@ import typer
 from leadscrew.cli.door import INTERNAL, INTERRUPTED, PIPE_CLOSED, Door, to_nowhere
 from leadscrew.cli.terminal import Guarded
 from leadscrew.cli.version import print_and_exit
+from leadscrew.reading import VARIABLE, factor
 
 __all__ = ["app", "main"]
 
@@ -106,12 +107,23 @@ def _leadscrew(
     debug: Annotated[
         bool, typer.Option("--debug", envvar="LEADSCREW_DEBUG", help="Show the traceback of an error.")
     ] = False,
+    file_limits: Annotated[
+        float | None,
+        typer.Option(
+            metavar="FACTOR",
+            help="Multiply the limits on the size of files that are read, and on time and memory.",
+            envvar=VARIABLE,
+        ),
+    ] = None,
     show_version: Annotated[
         bool,
         typer.Option("--version", help="Print the version and exit.", callback=print_and_exit, is_eager=True),
     ] = False,
 ) -> None:
     """A workbench for intelligent control of machine-tool axes and cutting processes."""
+    if file_limits is not None:
+        os.environ[VARIABLE] = str(file_limits)
+        factor()
 
 
 def main() -> None:

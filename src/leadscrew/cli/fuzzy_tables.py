@@ -5,7 +5,7 @@ from __future__ import annotations
 import io
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from leadscrew.kernel.errors import DataError, ValueRefused
 from leadscrew.newfile import save
@@ -21,7 +21,9 @@ def columns_of(path: Path) -> list[str]:
         DataError: it cannot be read.
     """
     if path.suffix.casefold() == ".parquet":
-        return list(_parquet(path).column_names)
+        from leadscrew import parquet
+
+        return parquet.read(path).names
     from leadscrew.fuzzy.formats.place import load
 
     lines = (line for line in load(path)[0].splitlines() if line.strip() and not line.lstrip().startswith("#"))
@@ -40,36 +42,23 @@ def table_of(path: Path, columns: Sequence[str]) -> dict[str, np.ndarray]:
         return read_log(path, columns)
     import numpy as np
 
+    from leadscrew import parquet
     from leadscrew.kernel.sheet import nearest
 
-    table, found = _parquet(path), {}
+    table, found = parquet.read(path), {}
     for name in columns:
-        if name not in table.column_names:
-            raise DataError(f"{path}: the column {name!r} is missing{nearest(name, table.column_names)}")
-        try:
-            found[name] = np.asarray(table.column(name).to_numpy(), dtype=float)
-        except (TypeError, ValueError):
-            raise DataError(f"{path}: the column {name!r} holds no numbers") from None
+        if name in table.texts or name in table.other:
+            raise DataError(f"{path}: the column {name!r} holds no numbers")
+        if name not in table.numbers:
+            raise DataError(f"{path}: the column {name!r} is missing{nearest(name, table.names)}")
+        found[name] = table.numbers[name]
         bad = ~np.isfinite(found[name])
         if bad.any():
             at = int(np.argmax(bad))
             raise DataError(f"{path}, row {at + 1}, column {name!r}: {found[name][at]} is not a finite number")
-    if not len(table):
+    if not table.rows:
         raise DataError(f"{path}: has no rows of data")
     return found
-
-
-def _parquet(path: Path) -> Any:
-    import pyarrow as pa
-    import pyarrow.parquet as pq
-
-    try:
-        return pq.read_table(path)
-    except OSError as error:
-        # what pyarrow has to say runs over several lines
-        raise DataError(f"{path}: cannot be read ({error.strerror or str(error).splitlines()[0]})") from None
-    except pa.ArrowException as error:
-        raise DataError(f"{path}: is no Parquet file ({str(error).splitlines()[0]})") from None
 
 
 def save_table(names: Sequence[str], rows: np.ndarray, path: Path) -> None:

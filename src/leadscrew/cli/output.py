@@ -44,8 +44,12 @@ def width() -> int:
     return console().width
 
 
+MOST_ROWS = 2000
+"""Of a table that is printed: Rich takes some milliseconds a row."""
+
+
 def print_table(columns: Sequence[str], rows: Iterable[Sequence[str]], right: Sequence[str] = ()) -> None:
-    """A table; texts are taken literally, ``right`` names the columns of numbers."""
+    """A table; texts are taken literally, ``right`` names the columns of numbers; beyond 2,000 rows only how many."""
     from rich import box
     from rich.table import Table
     from rich.text import Text
@@ -56,7 +60,8 @@ def print_table(columns: Sequence[str], rows: Iterable[Sequence[str]], right: Se
         # What stands first is a name to copy: never broken.
         first = name == columns[0]
         table.add_column(Text(name), justify="right" if name in right else "left", overflow="fold", no_wrap=first)
-    for row in rows:
+    rows = list(rows)
+    for row in rows[:MOST_ROWS]:
         table.add_row(*(Text(str(cell), style=STYLES.get(str(cell), "")) for cell in row))
     out = console()
     if not out.is_terminal:
@@ -64,8 +69,10 @@ def print_table(columns: Sequence[str], rows: Iterable[Sequence[str]], right: Se
         with out.capture() as held:
             out.print(table)
         typer.echo("\n".join(line.rstrip() for line in held.get().splitlines()))
-        return
-    out.print(table)
+    else:
+        out.print(table)
+    if len(rows) > MOST_ROWS:
+        typer.echo(f"... and {len(rows) - MOST_ROWS} more; --json prints all")
 
 
 STYLES = {

@@ -27,6 +27,8 @@ SIGNALS = ("time", "command", "feedback", "output")
 UNIVERSE = (-1.0, 1.0)
 INTERVAL_S = 0.1
 """At which the paper logged Table 1 (section IV.b, step 4)."""
+HEAD = 100_000
+"""Characters in which the header of a log is looked for."""
 DUTY_BEYOND = 1e-3
 """By which a logged duty may pass 1 and count as 1: the printed law gives 1.0001 by its floor."""
 
@@ -69,9 +71,10 @@ def _header(path: Path) -> list[str]:
     """Names of the columns of a CSV file; none where it cannot be read, which the reader then says."""
     try:
         with path.open(encoding="utf-8-sig", errors="replace") as file:
-            line = next((x for x in file if x.strip() and not x.lstrip().startswith("#")), "")
+            head = file.read(HEAD).splitlines()
     except OSError:
         return []
+    line = next((x for x in head if x.strip() and not x.lstrip().startswith("#")), "")
     return [cell.strip() for cell in line.split(",")]
 
 

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from leadscrew import reading
 from leadscrew.export import c99, c99_check
 from leadscrew.export.core import Core, Record
 from leadscrew.export.templates import render
@@ -177,11 +178,9 @@ def read_manifest(folder: Path) -> dict[str, Any]:
     """
     file = folder / "manifest.json"
     try:
-        found = json.loads(file.read_text(encoding="utf-8"))
-    except OSError as error:
-        raise DataError(f"{folder} is not an exported folder: {file}: {error.strerror or error}") from None
-    except (ValueError, RecursionError) as error:
-        raise DataError(f"{file}: not JSON: {error}") from None
+        found = reading.json_object(file)
+    except DataError as error:
+        raise DataError(f"{folder} is not an exported folder: {error}") from None
     if not _ours(found):
         raise DataError(f"{file}: not a manifest that leadscrew export wrote; export the controller again")
     return dict(found)

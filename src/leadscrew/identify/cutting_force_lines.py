@@ -5,7 +5,7 @@ from __future__ import annotations
 import csv
 from pathlib import Path
 
-from leadscrew.csvlines import text_of
+from leadscrew import parquet, reading
 from leadscrew.identify.log import PARQUET
 from leadscrew.kernel.errors import DataError
 
@@ -22,7 +22,7 @@ def read_cells(path: Path) -> Lines:
 
 
 def _text(path: Path) -> Lines:
-    text = text_of(path)
+    text = reading.text(path, reading.POINTS, "tables of points")
     kept = [(n, line) for n, line in enumerate(text.splitlines(), 1) if line.strip() and not line.startswith("#")]
     if not kept:
         raise DataError(f"{path}: is empty; expected a header line with feed, depth, force")
@@ -46,14 +46,8 @@ def _text(path: Path) -> Lines:
 
 
 def _parquet(path: Path) -> Lines:
-    import pyarrow as pa
-    import pyarrow.parquet as pq
-
-    try:
-        table = pq.read_table(path)
-    except (OSError, pa.ArrowException) as problem:
-        raise DataError(f"{path}: cannot be read ({str(problem).splitlines()[0]})") from None
-    if not table.num_rows:
+    held = parquet.read(path)
+    if not held.rows:
         raise DataError(f"{path}: has columns but no rows of data")
-    cells = [[str(value) for value in column.to_pylist()] for column in table.columns]
-    return [(0, list(table.column_names)), *((n, list(row)) for n, row in enumerate(zip(*cells, strict=True), 1))]
+    cells = [held.texts[n] if n in held.texts else [repr(v) for v in held.numbers[n].tolist()] for n in held.names]
+    return [(0, held.names), *((n, list(row)) for n, row in enumerate(zip(*cells, strict=True), 1))]

@@ -57,13 +57,13 @@ def identify_file(
 
 def travel_of(folder: Path) -> float:
     """Travel per radian in the run of a folder of ``simulate --out``; 1 where nothing says it."""
-    import json
+    from leadscrew import reading
 
     try:
-        said = json.loads((folder / "run.json").read_text(encoding="utf-8"))["parameters"]["controller.travel_per_rad"]
-    except (OSError, ValueError, KeyError, TypeError):
+        said = reading.json_object(folder / "run.json")["parameters"]["controller.travel_per_rad"]
+    except (DataError, KeyError, TypeError):
         return 1.0
-    return float(said)
+    return float(said) if isinstance(said, int | float) else 1.0
 
 
 def controller_with(fit: FrictionFit, study: str, controller: str, source: str) -> ControllerFile:

@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING
 from leadscrew.kernel import cache
 from leadscrew.kernel.errors import EngineError
 from leadscrew.kernel.native import Entry
-from leadscrew.kernel.uncollected import uncollected
+from leadscrew.kernel.treework import treework
 
 if TYPE_CHECKING:
     from leadscrew.kernel.module import Module
@@ -80,7 +80,7 @@ def build(source: str, folder: Path, name: str, *flags: str) -> Path:
     return made
 
 
-@uncollected()
+@treework()
 def compiled(module: Module, name: str, title: str, ranks: Mapping[str, tuple[int, str]]) -> Entry:
     """An entry of a module, compiled from C; the library comes from the cache where it is there.
 

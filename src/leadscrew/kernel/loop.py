@@ -23,7 +23,7 @@ from leadscrew.kernel.module import Module
 from leadscrew.kernel.probe import example_signals
 from leadscrew.kernel.program import Program, programs
 from leadscrew.kernel.sheet import Entry, entries, nearest
-from leadscrew.kernel.uncollected import uncollected
+from leadscrew.kernel.treework import treework
 
 if TYPE_CHECKING:
     from leadscrew.kernel.batch import Batch
@@ -217,13 +217,13 @@ class Loop:
         return known[0].module if known else Module()
 
     @cached_property
-    @uncollected()
+    @treework()
     def signals(self) -> dict[str, Any]:
         """An example of each signal, computed by running the steps once."""
         return example_signals(self)
 
     @cached_property
-    @uncollected()
+    @treework()
     def program(self) -> Program:
         """The generated module of this loop; shared with the loops that differ from it in values alone."""
         params, state = self.values()

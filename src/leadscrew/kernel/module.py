@@ -30,7 +30,7 @@ from leadscrew.kernel.sheet import hints, leaf_type
 from leadscrew.kernel.source import MISSING, lookup
 from leadscrew.kernel.subset import MATHS, NUMBERS, call, is_named_tuple_type
 from leadscrew.kernel.trees import copied, each, fingerprint
-from leadscrew.kernel.uncollected import uncollected
+from leadscrew.kernel.treework import treework
 
 _RESERVED = {
     "ieee_select", "np", "math", "NamedTuple", "float", "int", "bool", "abs", "len", "range", *bits.INTRINSICS,
@@ -316,7 +316,7 @@ class Module:
         parts.append(ast.unparse(ast.fix_missing_locations(self.fused(name))))
         return "\n\n".join(parts) + "\n"
 
-    @uncollected()
+    @treework()
     def namespace(self) -> dict[str, Any]:
         """The module for the Python engine: the same trees, under the user's own files and lines."""
         import math

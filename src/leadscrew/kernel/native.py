@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from leadscrew.kernel import cache
-from leadscrew.kernel.uncollected import uncollected
+from leadscrew.kernel.treework import treework
 
 if TYPE_CHECKING:
     from leadscrew.kernel.module import Module
@@ -70,7 +70,7 @@ def _load(code: bytes, name: str) -> int:
     return int(engine.get_function_address(name))
 
 
-@uncollected()
+@treework()
 def compiled(module: Module, name: str, title: str, ranks: Mapping[str, tuple[int, str]]) -> Entry:
     """An entry of a module as a function of NumPy arrays; its machine code comes from the cache where it is there.
 

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 from leadscrew.kernel.engines import ENGINES, by_python, check_engine, native
 from leadscrew.kernel.linker import Linker, Plan
 from leadscrew.kernel.module import Module
-from leadscrew.kernel.uncollected import uncollected
+from leadscrew.kernel.treework import treework
 
 if TYPE_CHECKING:
     from leadscrew.kernel.native import Entry
@@ -44,7 +44,7 @@ class Program:
         return self.module.text("single")
 
     @cached_property
-    @uncollected()
+    @treework()
     def batches(self) -> str:
         """Adds the entries for batches to the module; gives its name with them."""
         self.linker.lanes()

@@ -162,13 +162,21 @@ def strict(value: Any) -> Any:
     return repr(value) if isinstance(value, float) and not np.isfinite(value) else value
 
 
+MANIFEST: dict[str, Any] = {
+    "parameters": dict, "origin": dict | None, "metrics": dict | None, "blocks": dict, "record": list, "run": int,
+    "every": int, "engine": str, "duration_s": float | int, "start_s": float | int, "seed": int | None, "bound":
+    float | int | str | None,
+}  # fmt: skip
+"""What stands in the manifest of a run, where something does."""
+
+
 def load(folder: str | Path) -> tuple[dict[str, Any], dict[str, np.ndarray]]:
     """Manifest and signals of a saved run.
 
     Raises:
         DataError: no run folder, or an incomplete or foreign one.
     """
-    import pyarrow.parquet as pq
+    from leadscrew import parquet, reading
 
     path = Path(folder)
     path = path.parent if path.name == "run.json" else path
@@ -177,14 +185,13 @@ def load(folder: str | Path) -> tuple[dict[str, Any], dict[str, np.ndarray]]:
     for file in ("run.json", "signals.parquet"):
         if not (path / file).is_file():
             raise DataError(f"{path} is not a run folder: {file} is missing")
-    try:
-        manifest = json.loads((path / "run.json").read_text(encoding="utf-8"))
-        table = pq.read_table(path / "signals.parquet")
-    except (ValueError, OSError) as error:
-        raise DataError(f"{path}: cannot be read ({error})") from None
+    manifest = reading.json_object(path / "run.json")
     if manifest.get("schema_version") != 1:
         raise DataError(f"{path}/run.json: schema_version = {manifest.get('schema_version')!r}; this version reads 1")
+    for key, kind in MANIFEST.items():
+        if key in manifest and not isinstance(manifest[key], kind):
+            raise DataError(f"{path}/run.json: {key} = {str(manifest[key])[:40]!r} is not what a run writes there")
     named = {"inf": np.inf, "-inf": -np.inf, "nan": np.nan}
-    known = manifest["parameters"]
+    known = manifest.get("parameters") or {}
     manifest["parameters"] = {k: named.get(v, v) if isinstance(v, str) else v for k, v in known.items()}
-    return manifest, {name: table.column(name).to_numpy() for name in table.column_names}
+    return manifest, parquet.read(path / "signals.parquet").numbers

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import json
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+from leadscrew import reading
 from leadscrew.kernel.errors import DataError, LeadscrewError
 from leadscrew.logs.parquet import read_parquet
 from leadscrew.logs.table import Table
@@ -37,13 +37,7 @@ def read_run(folder: Path) -> Table:
 
 
 def _manifest(folder: Path) -> dict[str, Any]:
-    try:
-        said = json.loads((folder / MANIFEST).read_text(encoding="utf-8"))
-    except OSError:
-        return {}
-    except ValueError as problem:
-        raise DataError(f"{folder / MANIFEST}: is not JSON ({problem})") from None
-    return said if isinstance(said, dict) else {}
+    return reading.json_object(folder / MANIFEST) if (folder / MANIFEST).is_file() else {}
 
 
 def _unit(signal: str, said: dict[str, Any]) -> str:

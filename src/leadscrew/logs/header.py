@@ -54,18 +54,22 @@ def bare(header: str) -> str:
 def named(cells: Sequence[str], units: Sequence[str] = ()) -> tuple[list[str], dict[str, str], list[str]]:
     """Names of columns, each once; units by name; and notes on what had no name or a name that was taken."""
     names: list[str] = []
+    taken, given = set(), set(cells)
+    counts: dict[str, int] = {}
     found: dict[str, str] = {}
     notes = []
     for at, cell in enumerate(cells):
         name = " ".join(cell.split()) or f"c{at + 1}"
-        if name in names:
-            first, count = name, 2
-            while (name := f"{first} ({count})") in names or name in cells:
+        if name in taken:
+            first, count = name, counts.get(name, 2)
+            while (name := f"{first} ({count})") in taken or name in given:
                 count += 1
+            counts[first] = count + 1
             notes.append(f"column {at + 1} is a second {first!r}: called {name!r}")
         elif not cell.strip():
             notes.append(f"column {at + 1} has no name: called {name!r}")
         names.append(name)
+        taken.add(name)
         unit = units[at].strip().strip("[]()").strip() if at < len(units) else ""
         unit = unit or split(name)[1]
         if unit:

@@ -13,7 +13,8 @@ import numpy as np
 
 from leadscrew.kernel.errors import DataError
 from leadscrew.logs import mat_apart
-from leadscrew.logs.table import Table, check_cells, check_size
+from leadscrew.logs.table import Table
+from leadscrew.reading import check_cells, check_log
 
 PERIODS = ("ts", "t_s", "dt", "tsamp", "sampletime", "sample_time", "period", "period_s", "samplingperiod", "h")
 """Names of constants, in lower case, that are taken as the sampling period in seconds."""
@@ -25,7 +26,7 @@ def read_mat(path: Path) -> Table:
     Raises:
         DataError: it cannot be read, holds no vectors, or is of version 7.3 and h5py is not there.
     """
-    check_size(path)
+    check_log(path)
     held = mat_apart.loaded(path)
     notes: list[str] = []
     columns, constants = _sorted(held, str(path), notes)

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from leadscrew.logs import apart as process
+from leadscrew import apart as process
 
 
 def loaded(path: Path) -> dict[str, Any]:

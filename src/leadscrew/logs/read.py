@@ -5,7 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 
 from leadscrew.kernel.errors import DataError
-from leadscrew.logs.table import Table, check_size
+from leadscrew.logs.table import Table
+from leadscrew.reading import check_log
 
 
 def read_table(path: str | Path) -> Table:
@@ -30,7 +31,7 @@ def read_table(path: str | Path) -> Table:
     if folder or where.name == MANIFEST:
         table = read_run(where)
     else:
-        check_size(where)
+        check_log(where)
         kind = _kind(where)
         table = {"parquet": read_parquet, "mat": read_mat, "text": read_text}[kind](where)
     if not table.rows:

@@ -3,21 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from pathlib import Path
 
 import numpy as np
 
 from leadscrew.kernel.errors import DataError, NameUnknown
 from leadscrew.kernel.sheet import nearest
-
-MOST_BYTES = 2_000_000_000
-"""Size of the largest file that is read."""
-
-MOST_TEXT = 300_000_000
-"""Bytes of a text file that is read: it takes some ten times as much memory until its cells are numbers."""
-
-MOST_CELLS = 50_000_000
-"""Rows times columns of the largest table that is read."""
 
 
 @dataclass(frozen=True)
@@ -91,51 +81,3 @@ class Table:
         if len(bad):
             raise DataError(f"{self.source}, {self.place(int(bad[0]))}, column {name!r}: holds no finite number")
         return values
-
-
-def check_size(path: Path) -> int:
-    """Bytes of a file.
-
-    Raises:
-        DataError: there is none, it is empty, or too large to be a log.
-    """
-    try:
-        size = path.stat().st_size
-    except OSError as problem:
-        raise DataError(f"{path}: cannot be read ({problem.strerror or problem})") from None
-    except ValueError as problem:
-        raise DataError(f"{str(path)!r}: is no name of a file ({problem})") from None
-    if size > MOST_BYTES:
-        raise DataError(
-            f"{path}: {size / 1e9:.1f} GB; logs up to {MOST_BYTES / 1e9:.0f} GB are read: cut it into parts"
-        )
-    if size == 0:
-        raise DataError(f"{path}: is empty")
-    return size
-
-
-def check_text(path: Path) -> None:
-    """Passes where a file is small enough to be read as text.
-
-    Raises:
-        DataError: as :func:`check_size`, or more than :data:`MOST_TEXT` bytes.
-    """
-    size = check_size(path)
-    if size > MOST_TEXT:
-        raise DataError(
-            f"{path}: {size / 1e6:.0f} MB of text; up to {MOST_TEXT / 1e6:.0f} MB of text are read: cut it into parts, "
-            "leave out columns, or save it as Parquet"
-        )
-
-
-def check_cells(source: str, rows: int, columns: int) -> None:
-    """Passes where a table is small enough.
-
-    Raises:
-        DataError: more cells than :data:`MOST_CELLS`.
-    """
-    if rows * columns > MOST_CELLS:
-        raise DataError(
-            f"{source}: {rows} rows of {columns} columns are {rows * columns / 1e6:.0f} million cells; up to "
-            f"{MOST_CELLS / 1e6:.0f} million are read: cut it into parts, or keep fewer columns"
-        )

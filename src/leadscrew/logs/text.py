@@ -14,13 +14,14 @@ from pathlib import Path
 
 import numpy as np
 
-from leadscrew.csvlines import text_of
+from leadscrew import reading
 from leadscrew.kernel.errors import DataError
 from leadscrew.logs import cells as cell
 from leadscrew.logs.hal import recorder
 from leadscrew.logs.header import named
 from leadscrew.logs.sniff import COMMENTS, WHITE, Form, Line, rows, sniff
-from leadscrew.logs.table import Table, check_cells, check_text
+from leadscrew.logs.table import Table
+from leadscrew.reading import LOG_TEXT, check_cells, check_log
 
 _CHUNK = 20_000
 _PERIOD = re.compile(
@@ -36,7 +37,7 @@ def read_text(path: Path) -> Table:
     Raises:
         DataError: it cannot be read, is too large, is no table, or a cell or a row is broken: file, row and column.
     """
-    check_text(path)
+    check_log(path, LOG_TEXT, "logs of text")
     text, notes = _decoded(path)
     return table_of(text, str(path), notes)
 
@@ -56,6 +57,7 @@ def table_of(text: str, source: str, notes: Sequence[str] = ()) -> Table:
     if form is None:
         raise DataError(f"{source}: is no table of numbers: no delimiter makes rows of equal length of its lines")
     body = lines[form.first :]
+    reading.check_columns(source, form.cells)
     check_cells(source, len(body), form.cells)
     body = _whole(body, form, source, said)
     names, units, remarks = named(form.header or [""] * form.cells, form.units)
@@ -84,13 +86,11 @@ def _decoded(path: Path) -> tuple[str, list[str]]:
         raise DataError(f"{path}: cannot be read ({problem.strerror or problem})") from None
     except UnicodeDecodeError as problem:
         raise DataError(f"{path}: is not UTF-16 text (byte {problem.start})") from None
+    held = reading.data(path, LOG_TEXT, "logs of text")
     try:
-        return text_of(path), []
-    except DataError as refused:
-        if not isinstance(refused.__context__, UnicodeDecodeError):
-            raise
-    text = path.read_bytes().decode("latin-1").replace("\r\n", "\n").replace("\r", "\n")
-    return text, ["is not UTF-8: read as Latin-1"]
+        return held.decode("utf-8-sig"), []
+    except UnicodeDecodeError:
+        return held.decode("latin-1"), ["is not UTF-8: read as Latin-1"]
 
 
 def _lines(text: str) -> tuple[list[str], list[Line]]:

@@ -17,7 +17,8 @@ from typing import Any
 
 import numpy as np
 
-from leadscrew.csvlines import number, read_lines, text_of
+from leadscrew import reading
+from leadscrew.csvlines import number, read_lines
 from leadscrew.kernel.errors import DataError
 from leadscrew.neural.performance import FORMAT, LEVELS, MOST, VERSION, Performance
 from leadscrew.neural.performance_shape import MOST_HIDDEN
@@ -98,11 +99,8 @@ def read_net(path: str | Path) -> Performance:
         DataError: names the file and what is wrong with it.
     """
     file = Path(path)
-    try:
-        kept = json.loads(text_of(file))
-    except json.JSONDecodeError as problem:
-        raise DataError(f"{file}: is not a JSON file ({problem})") from None
-    if not isinstance(kept, dict) or kept.get("format") != FORMAT:
+    kept = reading.json_object(file)
+    if kept.get("format") != FORMAT:
         raise DataError(f"{file}: is not a performance network; expected an object with format {FORMAT!r}")
     if kept.get("version") != VERSION:
         raise DataError(f"{file}: has version {kept.get('version')!r}; this program reads {VERSION}")

@@ -8,8 +8,8 @@ from __future__ import annotations
 import tempfile
 from pathlib import Path
 
+from leadscrew import apart as process
 from leadscrew.kernel.errors import DataError
-from leadscrew.logs import apart as process
 from leadscrew.operate.capture import Capture
 
 SMALL = 200_000

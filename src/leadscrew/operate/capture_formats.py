@@ -17,7 +17,7 @@ from typing import Any
 
 import numpy as np
 
-from leadscrew.csvlines import text_of
+from leadscrew import parquet, reading
 from leadscrew.kernel.errors import DataError
 from leadscrew.logs import mat_apart
 from leadscrew.operate.capture import MOST_BYTES, Capture
@@ -106,20 +106,18 @@ def read(path: Path) -> Capture | None:
 
 
 def _parquet(path: Path) -> Capture | None:
-    import pyarrow.parquet as pq
-
-    shape = pq.read_metadata(path)
-    _check_size(path, shape.num_rows * max(1, shape.num_columns - 1) * 8)
-    text = (shape.metadata or {}).get(_KEY.encode())
-    if text is None:
+    held = parquet.read(path)
+    _check_size(path, held.rows * max(1, len(held.names) - 1) * 8)
+    if _KEY not in held.about:
         return None
-    said = heard(path, text.decode())
-    held = pq.read_table(path, columns=said["columns"])
-    return capture_of(path, said, [held.column(n).to_numpy() for n in said["columns"]])
+    said = heard(path, held.about[_KEY])
+    if missing := [n for n in said["columns"] if n not in held.numbers]:
+        raise DataError(f"{path}: the column {missing[0]!r} that it says it has is missing")
+    return capture_of(path, said, [held.numbers[n] for n in said["columns"]])
 
 
 def _csv(path: Path) -> Capture:
-    lines = text_of(path).split("\n")
+    lines = reading.text(path, MOST_BYTES, "captures").split("\n")
     text = next((line for line in lines if line.startswith(f"# {_KEY}: ")), None)
     if text is None:
         raise DataError(f"{path}: lacks its line '# {_KEY}: ...'; without it and its first line it is read as a log")
@@ -138,7 +136,7 @@ def _csv(path: Path) -> Capture:
 
 
 def _mat(path: Path) -> Capture | None:
-    _check_size(path, _inflated(path.read_bytes()))
+    _check_size(path, _inflated(reading.data(path, MOST_BYTES, "captures")))
     held = mat_apart.loaded(path)
     if f"{_KEY}.json" not in held:
         return None

@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from leadscrew import reading
 from leadscrew.kernel.errors import DataError, ValueRefused
 from leadscrew.operate.capture import Capture, check
 
@@ -39,10 +40,7 @@ def _plain(value: Any) -> Any:
 
 def heard(path: Path, text: str) -> dict[str, Any]:
     """What the line of JSON says, each part of it of its type."""
-    try:
-        said = json.loads(text)
-    except (ValueError, RecursionError) as problem:
-        raise DataError(f"{path}: what is said of the capture is not JSON ({problem})") from None
+    said = reading.json_of(text, f"{path}: what is said of the capture")
     kinds = {
         "name": str, "columns": list, "units": dict, "period_s": float | int, "first_period": int, "trigger_row": int,
         "rows": int, "about": dict,

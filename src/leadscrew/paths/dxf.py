@@ -19,6 +19,7 @@ from typing import Any
 
 import numpy as np
 
+from leadscrew import reading
 from leadscrew.kernel.errors import DataError, NameUnknown, ValueRefused
 from leadscrew.kernel.sheet import nearest
 from leadscrew.paths.arcs import circular
@@ -64,10 +65,13 @@ def read_dxf(file: File, unit: str | None, tolerance: float, layers: Sequence[st
     hidden = {t.dxf.name for t in document.layers if t.is_off() or t.is_frozen()}
     reader = _Reader(hidden, size)
     pieces: list[Piece] = []
+    curves = 0
     try:
         for entity in document.modelspace():
             if not layers or entity.dxf.layer in layers:
-                pieces += reader.pieces(entity, "0")
+                more = list(reader.pieces(entity, "0"))
+                reading.check_curves(str(file), curves := curves + sum(len(p.curves) for p in more))
+                pieces += more
     except ValueRefused as refused:
         raise DataError(f"{file}: {refused}") from None
     notes += left_out(reader.other) + left_out(reader.tilted, "not in the XY plane, not cut")
@@ -79,6 +83,7 @@ def _document(file: File) -> Any:
     import ezdxf
     from ezdxf import recover
 
+    reading.check(file, file.stat().st_size, reading.PROGRAM, "drawings")
     try:
         return ezdxf.readfile(file)
     except Exception as error:
@@ -94,7 +99,7 @@ def _document(file: File) -> Any:
 
 def _says_unit(file: File) -> bool:
     """Whether ``$INSUNITS`` stands in the file: ezdxf makes up a header where there is none, in metres."""
-    data = file.read_bytes()
+    data = reading.data(file, reading.PROGRAM, "drawings")
     if data.startswith(BINARY):
         return b"$INSUNITS\0" in data
     return re.search(rb"(?:^|\n)[ \t]*9[ \t]*\r?\n[ \t]*\$INSUNITS\b", data) is not None

@@ -16,6 +16,7 @@ from pathlib import Path as File
 
 import numpy as np
 
+from leadscrew import reading
 from leadscrew.kernel.errors import DataError, ValueRefused
 from leadscrew.paths.curve import Curve
 from leadscrew.paths.drawing import UNITS_MM, Drawing, Programmed, left_out, nothing, unit_named
@@ -29,11 +30,7 @@ SAME_MM = 1e-9
 
 def read_gcode(file: File, unit: str | None = None, axis: str = "") -> Drawing:
     """The paths of a G-code file; see :func:`leadscrew.paths.read.read_drawing`."""
-    try:
-        text = file.read_text(encoding="utf-8")
-    except UnicodeDecodeError:
-        raise DataError(f"{file} is no G-code: it is not text") from None
-    return paths_of_gcode(text, unit, axis, str(file))
+    return paths_of_gcode(reading.text(file, reading.PROGRAM, "programs"), unit, axis, str(file))
 
 
 def paths_of_gcode(program: str, unit: str | None = None, axis: str = "", name: str = "G-code") -> Drawing:
@@ -48,6 +45,7 @@ def paths_of_gcode(program: str, unit: str | None = None, axis: str = "", name: 
     """
     if axis not in ("", *ROTARY):
         raise ValueRefused(f"axis = {axis!r}: expected A, B or C")
+    reading.check_curves(name, program.count("\n"))
     passed: Counter[str] = Counter()
     unit = unit_named(unit)
     dialect = Dialect(ROTARY, splines=True, passive=True, unit=UNITS_MM[unit or "mm"], inverse_time=True)

@@ -21,6 +21,7 @@ from xml.etree import ElementTree
 
 import numpy as np
 
+from leadscrew import reading
 from leadscrew.kernel.errors import DataError, NameUnknown, ValueRefused
 from leadscrew.kernel.sheet import nearest
 from leadscrew.paths.arcs import circular
@@ -33,6 +34,8 @@ from leadscrew.paths.svg_checks import tag as _tag
 SVG = "{http://www.w3.org/2000/svg}"
 INKSCAPE = "{http://www.inkscape.org/namespaces/inkscape}"
 LAYER = "leadscrew-layer"
+MOST = 20_000_000
+"""Bytes of a drawing: svgelements is slow."""
 NOT_CUT = ("text", "image", "foreignObject")
 HIDES = re.compile(rb"display\s*[:=]\s*[\"']?\s*none", re.IGNORECASE)
 
@@ -40,7 +43,9 @@ HIDES = re.compile(rb"display\s*[:=]\s*[\"']?\s*none", re.IGNORECASE)
 def read_svg(file: File, unit: str | None, tolerance: float, layers: Sequence[str] = ()) -> Drawing:
     """The paths of an SVG file; see :func:`leadscrew.paths.read.read_drawing`."""
     try:
-        root = ElementTree.parse(file).getroot()
+        root = ElementTree.fromstring(reading.data(file, MOST, "SVG drawings"))
+    except DataError:
+        raise
     except (ElementTree.ParseError, LookupError, ValueError) as error:  # LookupError: an unknown encoding
         raise DataError(f"{file} is no SVG: {error}") from None
     if _tag(root) != "svg":
@@ -69,12 +74,13 @@ def read_svg(file: File, unit: str | None, tolerance: float, layers: Sequence[st
         notes.append("the file names no physical unit: taken as 96 px an inch")
     size = UNITS_MM["px" if said is not None or unit is None else unit]
     machine = np.array([[size, 0.0, 0.0], [0.0, -size, size * page]]) @ view
-    pieces = []
+    pieces, segments = [], 0
     try:
         for shape in shapes:
             layer = str(shape.values.get(LAYER, ""))
             if layers and layer not in layers:
                 continue
+            reading.check_curves(str(file), segments := segments + len(shape.segments(transformed=False)))
             pieces += [
                 Piece([c.transformed(machine @ _matrix(shape)) for c in curves], layer, _name(shape))
                 for curves in subpaths(shape.segments(transformed=False))

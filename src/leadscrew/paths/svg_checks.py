@@ -2,7 +2,8 @@
 read.
 
 Path data, points, transforms and lengths are held against the grammar of SVG. Percentages become numbers. What ``use``
-draws is counted before it is drawn: a few lines can ask for more shapes than there is memory.
+draws is counted before it is drawn: a few lines can ask for more shapes than there is memory. Of style sheets only what
+moves, shapes or hides is kept: svgelements takes time as the square of the rest.
 """
 
 from __future__ import annotations
@@ -14,6 +15,7 @@ from collections.abc import Iterator
 from typing import NamedTuple
 from xml.etree.ElementTree import Element
 
+from leadscrew import reading
 from leadscrew.kernel.errors import DataError
 
 NOT_DRAWN = ("symbol", "marker", "mask", "pattern", "clipPath", "filter", "linearGradient", "radialGradient")
@@ -63,6 +65,15 @@ MEASURED = {
 """Lengths of each element."""
 
 
+STYLED = {
+    *("display", "visibility", "transform", "d", "points"),
+    *(key for keys in MEASURED.values() for key in keys),
+}
+"""Properties by which a style sheet changes what is cut."""
+MOST_STYLE = 20_000
+"""Characters of a style sheet, without the rest, for all its selectors."""
+
+
 class _Page(NamedTuple):
     """What percentages are of."""
 
@@ -81,7 +92,13 @@ def check(root: Element, width: float, height: float) -> list[str]:
     Raises:
         DataError: something that cannot be read, elements too deep, or too many through ``use``.
     """
+    reading.check_curves("its elements", sum(1 for _ in root.iter()))
     _depth(root)
+    for element in root.iter():
+        if tag(element) == "style":
+            element.text = style_sheet(element.text or "")
+        elif "class" in element.attrib:
+            element.set("class", " ".join(dict.fromkeys(element.get("class", "").split())))
     for element, page in _drawn(root, _Page(width, height)):
         kind = tag(element)
         if kind == "path":
@@ -95,6 +112,27 @@ def check(root: Element, width: float, height: float) -> list[str]:
         for key in MEASURED.get(kind, ()) if element is not root else ():
             _length(element, key, page)
     return _used(root)
+
+
+def style_sheet(text: str) -> str:
+    """The rules of a style sheet that change what is cut, each with something in it.
+
+    Raises:
+        DataError: they are too long.
+    """
+    first, *comments = text.split("/*")
+    text = re.sub("//.*", "", first + "".join(c.partition("*/")[2] for c in comments))
+    rules, size = [], 0
+    for rule in text.split("}")[:-1]:
+        names, _, body = rule.partition("{")
+        selectors = dict.fromkeys(s for name in names.split(",") if (s := name.strip()))
+        kept = ";".join(d for d in body.split(";") if d.partition(":")[0].strip() in STYLED)
+        if selectors and kept:
+            size += len(selectors) * len(kept)
+            rules.append(f"{','.join(selectors)}{{{kept}}}")
+        if size > MOST_STYLE:
+            raise DataError(f"<style>: its rules are more than {MOST_STYLE} characters long; save it as plain SVG")
+    return "\n".join(rules)
 
 
 def data_fault(data: str) -> str:

@@ -13,6 +13,7 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from leadscrew import reading
 from leadscrew.kernel.errors import DataError
 from leadscrew.report.claim import SCHEMA_VERSION
 from leadscrew.report.strict import strict
@@ -48,10 +49,10 @@ def claimable(folder: str | Path) -> Path:
 
 def _is_report(folder: Path) -> bool:
     try:
-        found = json.loads((folder / "report.json").read_text(encoding="utf-8"))
-    except (OSError, ValueError):
+        found = reading.json_object(folder / "report.json")
+    except DataError:
         return False
-    return isinstance(found, dict) and found.get("kind") == KIND and "schema_version" in found
+    return found.get("kind") == KIND and "schema_version" in found
 
 
 def summary(study: Study, result: StudyResult, wall_s: float, report: Path) -> dict[str, Any]:

@@ -17,7 +17,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path as File
 
-from leadscrew.csvlines import text_of
+from leadscrew import reading
 from leadscrew.kernel.errors import DataError, ValueRefused
 from leadscrew.tangent.interpreter import Moves, read_moves
 from leadscrew.tangent.kept import as_it_is, changed_of, lost_of, slowed
@@ -51,7 +51,7 @@ def read_program(file: File, zero: float | None = None, clockwise: bool | None =
         DataError: what cannot be read; no tangential words; words that do not follow the moves.
         ValueRefused: an axis other than the head of a program of ours says.
     """
-    return program_of(text_of(file), str(file), zero, clockwise)
+    return program_of(reading.text(file, reading.PROGRAM, "programs"), str(file), zero, clockwise)
 
 
 def program_of(text: str, name: str = "program", zero: float | None = None, clockwise: bool | None = None) -> Program:

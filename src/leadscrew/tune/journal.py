@@ -20,6 +20,7 @@ from typing import Any
 
 import numpy as np
 
+from leadscrew import reading
 from leadscrew.kernel.errors import DataError, ValueRefused
 from leadscrew.newfile import save
 
@@ -82,11 +83,7 @@ class Journal:
 
     @staticmethod
     def _read(path: Path) -> dict[str, Any]:
-        try:
-            found = json.loads(path.read_text(encoding="utf-8"))
-        except (OSError, ValueError) as error:
-            raise DataError(f"{path} cannot be read: {error}") from None
-        return found if isinstance(found, dict) else {}
+        return reading.json_object(path)
 
     def path(self, number: int) -> Path:
         """The file of a chunk."""
@@ -100,8 +97,12 @@ class Journal:
         """
         try:
             with np.load(self.path(number)) as found:
+                if any(part.compress_type != zipfile.ZIP_STORED for part in found.zip.infolist()):
+                    return None  # never ours: it could stand for any size
                 return {k: found[k] for k in found.files}
         except (FileNotFoundError, ValueError, EOFError, KeyError, AttributeError, zipfile.BadZipFile, zlib.error):
+            return None
+        except (MemoryError, NotImplementedError, RuntimeError):  # broken in its header, or encrypted
             return None
         except OSError as error:
             raise DataError(f"{self.path(number)} cannot be read: {error.strerror or error}") from None

@@ -6,7 +6,6 @@ next one that writes to the same place on the same machine.
 
 from __future__ import annotations
 
-import json
 import os
 import re
 import shutil
@@ -16,6 +15,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
+from leadscrew import reading
 from leadscrew.kernel.errors import DataError
 
 KIND = "leadscrew montecarlo"
@@ -45,10 +45,9 @@ def claimable(folder: str | Path) -> Path:
 
 def _ours(folder: Path) -> bool:
     try:
-        found = json.loads((folder / SUMMARY).read_text(encoding="utf-8"))
-    except (OSError, ValueError):
+        return reading.json_object(folder / SUMMARY).get("kind") == KIND
+    except DataError:
         return False
-    return isinstance(found, dict) and found.get("kind") == KIND
 
 
 @contextmanager

@@ -8,9 +8,10 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import NoReturn
 
+from leadscrew import reading
 from leadscrew.kernel.errors import DataError, NameUnknown, ValueRefused
 
-LARGEST = 32 * 1024 * 1024
+LARGEST = 32_000_000
 """Longer texts are refused: no fuzzy system is that long."""
 
 
@@ -18,8 +19,7 @@ class Source:
     """A text and the name under which errors speak of it."""
 
     def __init__(self, text: str, name: str) -> None:
-        if len(text) > LARGEST:
-            raise DataError(f"{name}: {len(text)} characters; allowed are {LARGEST}")
+        reading.check(Path(name), len(text), LARGEST, "fuzzy systems")
         self.text = text
         self.name = name
         self.lines = re.split(r"\r\n|\r|\n", text)
@@ -48,13 +48,7 @@ def load(path: str | Path) -> tuple[str, str]:
     Raises:
         DataError: it cannot be read, or holds binary data.
     """
-    try:
-        size = Path(path).stat().st_size
-        if size > LARGEST:
-            raise DataError(f"{path}: {size} bytes; allowed are {LARGEST}")
-        data = Path(path).read_bytes()
-    except OSError as error:
-        raise DataError(f"{path} cannot be read: {error.strerror or error}") from None
+    data = reading.data(Path(path), LARGEST, "fuzzy systems")
     if b"\0" in data:
         raise DataError(f"{path}:1:1: expected text, found binary data")
     try:

@@ -199,4 +199,4 @@ def _leverage(fitted_rows: np.ndarray, others: np.ndarray) -> np.ndarray:
     size = np.sqrt(np.mean(fitted_rows**2, axis=0))
     size = np.where(size > 0.0, size, 1.0)
     _, s, v = np.linalg.svd(fitted_rows / size, full_matrices=False)
-    return np.asarray(np.sum(((others / size) @ v.T / np.maximum(s, 1e-9 * s[0])) ** 2, axis=1))
+    return np.asarray(np.sum(((others / size) @ v.T / np.maximum(s, 1e-9 * s.max(initial=0.0))) ** 2, axis=1))

@@ -147,7 +147,8 @@ def fit_rows(rows: Rows, terms: Terms, length: int, delay: float, keys: tuple[st
     whole = b + rows.known[rows.used]
     return LinearFit(
         keys=keys, values=dict(zip(keys, (theta / safe).tolist(), strict=True)),
-        covariance=covariance / np.outer(safe, safe), freedom=freedom, condition=float(np.linalg.cond(z)),
+        covariance=covariance / np.outer(safe, safe), freedom=freedom,
+        condition=float(np.linalg.cond(z)) if keys else 1.0,
         effect=dict(zip(keys, scale.tolist(), strict=True)), rows=rows, residual=left,
         rms=float(np.sqrt(np.mean(left[rows.used] ** 2))), rms_force=float(np.sqrt(np.mean(whole**2))),
         length=length, terms=terms, delay=delay,

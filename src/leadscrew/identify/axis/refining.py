@@ -44,11 +44,15 @@ def refined(
         f"inverse-dynamics least squares under a window of {1e3 * job.length * job.record.period:.3g} ms "
         f"(corner {corner:.3g} Hz, both sides alike)"
     )
+    if not line.fit.keys:
+        method = f"every parameter of the drive's force is given; the rest by {method}"
     if refine == "none":
         return estimates, _capital(method)
     way = Way("windows" if refine == "auto" else cast(Literal["open"], refine), None)
     late = delay_s if delay_s is not None else (delay.used * job.record.period if delay else 0.0)
     extra = ["delay_s"] if delay_s is None and (late > 0.0 or (delay is not None and delay.open)) else []
+    if not estimates.keys and not extra:
+        return estimates, _capital(method)
     task = _Task(job, _start(estimates, job, line, symmetric), [*estimates.keys, *extra], symmetric, late, cascade)
     try:
         found = task.run(way)

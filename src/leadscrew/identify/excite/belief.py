@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import json
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
-from leadscrew.csvlines import text_of
+from leadscrew import reading
 from leadscrew.identify.excite.limits import Limits
 from leadscrew.kernel.errors import DataError, NameUnknown, ValueRefused
 from leadscrew.kernel.sheet import nearest
@@ -195,11 +194,6 @@ def _force_unit(seen: Mapping[str, Any]) -> str:
 
 
 def _read(path: Path) -> dict[str, Any]:
-    try:
-        seen = json.loads(text_of(path))
-    except json.JSONDecodeError as problem:
-        raise DataError(f"{path}: is not JSON ({problem})") from None
-    if not isinstance(seen, dict):
-        raise DataError(f"{path}: is no JSON object; expected what leadscrew identify axis LOG --json printed")
+    seen = reading.json_object(path)
     # What a command printed may hold the fit one level down.
     return seen["fit"] if isinstance(seen.get("fit"), dict) else seen

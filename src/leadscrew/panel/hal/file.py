@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import math
-import tomllib
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, PrivateAttr, ValidationError, model_validator
 
+from leadscrew import reading
 from leadscrew.kernel.errors import DataError
 from leadscrew.kernel.sheet import nearest
 
@@ -163,11 +163,7 @@ def read(path: str | Path) -> HalFile:
         DataError: no such file, no TOML, or a key that is missing, unknown or out of its range; names file and key.
     """
     where = Path(path)
-    try:
-        text = where.read_text(encoding="utf-8")
-    except (OSError, UnicodeDecodeError) as error:
-        raise DataError(f"{where} cannot be read: {getattr(error, 'strerror', None) or error}") from None
-    return parsed(text, str(where))
+    return parsed(reading.text(where, reading.SETTINGS, "settings"), str(where))
 
 
 def parsed(text: str, where: str) -> HalFile:
@@ -176,10 +172,7 @@ def parsed(text: str, where: str) -> HalFile:
     Raises:
         DataError: see :func:`read`.
     """
-    try:
-        table = tomllib.loads(text)
-    except tomllib.TOMLDecodeError as error:
-        raise DataError(f"{where} is not TOML: {error}") from None
+    table = reading.toml_of(text, where)
     if table.get("kind") != "hal":
         raise DataError(f"{where}: kind = {table.get('kind')!r}: expected kind = 'hal'")
     try:
