@@ -116,7 +116,7 @@ def load(reference: str) -> Any:
         from leadscrew import controller_file
 
         return controller_file.block(Path(found["path"]).expanduser())
-    module = module_of(Path(found["path"]), reference.file if isinstance(reference, FromFile) else "")
+    module = module_of(Path(found["path"]), reference.file if isinstance(reference, FromFile) else None)
     public = {k: v for k, v in vars(module).items() if not k.startswith("_")}
     if not found["name"]:
         raise NameUnknown(f"{found['path']}: say which object, as {found['path']}:NAME; it has {_listed(public)}")
@@ -207,10 +207,10 @@ def _listed(public: dict[str, Any]) -> str:
     return ", ".join(_ours(public)) or "none"
 
 
-def module_of(path: Path, named_by: str = "") -> ModuleType:
+def module_of(path: Path, named_by: str | None = None) -> ModuleType:
     """A file as a module, read anew when it has changed; what lies beside it can be imported by it.
 
-    ``named_by`` is the file that names it; empty where the user does.
+    ``named_by`` is the file that names it; None where the user does.
 
     Raises:
         CodeNotTrusted: a file names it, and it may not run.
@@ -221,7 +221,7 @@ def module_of(path: Path, named_by: str = "") -> ModuleType:
         stamp = whole.stat().st_mtime_ns
     except (OSError, RuntimeError, ValueError):
         raise DataError(f"there is no file {str(path)!r}") from None
-    if named_by:
+    if named_by is not None:
         _check(whole, named_by)
     if whole in _loaded and _loaded[whole][0] == stamp:
         return _loaded[whole][1]
