@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from leadscrew.kernel.block import Block, actuator, controller, disturbance, metric, plant, reference, sensor
     from leadscrew.kernel.errors import (
         BlockError,
+        CodeNotTrusted,
         DataError,
         Diverged,
         LeadscrewError,
@@ -35,11 +36,13 @@ if TYPE_CHECKING:
     from leadscrew.tune.job import Job
     from leadscrew.tune.montecarlo import montecarlo
     from leadscrew.tune.space import Space
+    from leadscrew.userfile import trust
 
 __all__ = [
     "Batch",
     "Block",
     "BlockError",
+    "CodeNotTrusted",
     "DataError",
     "Diverged",
     "DivergenceWarning",
@@ -72,6 +75,7 @@ __all__ = [
     "reference",
     "sensor",
     "study",
+    "trust",
     "uniform",
 ]
 
@@ -80,7 +84,7 @@ _HOMES = {
     "experiment": "Experiment",
     "kernel.batch": "Batch",
     "kernel.block": "Block actuator controller disturbance metric plant reference sensor",
-    "kernel.errors": "BlockError DataError Diverged LeadscrewError NameUnknown SubsetError ValueRefused",
+    "kernel.errors": "BlockError CodeNotTrusted DataError Diverged LeadscrewError NameUnknown SubsetError ValueRefused",
     "kernel.live": "Live",
     "kernel.loop": "DivergenceWarning Loop",
     "kernel.noise": "normal uniform",
@@ -90,6 +94,7 @@ _HOMES = {
     "tune.job": "Job",
     "tune.montecarlo": "montecarlo",
     "tune.space": "Space",
+    "userfile": "trust",
 }
 """The module of each public name. The function ``tune`` is in the package that has its name here."""
 

@@ -24,7 +24,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from leadscrew import reading, userfile
-from leadscrew.kernel.errors import DataError, LeadscrewError
+from leadscrew.kernel.errors import CodeNotTrusted, DataError, LeadscrewError
 from leadscrew.kernel.sheet import checked_replace, nearest
 from leadscrew.newfile import save
 
@@ -105,9 +105,8 @@ def validated(table: Mapping[str, Any], where: Path) -> ControllerFile:
         raise DataError(f"{where}: schema_version = {table['schema_version']!r}: expected {SCHEMA_VERSION}")
     if table["controller"].endswith(".toml"):
         raise DataError(f"{where}: controller = {table['controller']!r}: a controller file names no other one")
-    beside = where.resolve().parent
     return ControllerFile(
-        userfile.absolute(table["study"], beside), userfile.absolute(table["controller"], beside),
+        userfile.from_file(table["study"], where), userfile.from_file(table["controller"], where),
         dict(flat(table.get("set", {}))), table.get("tuning", {}),
     )  # fmt: skip
 
@@ -117,6 +116,7 @@ def block(path: str | Path, study: Study | None = None) -> Block:
 
     Raises:
         DataError: the file is malformed, or its parameters do not fit the controller; names file and key.
+        CodeNotTrusted: it names Python that may not run.
     """
     from leadscrew import catalogue, experiment
 
@@ -124,6 +124,8 @@ def block(path: str | Path, study: Study | None = None) -> Block:
     try:
         base = experiment.controller(study or catalogue.study(found.study), found.controller)
         params = checked_replace(base.params, found.parameters, where="[set]")
+    except CodeNotTrusted:
+        raise
     except LeadscrewError as error:
         raise DataError(f"{path}: {error}") from error
     return replace(base, params=params)

@@ -26,7 +26,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from leadscrew import catalogue, userfile
-from leadscrew.kernel.errors import BlockError, DataError, LeadscrewError, NameUnknown, ValueRefused
+from leadscrew.kernel.errors import BlockError, CodeNotTrusted, DataError, LeadscrewError, NameUnknown, ValueRefused
 from leadscrew.kernel.sheet import Entry, entries, nearest
 
 if TYPE_CHECKING:
@@ -79,7 +79,7 @@ class Experiment:
         try:
             return self._loop()
         except LeadscrewError as error:
-            if not self.source:
+            if not self.source or isinstance(error, CodeNotTrusted):
                 raise
             raise type(error)(f"{self.source}: {error}") from error
 
@@ -267,6 +267,8 @@ def is_file(name: str) -> bool:
 def read(path: str | Path) -> Experiment:
     """An experiment from its TOML file; files that it names are looked for beside it.
 
+    Nothing runs here. Python that it names runs by the rule of :mod:`leadscrew.userfile`, when the loop is built.
+
     A controller file gives its study with this controller, a machine file the machine.
 
     Raises:
@@ -283,10 +285,9 @@ def read(path: str | Path) -> Experiment:
         subject = controller_file.validated(table, where).study
         return Experiment(subject, userfile.absolute(str(where)), source=str(where))
     found = validated(table, str(where))
-    beside = where.resolve().parent
     return replace(
         found,
-        study=userfile.absolute(found.study, beside),
-        controller=None if found.controller is None else userfile.absolute(found.controller, beside),
-        files={userfile.absolute(k, beside): v for k, v in found.files.items()},
+        study=userfile.from_file(found.study, where),
+        controller=None if found.controller is None else userfile.from_file(found.controller, where),
+        files={userfile.from_file(k, where): v for k, v in found.files.items()},
     )

@@ -14,7 +14,7 @@ import numpy as np
 from leadscrew import __version__, userfile
 from leadscrew.experiment import Experiment
 from leadscrew.kernel.engines import without_numba
-from leadscrew.kernel.errors import DataError, LeadscrewError
+from leadscrew.kernel.errors import CodeNotTrusted, DataError, LeadscrewError
 from leadscrew.kernel.run import load
 
 if TYPE_CHECKING:
@@ -49,6 +49,7 @@ def replay(folder: str | Path) -> Replay:
 
     Raises:
         DataError: no run folder, or its manifest does not say how to build the loop.
+        CodeNotTrusted: its manifest names Python that may not run, see :mod:`leadscrew.userfile`.
     """
     manifest, saved = load(folder)
     path = Path(folder)
@@ -87,10 +88,13 @@ def rebuilt(manifest: Mapping[str, Any], where: str) -> Loop:
     for key, kind in {"study": str, "controller": str | None, "scenario": str | None, "changes": dict | None}.items():
         if not isinstance(origin.get(key), kind):
             raise DataError(f"{where}/run.json: origin.{key} = {str(origin[key])[:40]!r}: expected a name, or a table")
+    controller = origin.get("controller")
     try:
         experiment = Experiment(
-            origin["study"], origin.get("controller"), origin.get("scenario"), origin.get("changes") or {}
-        )
+            userfile.FromFile(origin["study"], f"{where}/run.json"),
+            None if controller is None else userfile.FromFile(controller, f"{where}/run.json"),
+            origin.get("scenario"), origin.get("changes") or {},
+        )  # fmt: skip
         saved, seed, bound = dict(manifest["parameters"]), manifest["seed"], manifest["bound"]
     except (KeyError, TypeError, ValueError) as error:
         raise _malformed(where, error) from None
@@ -108,6 +112,8 @@ def _of(where: str, origin: Mapping[str, Any]) -> Iterator[None]:
     """Errors say whose loop cannot be built, and which of its files have changed."""
     try:
         yield
+    except CodeNotTrusted:
+        raise
     except LeadscrewError as error:
         raise type(error)("; ".join([f"{where}/run.json: {error}", *_files(origin)])) from error
 

@@ -1,5 +1,9 @@
 """Objects from a user's own file, named ``path/file.py:name``; or a file that is a controller: of a fuzzy system, or
 one that ``leadscrew tune`` wrote.
+
+Python that the user names runs. Python that a file names (experiment, controller, session, run.json) runs only where it
+lies in the working folder or below, links followed, or within :func:`trust`: whoever reads a file of names marks them
+with :func:`from_file`, and :func:`module_of` decides.
 """
 
 from __future__ import annotations
@@ -9,16 +13,68 @@ import importlib.util
 import re
 import sys
 import traceback
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from types import ModuleType
-from typing import Any
+from typing import Any, Self
 
-from leadscrew.kernel.errors import DataError, NameUnknown
+from leadscrew.kernel.errors import CodeNotTrusted, DataError, NameUnknown
 from leadscrew.kernel.sheet import nearest
 
 _REFERENCE = re.compile(r"(?P<path>.*\.(?:py|(?i:fis|fll|fcl|fml|xml)|toml))(?::(?P<name>[^:/\\]*))?", re.DOTALL)
 _loaded: dict[Path, tuple[int, ModuleType]] = {}
 _controllers: dict[tuple[Path, str, str | None, str, str], Any] = {}
+_trusting: list[None] = []
+"""An item for each :func:`trust` that is open."""
+
+
+class FromFile(str):
+    """A name that a file gives; :func:`absolute`, copies and pickles keep the mark, methods of ``str`` do not."""
+
+    file: str
+
+    def __new__(cls, name: str, file: str = "") -> Self:
+        made = super().__new__(cls, name)
+        made.file = file
+        return made
+
+
+def from_file(name: str, file: Path) -> FromFile:
+    """The name as ``file`` gives it: absolute, with its path looked for beside the file."""
+    return FromFile(absolute(name, file.resolve().parent), str(file))
+
+
+@contextmanager
+def trust() -> Iterator[None]:
+    """Within it, Python that a file names runs wherever it lies: for files that you have read.
+
+    It holds for all threads of the process.
+    """
+    _trusting.append(None)
+    try:
+        yield
+    finally:
+        _trusting.pop()
+
+
+def trusting() -> bool:
+    """Whether a :func:`trust` is open."""
+    return bool(_trusting)
+
+
+def _check(python: Path, named_by: str) -> None:
+    """Refuses Python that a file names and that may not run; ``python`` without links.
+
+    Raises:
+        CodeNotTrusted: names both files, and how to allow it.
+    """
+    folder = Path.cwd().resolve()
+    if not trusting() and not python.is_relative_to(folder):
+        raise CodeNotTrusted(
+            f"{named_by}: names the Python file {python}, which was not run because it lies outside the working folder "
+            f"{folder}; read it, then add --trust (in Python: with leadscrew.trust()), or work in its folder"
+        )
 
 
 def is_reference(text: str) -> bool:
@@ -27,18 +83,26 @@ def is_reference(text: str) -> bool:
 
 
 def absolute(reference: str, folder: Path | None = None) -> str:
-    """The reference with its path made absolute, from ``folder`` or the working directory; other names unchanged."""
+    """The reference with its path made absolute, from ``folder`` or the working directory; other names unchanged.
+
+    The mark of a name that a file gives is kept.
+    """
     found = _REFERENCE.fullmatch(reference)
     if found is None:
         return reference
-    path = ((folder or Path()) / Path(found["path"]).expanduser()).resolve()
-    return f"{path}:{found['name']}" if found["name"] else str(path)
+    try:
+        path = ((folder or Path()) / Path(found["path"]).expanduser()).resolve()
+    except (OSError, RuntimeError, ValueError):  # whoever opens it says what is wrong
+        return reference
+    made = f"{path}:{found['name']}" if found["name"] else str(path)
+    return FromFile(made, reference.file) if isinstance(reference, FromFile) else made
 
 
 def load(reference: str) -> Any:
     """The object that ``path/file.py:name`` names; of a fuzzy system's file the controller, ``name`` its output.
 
     Raises:
+        CodeNotTrusted: a file names it, and it may not run.
         DataError: no such file, or it does not load; names the line.
         ValueRefused: a fuzzy system that cannot be a controller; says why.
         NameUnknown: no such name in it; names the nearest.
@@ -52,7 +116,7 @@ def load(reference: str) -> Any:
         from leadscrew import controller_file
 
         return controller_file.block(Path(found["path"]).expanduser())
-    module = module_of(Path(found["path"]))
+    module = module_of(Path(found["path"]), reference.file if isinstance(reference, FromFile) else None)
     public = {k: v for k, v in vars(module).items() if not k.startswith("_")}
     if not found["name"]:
         raise NameUnknown(f"{found['path']}: say which object, as {found['path']}:NAME; it has {_listed(public)}")
@@ -143,10 +207,13 @@ def _listed(public: dict[str, Any]) -> str:
     return ", ".join(_ours(public)) or "none"
 
 
-def module_of(path: Path) -> ModuleType:
+def module_of(path: Path, named_by: str | None = None) -> ModuleType:
     """A file as a module, read anew when it has changed; what lies beside it can be imported by it.
 
+    ``named_by`` is the file that names it; None where the user does.
+
     Raises:
+        CodeNotTrusted: a file names it, and it may not run.
         DataError: no such file, or it does not load; names the line.
     """
     try:
@@ -154,6 +221,8 @@ def module_of(path: Path) -> ModuleType:
         stamp = whole.stat().st_mtime_ns
     except (OSError, RuntimeError, ValueError):
         raise DataError(f"there is no file {str(path)!r}") from None
+    if named_by is not None:
+        _check(whole, named_by)
     if whole in _loaded and _loaded[whole][0] == stamp:
         return _loaded[whole][1]
     name = f"leadscrew_user_{whole.stem}_{hashlib.sha256(str(whole).encode()).hexdigest()[:12]}"

@@ -69,7 +69,7 @@ def test_a_report_with_everything(call, asked, tmp_path):
     assert {s["total_known"] for s in said["sobol"]} <= {True, False}
     for row in said["worst"]:
         assert row["command"] in out
-        again = call(*shlex.split(row["command"])[1:], "--json", code=None)
+        again = call(*shlex.split(row["command"])[1:], "--trust", "--json", code=None)
         assert json.loads(again.stdout)["metrics"][row["of"].removesuffix("_small")] == row["value"]
 
 
@@ -113,14 +113,14 @@ def test_a_worst_run_knows_its_controller_file(call, refused, asked, tmp_path):
     file.write_text(text)
     call("montecarlo", NAME, "-c", "tuned.toml", *asked[4:], "-o", "out", "--no-figures", "--worst", "1")
     row = json.loads((tmp_path / "out" / "summary.json").read_text())["worst"][0]
-    again = ("simulate", "out/" + row["file"])
+    again = ("simulate", "out/" + row["file"], "--trust")
     assert strict_json(call(*again, "--json", "--out", "run").stdout)["metrics"][row["of"]] == row["value"]
     file.write_text(text.replace("4.5", "4.6"))
     said = refused(*again)
     assert f"{file} has changed since" in said and "put the old file back" in said and "[files]" in said
-    assert "has changed since" in refused("montecarlo", "out/" + row["file"], "--runs", "2", "-o", "more")
+    assert "has changed since" in refused("montecarlo", *again[1:], "--runs", "2", "-o", "more")
     # A run folder holds every parameter: it is the same run still, and would say so if it were not.
-    assert "identical" in call("replay", "run").stdout
+    assert "identical" in call("replay", "run", "--trust").stdout
     assert call(*again, "-c", "p").stderr == ""
     file.write_text(text)
     assert strict_json(call(*again, "--json").stdout)["metrics"][row["of"]] == row["value"]
@@ -202,7 +202,7 @@ def test_when_every_run_diverges_the_exit_code_says_so(call, asked, tmp_path):
     result = call(*asked[:-4], "--over", DIVERGING[0], "--runs", "20", "-o", "out", code=3)
     assert "all 20 runs diverged, the first at 0.00" in result.stderr and result.stderr.count("\n") == 1
     assert "20" in result.stdout and (tmp_path / "out" / "worst" / "diverged_1.toml").exists()
-    again = call("simulate", tmp_path / "out" / "worst" / "diverged_1.toml", code=3)
+    again = call("simulate", tmp_path / "out" / "worst" / "diverged_1.toml", "--trust", code=3)
     assert "diverged" in again.stderr
 
 
@@ -239,13 +239,13 @@ def test_what_makes_no_sense_is_one_sentence(refused, asked, tmp_path, more, wor
 def test_a_loop_and_an_experiment_file_will_do(call, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     call("montecarlo", f"{FILE}:LOOP", "--duration", "0.05", "--runs", "20", "--no-figures", "-o", "loop")
-    again = call("simulate", "loop/worst/rms_error_1.toml", "--json").stdout
+    again = call("simulate", "loop/worst/rms_error_1.toml", "--trust", "--json").stdout
     worst = json.loads((tmp_path / "loop" / "summary.json").read_text())["worst"][0]
     assert strict_json(again)["metrics"]["rms_error"] == worst["value"] and strict_json(again)["run"] == worst["run"]
     (tmp_path / "e.toml").write_text(
         f'schema_version = 1\nstudy = "{NAME}"\ncontroller = "p"\nscenario = "large"\nduration = 0.1\nseed = 5\n'
     )
-    found = strict_json(call("montecarlo", "e.toml", "--runs", "20", "--no-figures", "--json").stdout)
+    found = strict_json(call("montecarlo", "e.toml", "--trust", "--runs", "20", "--no-figures", "--json").stdout)
     assert found["scenarios"] == ["large"] and found["duration_s"] == [0.1] and found["seed"] == 5
 
 

@@ -125,7 +125,8 @@ def test_replay_says_where_the_bits_part(call, study, tmp_path):
     assert not strict_json(call("replay", out, "--json", code=1).stdout)["identical"]
 
 
-def test_replay_names_a_block_that_changed_since(call, tmp_path):
+def test_replay_names_a_block_that_changed_since(call, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
     mine = tmp_path / "mine.py"
     mine.write_text(FILE.read_text())
     out = tmp_path / "run"
@@ -172,6 +173,13 @@ scenario.target_mm = 2
 """
 
 
+@pytest.fixture
+def here(tmp_path, monkeypatch):
+    """The working folder."""
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
 def experiment(tmp_path, text=EXPERIMENT):
     (tmp_path / "plain_study.py").write_text(FILE.read_text())
     path = tmp_path / "mine.toml"
@@ -179,8 +187,8 @@ def experiment(tmp_path, text=EXPERIMENT):
     return path
 
 
-def test_an_experiment_file_says_it_all(call, tmp_path):
-    path = experiment(tmp_path)
+def test_an_experiment_file_says_it_all(call, here):
+    path = experiment(here)
     found = strict_json(call("simulate", path, "--json").stdout)
     assert found["changes"] == {"scenario.target_mm": 2, "plant.lag_s": 0.04} and found["duration_s"] == 0.1
     more = strict_json(call("simulate", path, "--set", "scenario.target_mm=4", "--duration", "0.05", "--json").stdout)
@@ -201,8 +209,8 @@ def test_a_run_of_the_removed_engine_is_replayed_on_llvm(call, study, tmp_path):
     assert result.stdout.startswith("identical: 200 rows") and result.stderr == REMOVED
 
 
-def test_an_experiment_file_that_names_the_removed_engine_runs_on_llvm(call, tmp_path):
-    path = experiment(tmp_path, EXPERIMENT.replace("[set]", 'engine = "numba"\n[set]'))
+def test_an_experiment_file_that_names_the_removed_engine_runs_on_llvm(call, here):
+    path = experiment(here, EXPERIMENT.replace("[set]", 'engine = "numba"\n[set]'))
     result = call("simulate", path, "--json")
     assert strict_json(result.stdout)["engine"] == "llvm" and result.stderr == REMOVED
 
@@ -222,9 +230,9 @@ def test_an_experiment_file_that_names_the_removed_engine_runs_on_llvm(call, tmp
         ("[set]", "[set", ("TOML",)),
     ],
 )  # fmt: skip
-def test_a_bad_experiment_file_is_refused_with_file_and_key(refused, tmp_path, old, new, words):
+def test_a_bad_experiment_file_is_refused_with_file_and_key(refused, here, old, new, words):
     assert old in EXPERIMENT
-    said = refused("simulate", experiment(tmp_path, EXPERIMENT.replace(old, new)))
+    said = refused("simulate", experiment(here, EXPERIMENT.replace(old, new)))
     assert all(word in said for word in ("mine.toml", *words)), said
 
 

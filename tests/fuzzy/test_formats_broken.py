@@ -1,8 +1,11 @@
 """Broken files are refused with file, line, column and what was expected."""
 
+from xml.sax.saxutils import escape
+
 import pytest
 
 from leadscrew.fuzzy import formats
+from leadscrew.fuzzy.block import function
 from leadscrew.kernel.errors import DataError
 
 FIS = """[System]
@@ -218,3 +221,17 @@ def test_the_files_that_were_broken_are_whole(format):
 def test_a_text_is_read_whatever_encoding_it_declares(encoding):
     text = f'<?xml version="1.0" encoding="{encoding}"?>\n' + FML.replace('name="s"', 'name="größe"', 1)
     assert formats.loads(text, "fml").name == "größe"
+
+
+RAN = 'raise SystemExit("a name of the file ran as Python")\ndef rest(p, x):\n    '
+CODE = (f'z"""\n    return 0.0\n{RAN}"""', f"z\n    pass\n{RAN}0", 'z""" + exit() + """', "z\\", "z\u2028exit()")
+
+
+@pytest.mark.parametrize("code", CODE, ids=range(len(CODE)))
+@pytest.mark.parametrize("name", ["s", "x", "y", "a", "c"])
+def test_a_name_in_a_file_never_becomes_code(name, code):
+    written = escape(code, {'"': "&quot;", "\n": "&#10;"})
+    text = FML.replace(f'name="{name}"', f'name="{written}"').replace(f">{name}<", f">{written}<")
+    assert written in text
+    here, plain = (function(formats.loads(t, "fml")) for t in (text, FML))
+    assert here(0.25) == plain(0.25)

@@ -10,6 +10,7 @@ import typer
 
 from leadscrew.cli.ballbar_machine import loops_of, simulated
 from leadscrew.cli.output import Json, emit, print_table
+from leadscrew.cli.subject import Trust
 from leadscrew.kernel.errors import DataError, ValueRefused
 
 if TYPE_CHECKING:
@@ -69,6 +70,7 @@ def ballbar(
     example: Annotated[
         bool, typer.Option("--example", help="Write a made measurement to SUBJECT instead, to see such a file.")
     ] = False,
+    trust: Trust = False,
     as_json: Json = False,
 ) -> None:
     """Circular test (double ball bar) in the sense of ISO 230-4, with the faults that it shows.

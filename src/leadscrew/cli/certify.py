@@ -10,7 +10,7 @@ import typer
 
 from leadscrew.cli.door import MISSED
 from leadscrew.cli.output import Json, busy, emit
-from leadscrew.cli.subject import experiment_of
+from leadscrew.cli.subject import Trust, experiment_of
 from leadscrew.cli.values import parse
 
 if TYPE_CHECKING:
@@ -68,6 +68,7 @@ def certify(
     plot: Annotated[
         Path | None, typer.Option(metavar="FILE", help="Draw what the verdict rests on (.png, .svg, .pdf).")
     ] = None,
+    trust: Trust = False,
     as_json: Json = False,
 ) -> None:
     """Certify a loop: margins, absolute stability at rest and under command and load, limit cycles, one verdict.

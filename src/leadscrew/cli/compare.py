@@ -11,7 +11,7 @@ from leadscrew.cli.door import say
 from leadscrew.cli.keeping import Keeping
 from leadscrew.cli.montecarlo_progress import counting
 from leadscrew.cli.output import Json, emit, print_table
-from leadscrew.cli.subject import spread
+from leadscrew.cli.subject import Trust, spread
 from leadscrew.cli.tune import free, job_of
 from leadscrew.kernel.errors import ValueRefused
 
@@ -73,6 +73,7 @@ def compare(
         ),
     ] = None,
     resume: Annotated[bool, typer.Option("--resume", help="Go on with what a journal holds.")] = False,
+    trust: Trust = False,
     as_json: Json = False,
 ) -> None:
     """Compare controllers, each tuned with the same budget, on plants that no tuning saw."""

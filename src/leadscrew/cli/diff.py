@@ -7,13 +7,14 @@ from typing import Annotated
 import typer
 
 from leadscrew.cli.output import Json, emit, print_table
-from leadscrew.cli.subject import StudyName, study_of
+from leadscrew.cli.subject import StudyName, Trust, study_of
 
 
 def diff(
     study: StudyName,
     a: Annotated[str, typer.Argument(metavar="A", help="A controller.")],
     b: Annotated[str, typer.Argument(metavar="B", help="Another one.")],
+    trust: Trust = False,
     as_json: Json = False,
 ) -> None:
     """Print the changed equations and the changed parameter values of two controllers."""

@@ -10,7 +10,7 @@ import typer
 
 from leadscrew.cli.door import MISSED
 from leadscrew.cli.output import Json, busy, emit, print_table
-from leadscrew.cli.subject import experiment_of
+from leadscrew.cli.subject import Trust, experiment_of
 from leadscrew.cli.values import parse
 
 if TYPE_CHECKING:
@@ -54,6 +54,7 @@ def export(
         str | None, typer.Option(help="What the drive takes: torque, velocity, voltage, duty or position; checked.")
     ] = None,
     sources_only: Annotated[bool, typer.Option("--sources-only", help="FMU without its binary.")] = False,
+    trust: Trust = False,
     as_json: Json = False,
 ) -> None:
     """Export a controller to C99, LinuxCNC or an FMU, with golden vectors that prove it is the same."""

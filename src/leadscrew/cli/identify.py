@@ -13,6 +13,7 @@ from leadscrew.cli.identify_friction_force import friction_force
 from leadscrew.cli.identify_linear import linear
 from leadscrew.cli.identify_servo_gain import servo_gain
 from leadscrew.cli.output import Json, emit, print_table, progress
+from leadscrew.cli.subject import Trust
 from leadscrew.kernel.errors import ValueRefused
 
 SCHEMA_VERSION = 1
@@ -66,6 +67,7 @@ def friction(
     ] = None,
     velocity: Annotated[str | None, typer.Option(metavar="COLUMN", help="With --force: measured velocity.")] = None,
     normal: Annotated[str | None, typer.Option(metavar="COLUMN", help="With --force: measured normal force.")] = None,
+    trust: Trust = False,
     as_json: Json = False,
 ) -> None:
     """Identify LuGre friction (and inertia) from one log, and say how well the log tells each parameter.

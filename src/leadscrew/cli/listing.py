@@ -9,7 +9,7 @@ import typer
 
 from leadscrew.cli import listing_controller
 from leadscrew.cli.output import Json, emit, print_table, width
-from leadscrew.cli.subject import study_of
+from leadscrew.cli.subject import Trust, study_of
 
 if TYPE_CHECKING:
     from leadscrew.kernel.block import Block
@@ -29,6 +29,7 @@ def list_(
             "or a controller, machine or experiment file (.toml).",
         ),
     ] = None,
+    trust: Trust = False,
     as_json: Json = False,
 ) -> None:
     """List blocks and studies; with a name, everything that can be set in it."""

@@ -9,7 +9,7 @@ import typer
 
 from leadscrew.cli.door import DIVERGED, say
 from leadscrew.cli.output import Json, emit
-from leadscrew.cli.subject import StudyName
+from leadscrew.cli.subject import StudyName, Trust
 
 
 def montecarlo(
@@ -71,6 +71,7 @@ def montecarlo(
     ] = None,
     resume: Annotated[bool, typer.Option("--resume", help="Go on with what the journal holds.")] = False,
     figures: Annotated[bool, typer.Option("--figures/--no-figures", help="Draw the figures.")] = True,
+    trust: Trust = False,
     as_json: Json = False,
 ) -> None:
     """Run a loop many times with distributed parameters; write percentiles, yields, sensitivities, the worst runs.

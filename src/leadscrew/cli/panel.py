@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import os
 import sys
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from leadscrew.cli.door import say
+from leadscrew.cli.subject import Trust
 
 if TYPE_CHECKING:
     from leadscrew.panel.child import Spec
@@ -43,15 +45,17 @@ def panel(
     open_: Annotated[
         bool | None, typer.Option("--open/--no-open", help="Open the page in a browser; by itself on a desktop.")
     ] = None,
+    trust: Trust = False,
 ) -> None:
     """Watch and tune a machine in the browser; Ctrl-C ends it.
 
     The machine is simulated: nothing moves. With --hal it is the one that LinuxCNC runs.
     """
     from leadscrew.panel.serve import Options, serve, token_for
+    from leadscrew.userfile import trusting
 
     place = (folder or _own_folder()).expanduser().absolute()
-    spec = _spec(study, controller, scenario, hal, place)
+    spec = replace(_spec(study, controller, scenario, hal, place), trust=trusting())
     options = Options(host, port, token_for(host, token_file), timeout, place)
 
     def said(address: str) -> None:

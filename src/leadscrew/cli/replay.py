@@ -9,6 +9,7 @@ import typer
 
 from leadscrew.cli.door import MISSED
 from leadscrew.cli.output import Json, busy, emit
+from leadscrew.cli.subject import Trust
 
 
 def replay(
@@ -19,6 +20,7 @@ def replay(
     out: Annotated[
         Path | None, typer.Option(metavar="DIR", help="Of a session: a folder for its signals, all of them.")
     ] = None,
+    trust: Trust = False,
     as_json: Json = False,
 ) -> None:
     """Run a saved run or a session of the panel again and compare it bit for bit.

@@ -10,7 +10,7 @@ import typer
 
 from leadscrew.cli.door import MISSED
 from leadscrew.cli.output import Json, emit, print_table, progress, width
-from leadscrew.cli.subject import StudyName, whole_study
+from leadscrew.cli.subject import StudyName, Trust, whole_study
 
 if TYPE_CHECKING:
     from leadscrew.report.claim import Claim
@@ -27,6 +27,7 @@ def run(
     everything: Annotated[
         bool, typer.Option("--all", help="Print the claims too on which the paper says nothing.")
     ] = False,
+    trust: Trust = False,
     as_json: Json = False,
 ) -> None:
     """Judge every claim of a study; write report.html and the runs.

@@ -11,7 +11,7 @@ import typer
 
 from leadscrew.cli.door import DIVERGED, say
 from leadscrew.cli.output import Json, busy, emit, print_table
-from leadscrew.cli.subject import experiment_of
+from leadscrew.cli.subject import Trust, experiment_of
 from leadscrew.cli.values import parse
 
 if TYPE_CHECKING:
@@ -55,6 +55,7 @@ def simulate(
         list[str] | None, typer.Option(metavar="SIGNAL", help="Record this signal; may be repeated.")
     ] = None,
     out: Annotated[Path | None, typer.Option(help="Folder for signals.parquet and run.json.")] = None,
+    trust: Trust = False,
     as_json: Json = False,
 ) -> None:
     """Run one loop and print its metrics.

@@ -18,6 +18,26 @@ StudyName = Annotated[
         metavar="STUDY", help="A study's name, path/file.py:NAME, or an experiment or machine file (.toml)."
     ),
 ]
+
+
+def _trusted(ctx: typer.Context, value: bool) -> None:
+    """Opens :func:`leadscrew.trust` until the command ends."""
+    if value:
+        from leadscrew.userfile import trust
+
+        ctx.with_resource(trust())
+
+
+Trust = Annotated[
+    bool,
+    typer.Option(
+        "--trust",
+        callback=_trusted,
+        expose_value=False,
+        help="Run Python outside the working folder that a file names; read it first.",
+    ),
+]
+"""The option that every command has whose files can name Python; its value is spent before the command begins."""
 INTERVALS = "intervals"
 """``--over intervals``: all that the log of a machine file leaves open."""
 

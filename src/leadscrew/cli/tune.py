@@ -12,7 +12,7 @@ from leadscrew.cli.door import MISSED, say
 from leadscrew.cli.keeping import Keeping, undone
 from leadscrew.cli.montecarlo_progress import counting
 from leadscrew.cli.output import Json, emit, print_table
-from leadscrew.cli.subject import experiment_of, spread
+from leadscrew.cli.subject import Trust, experiment_of, spread
 from leadscrew.cli.values import parse
 from leadscrew.kernel.errors import LeadscrewError, ValueRefused
 
@@ -91,6 +91,7 @@ def tune(
         ),
     ] = None,
     resume: Annotated[bool, typer.Option("--resume", help="Go on with what a journal holds.")] = False,
+    trust: Trust = False,
     as_json: Json = False,
 ) -> None:
     """Tune a controller over many plants and scenarios; its scores on plants that the search never saw.

@@ -23,7 +23,7 @@ import numpy as np
 from leadscrew.fuzzy.engine import Engine, engine, execute
 from leadscrew.fuzzy.system import System
 from leadscrew.fuzzy.tables import Tables
-from leadscrew.fuzzy.text import identifiers
+from leadscrew.fuzzy.text import identifiers, inline
 from leadscrew.kernel.block import Block, make
 from leadscrew.kernel.errors import NameUnknown, ValueRefused
 from leadscrew.kernel.sheet import Doc, nearest
@@ -56,7 +56,7 @@ def function(system: System) -> Callable[..., Any]:
     name = identifiers([system.name or "fuzzy"], made.space)[system.name or "fuzzy"]
     lines = [
         f"def {name}({', '.join(given)}):",
-        f'    """The fuzzy system {_said(system.name)}."""',
+        f'    """The fuzzy system {inline(system.name)}."""',
         f"    return infer(Plan({plan}), {', '.join(given)})",
     ]
     space["Plan"] = made.plan_type
@@ -70,10 +70,6 @@ class Scaled(NamedTuple):
     source: str
     """One of :data:`SIGNALS`."""
     scale: float = 1.0
-
-
-def _said(text: str) -> str:
-    return text.replace("\\", "/").replace('"', "'")
 
 
 def _mapping(system: System, inputs: Mapping[str, Any] | None) -> dict[str, Scaled]:
@@ -233,7 +229,7 @@ def _step(
     name = identifiers([system.name or "fuzzy"], made.space)[system.name or "fuzzy"]
     lines = [
         f"def {name}(p, s, command, feedback, dt):",
-        f'    """The fuzzy system {_said(system.name)} as a controller."""',
+        f'    """The fuzzy system {inline(system.name)} as a controller."""',
         f"    error = {signals['command']} - {signals['feedback']}",
         "    before = s.before if s.started else error",
         "    total = s.total + error * dt",

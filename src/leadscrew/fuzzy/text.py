@@ -1,4 +1,4 @@
-"""Pieces of source text: names that Python takes, sums and maxima as balanced trees."""
+"""Pieces of source text: names and comments that Python takes, sums and maxima as balanced trees."""
 
 from __future__ import annotations
 
@@ -20,6 +20,11 @@ def identifiers(names: Sequence[str], taken: Iterable[str] = ()) -> dict[str, st
         used.add(made)
         found[name] = made
     return found
+
+
+def inline(text: str) -> str:
+    """A name of a file as text for a docstring or a comment of generated source: one line, no quotes, no backslash."""
+    return "".join(c if c.isprintable() else " " for c in text).replace("\\", "/").replace('"', "'")
 
 
 def tree(parts: Sequence[str], join: str) -> str:

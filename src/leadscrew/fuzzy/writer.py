@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from leadscrew.fuzzy.circuit import Share
 from leadscrew.fuzzy.system import INTEGRAL, Output
-from leadscrew.fuzzy.text import Lines
+from leadscrew.fuzzy.text import Lines, inline
 from leadscrew.fuzzy.writer_outputs import OutputsWriter
 
 
@@ -20,7 +20,8 @@ class Writer(OutputsWriter):
         """The step."""
         last = [self.last(o) for o in self.live if o.lock_previous]
         lines = [f"def infer({', '.join(['p', *self.inputs, *last])}):"]
-        lines.append(f'    """The outputs {", ".join(o.name for o in self.system.outputs)} of {self.system.name}."""')
+        names = inline(", ".join(o.name for o in self.system.outputs))
+        lines.append(f'    """The outputs {names} of {inline(self.system.name)}."""')
         groups = [f"{self.names[o.name]}_g{i}" for o in self.live for i in range(self.width(o))]
         if groups:
             lines.append(f"    {', '.join(groups)} = degrees({', '.join(['p', *self.inputs])})")

@@ -32,6 +32,10 @@ class DataError(LeadscrewError, ValueError):
     """A file of data is malformed: names file, row and column."""
 
 
+class CodeNotTrusted(LeadscrewError):
+    """A file names Python that lies outside the working folder and may not run: names both, and how to allow it."""
+
+
 class Diverged(LeadscrewError):
     """A loop diverged: says at what time, in which state, and keeps the run up to there as ``run``."""
 

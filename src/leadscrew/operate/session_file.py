@@ -150,6 +150,8 @@ def is_session(path: str | Path) -> bool:
 def read(path: str | Path) -> Session:
     """A session from its file; files that it names are looked for beside it.
 
+    Nothing runs here. Python that it names runs by the rule of :mod:`leadscrew.userfile`, when the machine is built.
+
     Raises:
         DataError: no such file, bad TOML, no session, an unknown key or a value of the wrong type; names file and key.
     """
@@ -159,28 +161,23 @@ def read(path: str | Path) -> Session:
         said = f"its kind is {table['kind']!r}" if "kind" in table else "it has no kind"
         raise DataError(f"{where}: is not a session: {said}, expected kind = {KIND!r}")
     found = _validated(table, str(where))
-    beside = where.resolve().parent
-    events = tuple(_event_of(e, beside) for e in found.event)
+    events = tuple(_event_of(e, where) for e in found.event)
     _in_order(events, found.periods, str(where))
     s = found.start
     start = Start(
-        _there(s.study, beside), None if s.controller is None else _there(s.controller, beside), s.scenario,
-        dict(flat(s.changes)), s.seed, s.engine, s.circle,
-        {_there(k, beside): v for k, v in found.files.items()},
+        userfile.from_file(s.study, where), None if s.controller is None else userfile.from_file(s.controller, where),
+        s.scenario, dict(flat(s.changes)), s.seed, s.engine, s.circle,
+        {userfile.from_file(k, where): v for k, v in found.files.items()},
     )  # fmt: skip
     marks = {int(k): v for k, v in found.marks.items()}
     return Session(start, events, found.periods, found.digest, marks, found.leadscrew)
 
 
-def _event_of(e: EventTable, beside: Path) -> Event:
+def _event_of(e: EventTable, where: Path) -> Event:
     return Event(
-        e.period, e.do, dict(flat(e.changes)), _there(e.controller, beside), e.over, e.how, e.by, e.why,
+        e.period, e.do, dict(flat(e.changes)), userfile.from_file(e.controller, where), e.over, e.how, e.by, e.why,
         compare=e.compare, mark=e.before,
     )  # fmt: skip
-
-
-def _there(name: str, beside: Path) -> str:
-    return userfile.absolute(name, beside)
 
 
 def _in_order(events: tuple[Event, ...], periods: int, where: str) -> None:

@@ -9,6 +9,7 @@ import threading
 import time
 import traceback
 from collections.abc import Mapping
+from contextlib import nullcontext
 from dataclasses import dataclass
 from multiprocessing import parent_process
 from multiprocessing.connection import Connection, wait
@@ -37,6 +38,8 @@ class Spec:
     """Studies that the command line named, beside the catalogue's."""
     own: tuple[str, ...] = ()
     """Controllers that it named, beside the study's."""
+    trust: bool = False
+    """Python that a file names runs wherever it lies: the command line said ``--trust``."""
 
 
 def main(connection: Connection, spec: Spec) -> None:
@@ -46,12 +49,14 @@ def main(connection: Connection, spec: Spec) -> None:
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     threading.Thread(target=_end_with_parent, daemon=True).start()
     from leadscrew.panel.worker import Gone, Worker
+    from leadscrew.userfile import trust
 
     code = 1
     try:
         worker = Worker(connection, spec)
         signal.signal(signal.SIGTERM, lambda *_: worker.end())
-        worker.run()
+        with trust() if spec.trust else nullcontext():
+            worker.run()
     except Gone:
         code = 0
     except BaseException:

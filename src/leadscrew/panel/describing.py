@@ -10,7 +10,7 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
 from leadscrew import catalogue
-from leadscrew.kernel.errors import LeadscrewError, NameUnknown
+from leadscrew.kernel.errors import CodeNotTrusted, LeadscrewError, NameUnknown
 from leadscrew.kernel.sheet import nearest
 from leadscrew.operate.profile import Profile
 from leadscrew.panel.plain import plain
@@ -28,9 +28,15 @@ NOTICE = "Simulated machine: nothing moves."
 
 @lru_cache(maxsize=8)
 def study_of(name: str) -> Study | None:
-    """The study of that name or file; None where the machine is a loop without one."""
+    """The study of that name or file; None where the machine is a loop without one.
+
+    Raises:
+        CodeNotTrusted: a file names it, and it may not run.
+    """
     try:
         return catalogue.study(name)
+    except CodeNotTrusted:
+        raise
     except LeadscrewError:
         return None
 

@@ -8,15 +8,20 @@ from pathlib import Path
 
 
 def main() -> int:
-    """Exit code 2 and one sentence where it cannot be made."""
+    """Exit code 2 and one sentence where it cannot be made.
+
+    The session is the panel's own: the machine has run the Python that it names already.
+    """
     from leadscrew.kernel.errors import LeadscrewError
     from leadscrew.operate import session_file, session_report
+    from leadscrew.userfile import trust
 
     with tempfile.TemporaryDirectory() as beside:
         path = Path(beside) / "session.toml"
         path.write_text(sys.stdin.read(), encoding="utf-8")
         try:
-            html = session_report.html(session_file.read(path))
+            with trust():
+                html = session_report.html(session_file.read(path))
         except LeadscrewError as error:
             print(error, file=sys.stderr)
             return 2

@@ -20,6 +20,7 @@ from typing import Any, Protocol
 
 import numpy as np
 
+from leadscrew import userfile
 from leadscrew.kernel import door
 from leadscrew.kernel.errors import LeadscrewError, ValueRefused
 from leadscrew.tune import workers as local_workers
@@ -146,9 +147,13 @@ def _refusal(error: BaseException) -> BaseException:
 
 
 def work(job: Job, number: int, chunk: Chunk) -> tuple[int, Result | None, LeadscrewError | None]:
-    """What a worker does; its refusals come back as values, so that they keep their type and sentence."""
+    """What a worker does; its refusals come back as values, so that they keep their type and sentence.
+
+    Whoever sent the job has built its loops, and so run the Python of its files, by the rule of its own working folder.
+    """
     try:
-        return number, job.run(chunk, threads=1), None
+        with userfile.trust():
+            return number, job.run(chunk, threads=1), None
     except LeadscrewError as error:
         return number, None, type(error)(str(error))
 
