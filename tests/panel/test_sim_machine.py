@@ -83,6 +83,29 @@ def test_a_controller_of_the_same_columns_is_told_to_the_page_and_so_is_the_way_
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize("way", ["switch", "undo", "redo", "safe", "preset_load", "reset", "stop"])
+def test_a_view_that_is_open_while_held_is_of_the_controller_now_or_waits_for_its_first_period(tmp_path, way):
+    machine = begun(tmp_path, "vud_lathe", "corrected.vud_beta_e", "s_curve_m50")
+    did(machine, "preset_save", name="first")
+    did(machine, "start")
+    ran(machine, 20)
+    did(machine, "hold")
+    views = set(machine.describe()["views"])
+    assert views == set(machine.why(("rules", "sets", "phase"))["views"]) == {"rules", "sets"}
+    columns = machine.columns
+    did(machine, "switch", controller="ours.vud_fast")
+    assert machine.columns != columns, "else this test is of another case"
+    if way == "redo":
+        did(machine, "undo")
+    if way != "switch":
+        ran(machine, 20)
+        did(machine, way, **({"why": "test"} if way == "safe" else {"name": "first"} if way == "preset_load" else {}))
+    assert machine.why(("rules", "sets", "phase")) == {}
+    ran(machine, 1)
+    assert set(machine.why(("rules", "sets", "phase"))["views"]) == set(machine.describe()["views"])
+
+
+@pytest.mark.slow
 def test_no_file_that_a_page_names_is_run(machine, tmp_path):
     mark, evil = tmp_path / "was_run", tmp_path / "evil.py"
     evil.write_text(f"open({str(mark)!r}, 'w')\nMINE = None\n")
