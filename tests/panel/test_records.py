@@ -107,7 +107,11 @@ def test_a_preset_never_leaves_its_folder(tmp_path, name):
      ('{"schema_version":1,"study":1,"controller":"b","values":{}}', "names"),
      ('{"schema_version":1,"study":"a","controller":"b","values":[]}', "table"),
      ('{"schema_version":1,"study":"a","controller":"b","values":{"k":NaN}}', "NaN"),
-     (" " * 300_000, "300000 bytes")],
+     (" " * 300_000, "more than 256000 bytes"),
+     ('{"schema_version":1,"study":"a","controller":"b","values":{"k":1e999}}', "beyond"),
+     ('{"schema_version":1,"study":"a","controller":"b","values":{"k":' + "9" * 4000 + "}}", "4000 digits"),
+     ('{"schema_version":1,"study":"a","controller":"b","values":{"k":' + "[" * 900 + "]" * 900 + "}}", "nested"),
+     ('{"schema_version":1,"study":"a","controller":"b","values":{"k":1,"k":2}}', "twice")],
 )  # fmt: skip
 def test_a_file_that_is_no_preset_is_refused(tmp_path, text, why):
     (tmp_path / "p.json").write_text(text)

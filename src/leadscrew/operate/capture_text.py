@@ -13,6 +13,9 @@ import numpy as np
 from leadscrew.kernel.errors import DataError, ValueRefused
 from leadscrew.operate.capture import Capture, check
 
+MOST_TEXT, DEEPEST = 4_000_000, 32
+"""Characters of what a capture says of itself, and levels of nesting in it."""
+
 
 def said_of(capture: Capture, variables: Sequence[str] | None = None) -> str:
     """All but the rows, as a line of ASCII."""
@@ -39,8 +42,10 @@ def _plain(value: Any) -> Any:
 
 def heard(path: Path, text: str) -> dict[str, Any]:
     """What the line of JSON says, each part of it of its type."""
+    if len(text) > MOST_TEXT:
+        raise DataError(f"{path}: says {len(text) / 1e6:.0f} MB of itself besides its rows; up to 4 MB are read")
     try:
-        said = json.loads(text)
+        said = _shallow(json.loads(text))
     except (ValueError, RecursionError) as problem:
         raise DataError(f"{path}: what is said of the capture is not JSON ({problem})") from None
     kinds = {
@@ -53,6 +58,15 @@ def heard(path: Path, text: str) -> dict[str, Any]:
     if wrong:
         raise DataError(f"{path}: what is said of the capture has no sound {wrong[0]}; this version reads version 1")
     return said
+
+
+def _shallow(value: Any, level: int = 0) -> Any:
+    """The value, whose levels are so few that no function that goes through it runs out of stack."""
+    if level > DEEPEST:
+        raise ValueError(f"it is nested deeper than {DEEPEST} levels")
+    for part in value.values() if isinstance(value, dict) else value if isinstance(value, list) else ():
+        _shallow(part, level + 1)
+    return value
 
 
 def capture_of(path: Path, said: dict[str, Any], columns: Sequence[np.ndarray]) -> Capture:

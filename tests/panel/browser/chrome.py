@@ -40,8 +40,7 @@ class View:
         page.on("pageerror", lambda error: self.wrong.append(f"error in the page: {error}"))
         page.on("console", lambda said: self.wrong.append(said.text) if said.type == "error" else None)
         page.on("requestfailed", lambda request: self.wrong.append(f"not loaded: {request.url}"))
-        token = f"#token={served.token}" if served.token else ""
-        page.goto(f"http://{served.address}/{token}")
+        page.goto(served.link)
         self.until("panel.machine && panel.state && panel.state.running !== 'building'")
 
     def js(self, expression: str, argument: Any = None) -> Any:
