@@ -155,7 +155,10 @@ def test_who_has_not_opened_the_link_gets_nothing_but_the_sentence_what_to_do(tm
 def test_the_link_makes_a_browser_known_until_another_token_is_made(tmp_path):
     client, _, _ = panel(tmp_path, {})
     with client:
+        typed = client.get(f"/?token={TOKEN}", headers={"sec-fetch-site": "none"}, follow_redirects=False)
+        assert typed.status_code == 303 and typed.headers["location"] == "/"
         reply = client.get(f"/?token={TOKEN}", headers={"sec-fetch-site": "cross-site"})
+        assert reply.headers["set-cookie"] == typed.headers["set-cookie"]
         assert reply.status_code == 200 and 'http-equiv="refresh" content="0; url=/"' in reply.text
         cookie = reply.headers["set-cookie"]
         assert {"HttpOnly", "SameSite=Strict", "Path=/"} <= set(cookie.split("; ")) and TOKEN not in cookie

@@ -119,6 +119,20 @@ def test_a_file_that_is_no_preset_is_refused(tmp_path, text, why):
         presets.load(tmp_path, "p")
 
 
+def test_a_preset_that_the_disk_does_not_give_or_take_is_refused_and_no_error_of_the_program(tmp_path, monkeypatch):
+    """An error of the program stops the machine."""
+    presets.save(presets.Preset("a", "b", {"k": 1.0}), tmp_path, "p")
+
+    def failing(*_, **__):
+        raise PermissionError(13, "Permission denied")
+
+    monkeypatch.setattr(Path, "open", failing)
+    monkeypatch.setattr(Path, "unlink", failing)
+    for act in (presets.load, presets.delete):
+        with pytest.raises(DataError, match=r"p\.json cannot be .*: Permission denied"):
+            act(tmp_path, "p")
+
+
 def test_a_preset_that_is_a_link_is_not_followed(tmp_path):
     (tmp_path / "secret").write_text("{}")
     (tmp_path / "p.json").symlink_to(tmp_path / "secret")

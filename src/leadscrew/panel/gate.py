@@ -23,8 +23,8 @@ PER_S, BURST = 60.0, 120.0
 NOT_OPENED = "open the link that leadscrew panel printed when it started: this browser has not opened it"
 OPENED = b"""<!doctype html><html lang="en"><meta charset="utf-8"><title>Leadscrew panel</title>
 <meta http-equiv="refresh" content="0; url=/"><p><a href="/">To the panel</a></p></html>"""
-"""The answer to the link. It leads on by itself and not by a redirect: after a link in another program's page, browsers
-would not send a strict cookie with the redirected request."""
+"""The answer to the link where a file or a page of another site led to it. It leads on by itself: browsers send no strict
+cookie with the redirected request of such a link."""
 
 
 def is_loopback(host: str) -> bool:
@@ -142,11 +142,11 @@ class Door:
             await _deny(scope, receive, send, status, text, _headers(""))
             return
         if self.gate.opens(scope):
-            await self._welcome(send, _headers(host))
+            await self._welcome(scope, send, _headers(host))
             return
         await self.app(scope, receive, _with_headers(send, _headers(host)) if scope["type"] == "http" else send)
 
-    async def _welcome(self, send: Send, headers: list[tuple[bytes, bytes]]) -> None:
+    async def _welcome(self, scope: Scope, send: Send, headers: list[tuple[bytes, bytes]]) -> None:
         """The answer to the link: the cookie, and on to the address without the token."""
         name, value = self.gate.cookie
         kept = [(k, v) for k, v in headers if k != b"cache-control"]
@@ -156,8 +156,11 @@ class Door:
             (b"cache-control", b"no-store"),
             (b"set-cookie", cookie),
         ]
-        await send({"type": "http.response.start", "status": 200, "headers": [*kept, *head]})
-        await send({"type": "http.response.body", "body": OPENED})
+        direct = _header(scope, b"sec-fetch-site") in ("none", "same-origin")
+        if direct:
+            head.append((b"location", b"/"))
+        await send({"type": "http.response.start", "status": 303 if direct else 200, "headers": [*kept, *head]})
+        await send({"type": "http.response.body", "body": b"" if direct else OPENED})
 
     def _judge(self, scope: Scope, host: str) -> tuple[int, str]:
         """Status and sentence of a refusal; an empty one lets in."""

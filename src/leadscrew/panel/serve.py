@@ -158,8 +158,8 @@ def _over(options: Options, spec: Spec, say: tuple[Say, Say], listening: socket.
 
 
 def sweep(folder: Path) -> None:
-    """Removes what an earlier panel left of uploads and of opening a browser, an hour old or more: another one may share
-    the folder.
+    """Removes what an earlier panel left of uploads and of opening a browser, an hour old or more: others may share the
+    folder.
     """
     for left in [*folder.glob(".upload-*"), *folder.glob("captures/.upload-*"), *folder.glob("open-*.html")]:
         with contextlib.suppress(OSError):

@@ -125,6 +125,15 @@ class Browsers:
         self._chromium = self._driver.chromium.launch(executable_path=path, headless=True, args=["--no-sandbox"])
 
     @contextmanager
+    def context(self) -> Iterator[Any]:
+        """A browser that knows nothing of the others and has opened nothing."""
+        own = self._chromium.new_context()
+        try:
+            yield own
+        finally:
+            own.close()
+
+    @contextmanager
     def view(self, served: Served, script: str = "", **context: Any) -> Iterator[View]:
         """A page in a browser of its own, after a script; the test fails where the page wrote an error."""
         own = self._chromium.new_context(**{"viewport": LAPTOP, "accept_downloads": True, **context})
