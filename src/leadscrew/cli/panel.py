@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 import sys
 from html import escape
@@ -69,7 +70,8 @@ def panel(
     try:
         code = serve(options, spec, said, typer.echo)
     finally:
-        leading.unlink(missing_ok=True)
+        with contextlib.suppress(OSError):
+            leading.unlink()
     raise typer.Exit(code)
 
 

@@ -132,9 +132,7 @@ def find(folder: str | Path, name: object) -> Path:
     return Path(folder) / fits[0]
 
 
-def received(
-    folder: str | Path, name: object, data: bytes, replace: bool = False, apart: bool = False
-) -> Capture:  # fmt: skip
+def received(folder: str | Path, name: object, data: bytes, replace: bool = False, apart: bool = False) -> Capture:
     """Keeps a file that was sent, under its name with a suffix, if it can be read as a capture; gives the capture.
 
     ``apart``: as :func:`load`.

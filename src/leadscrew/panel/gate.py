@@ -23,8 +23,8 @@ PER_S, BURST = 60.0, 120.0
 NOT_OPENED = "open the link that leadscrew panel printed when it started: this browser has not opened it"
 OPENED = b"""<!doctype html><html lang="en"><meta charset="utf-8"><title>Leadscrew panel</title>
 <meta http-equiv="refresh" content="0; url=/"><p><a href="/">To the panel</a></p></html>"""
-"""The answer to the link where a file or a page of another site led to it. It leads on by itself: browsers send no strict
-cookie with the redirected request of such a link."""
+"""The answer to the link where a file or a page of another site led to it. It leads on by itself: browsers send no
+strict cookie with the redirected request of such a link."""
 
 
 def is_loopback(host: str) -> bool:
