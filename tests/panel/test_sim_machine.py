@@ -254,7 +254,7 @@ def test_a_capture_says_whether_it_was_loaded(tmp_path):
     assert (taken["loaded"], loaded["loaded"]) == (False, True) and taken["rows"] == loaded["rows"] > 1
 
 
-@pytest.mark.parametrize("form", captures.FORMATS)
+@pytest.mark.parametrize("form", ["csv", *(pytest.param(f, marks=pytest.mark.slow) for f in ("parquet", "mat"))])
 def test_a_file_that_a_page_sends_or_opens_is_parsed_in_a_process_of_its_own(tmp_path, monkeypatch, form):
     """What fills the memory or crashes its reader must not take the machine with it."""
     rows = np.column_stack([np.arange(9) * 1e-3, np.arange(9.0)])
