@@ -145,6 +145,17 @@ def test_a_header_that_says_anything_is_read_or_refused(whole, tmp_path, said, k
         assert "x.csv" in str(refused) and "\n" not in str(refused)
 
 
+@pytest.mark.parametrize(
+    ("about", "why"), [("[" * 900 + "]" * 900, "nested"), (f'["{"x" * 5_000_000}"]', "up to 4 MB")]
+)
+def test_a_capture_that_says_too_much_of_itself_is_refused(whole, tmp_path, about, why):
+    """Whoever shows it would run out of stack, or send it to every page."""
+    content = whole["csv"].decode().replace('"about": {"study": "x"}', f'"about": {{"x": {about}}}')
+    assert about in content
+    with pytest.raises(DataError, match=why):
+        captures.load(text(tmp_path, content), apart=True)
+
+
 def test_a_small_matlab_file_that_inflates_to_much_is_refused_before_it_is_read(tmp_path):
     import struct
 

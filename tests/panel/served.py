@@ -14,7 +14,9 @@ import time
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
+from urllib.parse import quote, unquote
 
+import httpx
 import numpy as np
 from websockets.exceptions import ConnectionClosed
 from websockets.sync.client import ClientConnection, connect
@@ -35,13 +37,23 @@ class Served:
         )  # fmt: skip
         assert self.process.stdout is not None
         line = self.process.stdout.readline()
-        found = re.search(r"http://([^/\s]+):(\d+)/(?:#token=(\S+))?", line)
+        found = re.search(r"http://([^/\s]+):(\d+)/\?token=(\S+)", line)
         if found is None:
             self.process.wait(10)
             assert self.process.stderr is not None
             raise AssertionError(line + self.process.stderr.read())
-        self.port, self.token = int(found[2]), found[3]
+        self.port, self.token = int(found[2]), unquote(found[3])
         self.address = f"127.0.0.1:{self.port}"
+        self.bearer = {"authorization": f"Bearer {self.token}"}
+
+    @property
+    def link(self) -> str:
+        """What a browser opens."""
+        return f"http://{self.address}/?token={quote(self.token, safe='')}"
+
+    def get(self, path: str) -> httpx.Response:
+        """A file, as a program fetches it that has the token."""
+        return httpx.get(f"http://{self.address}/{path}", headers=self.bearer, timeout=120)
 
     def worker(self) -> int:
         """Number of the process of the machine."""
@@ -74,14 +86,14 @@ class Page:
     def __init__(self, served: Served, name: str = "Ann", origin: str = "", **hello: Any) -> None:
         self.socket: ClientConnection = connect(
             f"ws://{served.address}/ws", subprotocols=["leadscrew.1"], origin=origin or f"http://{served.address}",
-            max_size=None, ping_interval=None, close_timeout=1.0,
+            max_size=None, ping_interval=None, close_timeout=1.0, additional_headers=served.bearer,
         ).__enter__()  # fmt: skip
         self.number = 0
         self.machine: dict[str, Any] = {}
         self.state: dict[str, Any] = {}
         self.texts: list[dict[str, Any]] = []
         self.frames: list[tuple[int, int, float, float, np.ndarray]] = []
-        self.hello = self.ask("hello", name=name, **{"token": served.token, "secret": None, **hello})
+        self.hello = self.ask("hello", name=name, **{"secret": None, **hello})
 
     def send(self, do: str, **args: Any) -> int:
         """A question; gives its number."""

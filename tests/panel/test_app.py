@@ -3,7 +3,7 @@
 import json
 
 import pytest
-from starlette.testclient import TestClient
+from starlette.testclient import TestClient, WebSocketDenialResponse
 from starlette.websockets import WebSocketDisconnect
 
 from leadscrew.panel.app import application
@@ -51,12 +51,16 @@ class NoMachine:
         pass
 
 
-def panel(tmp_path, token=""):
+BEARER = {"authorization": f"Bearer {TOKEN}"}
+
+
+def panel(tmp_path, headers=BEARER, token=TOKEN):
+    """A browser before the panel; ``headers``: how it says who it is."""
     link = NoMachine()
     gate = Gate("127.0.0.1", 8420, token)
     audit = Audit(tmp_path)
-    hub = Hub(link, audit, gate, 30.0)
-    client = TestClient(application(hub, gate, tmp_path), base_url=f"http://{ADDRESS}")
+    hub = Hub(link, audit, 30.0)
+    client = TestClient(application(hub, gate, tmp_path), base_url=f"http://{ADDRESS}", headers=headers)
     return client, link, audit
 
 
@@ -71,6 +75,11 @@ def said(socket, do, number=1, **args):
         message = json.loads(socket.receive_text())
         if message.get("re") == number:
             return message
+
+
+def in_control(socket):
+    said(socket, "hello", name="Ann", secret="a" * 16)
+    said(socket, "take", 2)
 
 
 def errors(audit):
@@ -121,27 +130,50 @@ def test_a_foreign_page_may_neither_connect_nor_post(tmp_path, origin):
     assert len(errors(audit)) == 2 and link.asked == []
 
 
-def test_a_wrong_token_gets_nothing_at_all_and_stands_in_no_log(tmp_path):
-    client, link, audit = panel(tmp_path, TOKEN)
+EVERY = ["/", "/static/app.js", "/static/none.js", "/nothing", "/api/session.py", "/api/report.html",
+         "/api/captures/a.csv", "/?token=wrong-token-012345678", f"/api/session.py?token={TOKEN}",
+         f"/static/app.js?token={TOKEN}"]  # fmt: skip
+
+
+@pytest.mark.parametrize("who", [{}, {"authorization": "Bearer wrong-token-012345678"}, {"cookie": "leadscrew_8420=1"}])
+def test_who_has_not_opened_the_link_gets_nothing_but_the_sentence_what_to_do(tmp_path, who):
+    client, link, audit = panel(tmp_path, who)
     with client:
-        for wrong in ("wrong-token-012345678", None):
-            with line(client) as socket:
-                reply = said(socket, "hello", name="Eve", token=wrong)
-                assert reply["ok"] is False and "token" in reply["error"]
-                with pytest.raises(WebSocketDisconnect):
-                    socket.receive_text()
-        for path in ("/api/session.py", "/api/session.py?token=wrong-token-012345678", "/api/captures/a.csv"):
-            assert client.get(path).status_code == 401
-        assert client.get("/").status_code == 200
-        assert link.asked == []
-        assert client.get(f"/api/session.py?token={TOKEN}").status_code == 401, "no token in an address"
-        bearer = {"authorization": f"Bearer {TOKEN}"}
-        assert client.get("/api/session.py", headers=bearer).text == "text of the session"
-        assert client.get("/api/session.toml", headers=bearer).status_code == 200
-        with line(client) as socket:
-            assert said(socket, "hello", name="Ann", token=TOKEN)["ok"]
+        for path in EVERY:
+            reply = client.get(path)
+            assert reply.status_code == 401 and "open the link that leadscrew panel printed" in reply.text, path
+            assert "set-cookie" not in reply.headers and reply.headers["referrer-policy"] == "no-referrer"
+        ours = {"origin": f"http://{ADDRESS}"}
+        assert client.post("/api/captures/a.csv", content=b"1,2", headers=ours).status_code == 401
+        with pytest.raises(WebSocketDenialResponse) as refused, line(client):
+            pass
+        assert refused.value.status_code == 401 and "open the link" in refused.value.text
     log = (tmp_path / "audit.jsonl").read_text()
-    assert "wrong-token" not in log and TOKEN not in log and len(errors(audit)) == 6
+    assert link.asked == [] and "wrong-token" not in log and TOKEN not in log and len(errors(audit)) >= 10
+
+
+def test_the_link_makes_a_browser_known_until_another_token_is_made(tmp_path):
+    client, _, _ = panel(tmp_path, {})
+    with client:
+        typed = client.get(f"/?token={TOKEN}", headers={"sec-fetch-site": "none"}, follow_redirects=False)
+        assert typed.status_code == 303 and typed.headers["location"] == "/"
+        reply = client.get(f"/?token={TOKEN}", headers={"sec-fetch-site": "cross-site"})
+        assert reply.headers["set-cookie"] == typed.headers["set-cookie"]
+        assert reply.status_code == 200 and 'http-equiv="refresh" content="0; url=/"' in reply.text
+        cookie = reply.headers["set-cookie"]
+        assert {"HttpOnly", "SameSite=Strict", "Path=/"} <= set(cookie.split("; ")) and TOKEN not in cookie
+        assert reply.headers["referrer-policy"] == "no-referrer" and reply.headers["cache-control"] == "no-store"
+        assert client.get("/").status_code == client.get("/static/app.js").status_code == 200
+        assert client.get("/api/session.py").text == "text of the session"
+        known = {"cookie": cookie.split(";")[0]}
+        for name in ("Ann", "the second tab"):
+            headers = {**HEADERS, **known}  # the client's own cookies are of another host where it opens a WebSocket
+            with client.websocket_connect("/ws", subprotocols=["leadscrew.1"], headers=headers) as socket:
+                assert said(socket, "hello", name=name)["ok"]
+    with panel(tmp_path / "again", known)[0] as again:
+        assert again.get("/").status_code == 200, "a panel with the same token file"
+    with panel(tmp_path / "new", known, token="another-token-0123456789")[0] as new:
+        assert new.get("/").status_code == 401
 
 
 @pytest.mark.parametrize("first", ['{"id":1,"do":"start"}', "x", '{"id":1,"do":"hello"}', '{"id":1,"do":"take"}'])
@@ -201,8 +233,9 @@ def test_binary_and_broken_messages_are_answered_and_the_line_stays(tmp_path):
 
 def test_a_capture_is_sent_kept_where_it_can_be_read_and_refused_where_not(tmp_path):
     client, link, _ = panel(tmp_path)
-    with client:
-        ours = {"origin": f"http://{ADDRESS}"}
+    with client, line(client) as ann:
+        in_control(ann)
+        ours = {"origin": f"http://{ADDRESS}", "leadscrew-secret": "a" * 16}
         assert client.post("/api/captures/a.csv", content=b"1,2", headers=ours).json() == {"name": "a.csv", "rows": 3}
         assert client.post("/api/captures/bad.csv", content=b"1,2", headers=ours).text == "bad.csv holds no rows"
         asked = len(link.asked)
@@ -216,6 +249,31 @@ def test_a_capture_is_sent_kept_where_it_can_be_read_and_refused_where_not(tmp_p
         reply = client.get("/api/captures/k.csv")
         assert reply.text == "t,x\n" and "attachment" in reply.headers["content-disposition"]
     assert [p.name for p in tmp_path.iterdir() if p.name.startswith(".upload")] == []
+
+
+def test_only_the_page_in_control_sends_and_opens_captures(tmp_path):
+    """A watcher could else fill the memory, and push out the captures of who works at the machine."""
+    client, link, _ = panel(tmp_path)
+    ours = {"origin": f"http://{ADDRESS}"}
+    with client, line(client) as ann, line(client) as bob:
+        said(ann, "hello", name="Ann", secret="a" * 16)
+        said(bob, "hello", name="Bob", secret="b" * 16)
+        for secret in (
+            {},
+            {"leadscrew-secret": ""},
+            {"leadscrew-secret": "a" * 16},
+            {"leadscrew-secret": b"\xff" * 16},
+        ):
+            reply = client.post("/api/captures/a.csv", content=b"x", headers={**ours, **secret})
+            assert reply.status_code == 403 and "take control first" in reply.text
+        said(ann, "take", 2)
+        reply = client.post("/api/captures/a.csv", content=b"x", headers={**ours, "leadscrew-secret": "b" * 16})
+        assert reply.status_code == 403 and "Ann has control" in reply.text
+        assert "Ann has control" in said(bob, "capture_load", 3, name="a.csv")["error"]
+        assert [a for a in link.asked if a[0] != "views"] == []
+        assert said(ann, "capture_load", 3, name="a.csv")["ok"]
+    reply = client.post("/api/captures/a.csv", content=b"x", headers={**ours, "leadscrew-secret": "a" * 16})
+    assert reply.status_code == 403, "a page that is lost has no hand on the machine"
 
 
 def test_a_slow_page_loses_the_oldest_frames_and_no_answer():

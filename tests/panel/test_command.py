@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import os
 import socket
 import subprocess
 import sys
+from queue import Queue
 
 import pytest
 
+from leadscrew.cli.panel import _open
 from leadscrew.kernel.errors import DataError, ValueRefused
 from leadscrew.panel.serve import Options, address, bound, token_for
 
@@ -33,20 +36,30 @@ def test_an_address_of_another_computer_is_refused(host):
         bound(host, 0)
 
 
-def test_others_only_come_in_with_a_token_and_it_stands_in_the_fragment(tmp_path):
-    assert token_for("127.0.0.1", None) == "" and token_for("::1", None) == ""
-    assert len(token_for("0.0.0.0", None)) >= 30 != token_for("0.0.0.0", None)
+def test_every_panel_has_a_token_and_it_stands_in_the_link(tmp_path):
+    assert len(token_for(None)) >= 30 and token_for(None) != token_for(None)
     (tmp_path / "t").write_text("0123456789abcdef\n")
-    assert token_for("127.0.0.1", tmp_path / "t") == "0123456789abcdef"
+    assert token_for(tmp_path / "t") == "0123456789abcdef"
     for text in ("short", "x" * 300, "two words of a token here", "zeile\nzeile zeile zeile", "ä" * 20):
         (tmp_path / "t").write_text(text)
         with pytest.raises(DataError, match="--token-file"):
-            token_for("0.0.0.0", tmp_path / "t")
+            token_for(tmp_path / "t")
     with pytest.raises(DataError, match="cannot be read"):
-        token_for("0.0.0.0", tmp_path / "none")
-    assert address(Options("127.0.0.1"), 8420) == "http://127.0.0.1:8420/"
-    assert address(Options("192.168.1.5", token="abc"), 80) == "http://192.168.1.5:80/#token=abc"
-    assert address(Options("::1"), 8420) == "http://[::1]:8420/"
+        token_for(tmp_path / "none")
+    assert address(Options("abc"), 8420) == "http://127.0.0.1:8420/?token=abc"
+    assert address(Options("a&b#c", "::1"), 80) == "http://[::1]:80/?token=a%26b%23c"
+
+
+def test_no_other_user_sees_the_token_when_the_browser_is_opened(tmp_path, monkeypatch):
+    import webbrowser
+
+    seen = Queue()
+    monkeypatch.setattr(webbrowser, "open", lambda address: seen.put(address) or True)
+    page = tmp_path / "open-1.html"
+    _open("http://127.0.0.1:8420/?token=a%26b&x", page)
+    assert seen.get(timeout=10) == page.as_uri(), "a command line, which everybody can list, holds no token"
+    assert "url=http://127.0.0.1:8420/?token=a%26b&amp;x" in page.read_text()
+    assert os.name != "posix" or page.stat().st_mode & 0o077 == 0
 
 
 def test_the_server_loads_nothing_that_computes():

@@ -96,7 +96,7 @@ def test_without_plots_there_is_one_for_each_kind_and_unit():
         ('sources = ["x-vel-cmd"]', 'sources = ["x-vel"]', "did you mean x-vel-cmd"),
         ('sources = ["x-vel-cmd"]', 'sources = ["x-vel-cmd", "x-pos-fb"]', "one plot has one shown unit"),
         ('source = "x-pos-cmd"', 'source = "x-pos-cmd; stop"', "signals.1.source"),
-        ("schema_version = 1", "schema_version == 1", "is not TOML"),
+        ("schema_version = 1", "schema_version == 1", "cannot be read as TOML"),
     ],
 )
 def test_a_wrong_file_is_refused_by_name_and_key(old, new, words):
@@ -107,7 +107,7 @@ def test_a_wrong_file_is_refused_by_name_and_key(old, new, words):
 
 
 def test_a_file_that_is_not_there_is_told(tmp_path):
-    with pytest.raises(DataError, match=r"none\.toml cannot be read"):
+    with pytest.raises(DataError, match=r"there is no file .*none\.toml"):
         read(tmp_path / "none.toml")
 
 

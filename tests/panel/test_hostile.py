@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import select
 import socket
 import time
 
@@ -31,6 +32,8 @@ def served(tmp_path_factory):
     assert panel.token == TOKEN
     yield panel
     assert panel.end() == 0
+    words = panel.process.stderr.read()
+    assert "Traceback" not in words and "Exception" not in words and TOKEN not in words, words
     assert TOKEN not in (folder / "files" / "audit.jsonl").read_text()
 
 
@@ -57,8 +60,7 @@ def undisturbed(served, owner, tmp_path):
     state = owner.until(lambda s: s["period"] > period)
     assert state["running"] == "running" and state["changed"] == values and owner.machine["run"] == run
     path = tmp_path / "session.toml"
-    bearer = {"authorization": f"Bearer {TOKEN}"}
-    path.write_text(httpx.get(f"http://{served.address}/api/session.toml", headers=bearer, timeout=60).text)
+    path.write_text(served.get("api/session.toml").text)
     session = session_file.read(path)
     rerun = session.run(record=())
     assert rerun.identical and session.events == () and session.periods > period
@@ -71,12 +73,13 @@ def refused(served):
 
 
 def knocks(served, **more):
-    """A connection that has not said hello."""
+    """A connection that has not said hello, of somebody with the token."""
     given = {
         "subprotocols": ["leadscrew.1"],
         "origin": f"http://{served.address}",
         "max_size": None,
         "close_timeout": 1.0,
+        "additional_headers": served.bearer,
     }
     return connect(f"ws://{served.address}/ws", **{**given, **more})
 
@@ -166,15 +169,16 @@ def test_a_second_page_cannot_take_control_nor_write(served, owner, undisturbed)
     eve.close()
 
 
-@pytest.mark.parametrize("token", [None, "", TOKEN[:-1], TOKEN + "x", TOKEN.upper()])
+@pytest.mark.parametrize("token", [None, "", TOKEN[:-1], TOKEN + "x", TOKEN.upper(), TOKEN])
 def test_a_wrong_token_opens_nothing(served, owner, undisturbed, token):
-    with knocks(served) as line:
-        line.send(json.dumps({"id": 1, "do": "hello", "name": "Eve", "token": token}))
-        assert json.loads(line.recv(timeout=5))["ok"] is False
-        with pytest.raises(ConnectionClosed):
-            line.recv(timeout=5)
-    for path in ("session.py", "session.toml", "report.html", "captures/x.csv"):
-        assert httpx.get(f"http://{served.address}/api/{path}", params={"token": token or ""}).status_code == 401
+    who = {} if token is None else {"authorization": f"Bearer x{token}", "cookie": f"leadscrew_{served.port}={token}"}
+    with pytest.raises(InvalidStatus) as refusal, knocks(served, additional_headers=who):
+        pass
+    assert refusal.value.response.status_code == 401 and b"open the link" in refusal.value.response.body
+    for path in ("", "static/app.js", "api/session.py", "api/session.toml", "api/report.html", "api/captures/x.csv"):
+        link = {"token": token or ""} if path or token != TOKEN else {}
+        reply = httpx.get(f"http://{served.address}/{path}", params=link, headers=who)
+        assert reply.status_code == 401 and "open the link" in reply.text
 
 
 def test_other_origins_hosts_and_protocols_do_not_get_a_line(served, owner, undisturbed):
@@ -209,6 +213,69 @@ def test_a_flood_is_cut_off_and_the_owner_keeps_control(served, owner, undisturb
     eve.drop()
     assert (served.folder / "audit.jsonl").stat().st_size - before < 300_000
     assert owner.did("ping", t=3.0) == {"t": 3.0}
+
+
+LATIN = b"\xff\xfe\xe9"
+OWN = b"Host: %s\r\nOrigin: http://%s\r\n%s"
+
+
+@pytest.mark.parametrize(
+    "frame", [LATIN, b'{"id":1,"do":"\xff"}', b"\xed\xa0\x80"], ids=["bytes", "in a text", "surrogate"]
+)
+@pytest.mark.parametrize("greets", [True, False])
+def test_a_text_that_is_no_utf8_ends_its_own_line_and_is_noted(served, owner, undisturbed, frame, greets):
+    with knocks(served) as line:
+        if greets:
+            line.send(json.dumps({"id": 1, "do": "hello", "name": "Eve"}))
+        line.send(frame, text=True)
+        with pytest.raises(ConnectionClosed) as closed:
+            while True:
+                line.recv(timeout=10)
+    assert closed.value.rcvd.code == 1007
+    owner.wait(lambda m: m.get("kind") == "audit" and "not UTF-8" in m["entry"]["error"], 10) if greets else None
+    while "not UTF-8" not in refused(served)[-1]["error"]:
+        time.sleep(0.05)
+
+
+@pytest.mark.parametrize(
+    "start",
+    [b"GET /" + LATIN + b" HTTP/1.1\r\n", b"GET /%ff%fe HTTP/1.1\r\n", b"GET /static/%ff%00 HTTP/1.1\r\n",
+     b"GET /static/" + b"a" * 5000 + b" HTTP/1.1\r\n", b"GET /?token=" + LATIN + b" HTTP/1.1\r\n",
+     b"GET /?token=%ff HTTP/1.1\r\n", b"GET /ws?%ff HTTP/1.1\r\nUpgrade: websocket\r\nConnection: Upgrade\r\n",
+     b"GET /ws HTTP/1.1\r\nConnection: Upgrade\r\nUpgrade: websocket\r\nSec-WebSocket-Version: 13\r\n"
+     b"Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\nSec-WebSocket-Protocol: " + LATIN + b"\r\n",
+     b"GET /ws HTTP/1.1\r\nConnection: Upgrade\r\nUpgrade: websocket\r\nSec-WebSocket-Key: " + LATIN + b"\r\n",
+     b"GET / HTTP/1.1\r\nUpgrade: " + LATIN + b"\r\nConnection: Upgrade\r\n",
+     b"GET / HTTP/1.1\r\nCookie: " + LATIN + b"\r\n", b"GET / HTTP/1.1\r\nX-" + LATIN + b": 1\r\n",
+     b"GET /static/app.js HTTP/1.1\r\nIf-None-Match: " + LATIN + b"\r\nIf-Modified-Since: " + LATIN + b"\r\n",
+     b"GET /static/app.js HTTP/1.1\r\nRange: bytes=" + LATIN + b"\r\n", LATIN + b" / HTTP/1.1\r\n",
+     b"POST /api/captures/%ff.csv HTTP/1.1\r\nContent-Length: 1\r\n",
+     b"POST /api/captures/" + LATIN + b".csv HTTP/1.1\r\nContent-Length: 1\r\n",
+     b"POST /api/captures/a.csv HTTP/1.1\r\nContent-Length: " + LATIN + b"\r\n",
+     b"POST /api/captures/a.csv HTTP/1.1\r\nLeadscrew-Secret: " + LATIN + b"\r\nContent-Length: 1\r\n"],
+)  # fmt: skip
+def test_a_request_that_is_no_utf8_gets_an_answer(served, owner, start):
+    for who in (b"", b"Authorization: Bearer " + TOKEN.encode() + b"\r\n"):
+        address = served.address.encode()
+        with socket.create_connection(("127.0.0.1", served.port), timeout=20) as line:
+            line.sendall(start + OWN % (address, address, who) + b"\r\nx")
+            assert line.recv(4096).startswith(b"HTTP/1.1 ")
+    assert owner.did("ping", t=5.0) == {"t": 5.0}
+
+
+def test_silent_connections_keep_nobody_out(served, owner, undisturbed):
+    lines = [socket.create_connection(("127.0.0.1", served.port), timeout=60) for _ in range(300)]
+    eve = served.page(name="Eve", secret="secret-of-eve-123456")
+    assert eve.did("ping", t=1.0) == {"t": 1.0} and served.get("").status_code == 200
+    assert "Ann has control" in eve.ask("stop")["error"]
+    eve.close()
+    ends = time.monotonic() + 60
+    while lines and time.monotonic() < ends:
+        owner.listen(0.2)
+        for line in select.select(lines, [], [], 0)[0]:
+            assert line.recv(1) == b""
+            lines.remove(line)
+    assert not lines, "the server ends them"
 
 
 def test_pieces_of_http_and_half_open_lines_hold_nothing_up(served, owner, undisturbed):

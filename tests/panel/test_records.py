@@ -107,12 +107,30 @@ def test_a_preset_never_leaves_its_folder(tmp_path, name):
      ('{"schema_version":1,"study":1,"controller":"b","values":{}}', "names"),
      ('{"schema_version":1,"study":"a","controller":"b","values":[]}', "table"),
      ('{"schema_version":1,"study":"a","controller":"b","values":{"k":NaN}}', "NaN"),
-     (" " * 300_000, "300000 bytes")],
+     (" " * 300_000, "more than 256000 bytes"),
+     ('{"schema_version":1,"study":"a","controller":"b","values":{"k":1e999}}', "beyond"),
+     ('{"schema_version":1,"study":"a","controller":"b","values":{"k":' + "9" * 4000 + "}}", "4000 digits"),
+     ('{"schema_version":1,"study":"a","controller":"b","values":{"k":' + "[" * 900 + "]" * 900 + "}}", "nested"),
+     ('{"schema_version":1,"study":"a","controller":"b","values":{"k":1,"k":2}}', "twice")],
 )  # fmt: skip
 def test_a_file_that_is_no_preset_is_refused(tmp_path, text, why):
     (tmp_path / "p.json").write_text(text)
     with pytest.raises(DataError, match=why):
         presets.load(tmp_path, "p")
+
+
+def test_a_preset_that_the_disk_does_not_give_or_take_is_refused_and_no_error_of_the_program(tmp_path, monkeypatch):
+    """An error of the program stops the machine."""
+    presets.save(presets.Preset("a", "b", {"k": 1.0}), tmp_path, "p")
+
+    def failing(*_, **__):
+        raise PermissionError(13, "Permission denied")
+
+    monkeypatch.setattr(Path, "open", failing)
+    monkeypatch.setattr(Path, "unlink", failing)
+    for act in (presets.load, presets.delete):
+        with pytest.raises(DataError, match=r"p\.json cannot be .*: Permission denied"):
+            act(tmp_path, "p")
 
 
 def test_a_preset_that_is_a_link_is_not_followed(tmp_path):

@@ -17,7 +17,7 @@ pytestmark = pytest.mark.slow
 
 
 def session_of(served, folder, name="session.toml"):
-    text = httpx.get(f"http://{served.address}/api/{name}", timeout=60).text
+    text = served.get(f"api/{name}").text
     path = folder / name
     path.write_text(text)
     return session_file.read(path)
@@ -45,10 +45,10 @@ def test_the_script_that_is_downloaded_makes_the_run_again(served, page, tmp_pat
     page.listen(0.5)
     page.did("stop")
     script = tmp_path / "session.py"
-    script.write_text(httpx.get(f"http://{served.address}/api/session.py", timeout=60).text)
+    script.write_text(served.get("api/session.py").text)
     done = subprocess.run([sys.executable, str(script)], capture_output=True, text=True, timeout=120)
     assert done.returncode == 0 and "identical" in done.stdout, done.stdout + done.stderr
-    report = httpx.get(f"http://{served.address}/api/report.html", timeout=120)
+    report = served.get("api/report.html")
     assert report.status_code == 200 and "corrected.vud_beta_e" in report.text and "<figure" in report.text
     page.did("session_save", name="kept")
     assert session_file.read(served.folder / "sessions" / "kept.toml") == session_of(served, tmp_path)
@@ -161,9 +161,11 @@ def test_a_capture_is_taken_kept_and_comes_back_with_the_same_bits(served, page)
         page.listen(0.3)
         back = next(f[4] for f in page.frames if f[0] == 3 and f[1] == number)
         np.testing.assert_array_equal(back, rows)
-        sent = httpx.get(f"http://{served.address}/api/captures/taken.{format}")
+        sent = served.get(f"api/captures/taken.{format}")
         assert sent.content == (served.folder / "captures" / f"taken.{format}").read_bytes()
-        headers = {"origin": f"http://{served.address}"}
+        headers = {
+            **served.bearer, "origin": f"http://{served.address}", "leadscrew-secret": "secret-of-this-test"
+        }  # fmt: skip
         url = f"http://{served.address}/api/captures/sent.{format}"
         assert httpx.post(url, content=sent.content, headers=headers).json()["rows"] == len(rows)
         assert httpx.post(url, content=b"nothing of the kind", headers=headers).status_code == 400

@@ -106,6 +106,7 @@ def test_a_page_whose_network_is_gone_without_a_word_is_noticed(served, page):
     with socket.create_connection(("127.0.0.1", served.port)) as silent:
         silent.sendall(
             f"GET /ws HTTP/1.1\r\nHost: {served.address}\r\nOrigin: http://{served.address}\r\nUpgrade: websocket\r\n"
+            f"Authorization: Bearer {served.token}\r\n"
             "Connection: Upgrade\r\nSec-WebSocket-Version: 13\r\nSec-WebSocket-Protocol: leadscrew.1\r\n"
             "Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n\r\n".encode()
         )

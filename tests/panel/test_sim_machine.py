@@ -12,7 +12,7 @@ import pytest
 
 from leadscrew.cli.panel import _spec
 from leadscrew.kernel.errors import NameUnknown, ValueRefused
-from leadscrew.operate import session_file
+from leadscrew.operate import capture_formats, capture_logs, captures, session_file
 from leadscrew.operate.session import Start
 from leadscrew.panel import describing, records, sim_machine
 from leadscrew.panel.frames import GHOST, LIVE
@@ -80,6 +80,29 @@ def test_a_controller_of_the_same_columns_is_told_to_the_page_and_so_is_the_way_
         did(machine, back, **({"why": "test"} if back == "safe" else {}))
     assert ("machine", {}) in machine.news() and machine.describe()["controller"] == "corrected.npid_um"
     assert machine._about["controller"] == "corrected.npid_um"
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("way", ["switch", "undo", "redo", "safe", "preset_load", "reset", "stop"])
+def test_a_view_that_is_open_while_held_is_of_the_controller_now_or_waits_for_its_first_period(tmp_path, way):
+    machine = begun(tmp_path, "vud_lathe", "corrected.vud_beta_e", "s_curve_m50")
+    did(machine, "preset_save", name="first")
+    did(machine, "start")
+    ran(machine, 20)
+    did(machine, "hold")
+    views = set(machine.describe()["views"])
+    assert views == set(machine.why(("rules", "sets", "phase"))["views"]) == {"rules", "sets"}
+    columns = machine.columns
+    did(machine, "switch", controller="ours.vud_fast")
+    assert machine.columns != columns, "else this test is of another case"
+    if way == "redo":
+        did(machine, "undo")
+    if way != "switch":
+        ran(machine, 20)
+        did(machine, way, **({"why": "test"} if way == "safe" else {"name": "first"} if way == "preset_load" else {}))
+    assert machine.why(("rules", "sets", "phase")) == {}
+    ran(machine, 1)
+    assert set(machine.why(("rules", "sets", "phase"))["views"]) == set(machine.describe()["views"])
 
 
 @pytest.mark.slow
@@ -229,6 +252,25 @@ def test_a_capture_says_whether_it_was_loaded(tmp_path):
     did(taking, "capture_load", name="a.csv")
     taken, loaded = (message["capture"] for _, message in taking.news())
     assert (taken["loaded"], loaded["loaded"]) == (False, True) and taken["rows"] == loaded["rows"] > 1
+
+
+@pytest.mark.parametrize("form", ["csv", *(pytest.param(f, marks=pytest.mark.slow) for f in ("parquet", "mat"))])
+def test_a_file_that_a_page_sends_or_opens_is_parsed_in_a_process_of_its_own(tmp_path, monkeypatch, form):
+    """What fills the memory or crashes its reader must not take the machine with it."""
+    rows = np.column_stack([np.arange(9) * 1e-3, np.arange(9.0)])
+    taken = captures.Capture("a", ("time", "feedback"), {"time": "s"}, 1e-3, 4, 2, rows, {"study": "x"})
+    sent = captures.save(taken, tmp_path / "elsewhere", "a", form)
+
+    def here(path):
+        raise AssertionError(f"{path} is parsed in the machine's process")
+
+    for module in (capture_formats, capture_logs):
+        monkeypatch.setattr(module, "read", here)
+    taking = Taking(tmp_path / "captures")
+    assert did(taking, "capture_receive", name=f"b.{form}", path=str(sent)) == {"name": "a", "rows": 9}
+    did(taking, "capture_load", name=f"b.{form}")
+    (seen,) = taking.held.values()
+    assert seen.rows.tobytes() == rows.tobytes() and {**vars(seen), "rows": 0} == {**vars(taken), "rows": 0}
 
 
 @pytest.mark.slow

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 import sys
 from dataclasses import replace
+from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -27,10 +29,10 @@ def panel(
     ] = None,
     controller: Annotated[str | None, typer.Option("--controller", "-c", help="What it begins with.")] = None,
     scenario: Annotated[str | None, typer.Option("--scenario", "-s", help="What is asked of the machine.")] = None,
-    host: Annotated[str, typer.Option(help="Address to serve; others than loopback demand a token.")] = "127.0.0.1",
+    host: Annotated[str, typer.Option(help="Address to serve; the default serves this computer alone.")] = "127.0.0.1",
     port: Annotated[int, typer.Option(min=0, max=65535, help="0 takes a free one.")] = 8420,
     token_file: Annotated[
-        Path | None, typer.Option(help="File with the token that pages have to give; a random one on other addresses.")
+        Path | None, typer.Option(help="File with the token of the printed link; without one, a new token each time.")
     ] = None,
     folder: Annotated[
         Path | None, typer.Option(help="For captures, presets, sessions and the log of who changed what.")
@@ -51,21 +53,30 @@ def panel(
 
     The machine is simulated: nothing moves. With --hal it is the one that LinuxCNC runs.
     """
+    from leadscrew.panel.gate import is_loopback
     from leadscrew.panel.serve import Options, serve, token_for
     from leadscrew.userfile import trusting
 
     place = (folder or _own_folder()).expanduser().absolute()
     spec = replace(_spec(study, controller, scenario, hal, place), trust=trusting())
-    options = Options(host, port, token_for(host, token_file), timeout, place)
+    options = Options(token_for(token_file), host, port, timeout, place)
+    if token_file is not None and os.name == "posix" and token_file.stat().st_mode & 0o077:
+        say(f"other users of this computer can read --token-file {token_file}: chmod 600 {token_file}")
+    leading = place / f"open-{os.getpid()}.html"
 
-    def said(address: str) -> None:
-        typer.echo(f"Operator panel: {address}")
+    def said(link: str) -> None:
+        typer.echo(f"Operator panel: {link}")
         typer.echo(f"{'LinuxCNC' if hal else 'Simulated machine: nothing moves'}. Files: {place}. Ctrl-C ends.")
         sys.stdout.flush()
-        if open_ or (open_ is None and not options.token and _on_desktop()):
-            _open(address)
+        if open_ or (open_ is None and is_loopback(host) and _on_desktop()):
+            _open(link, leading)
 
-    raise typer.Exit(serve(options, spec, said, typer.echo))
+    try:
+        code = serve(options, spec, said, typer.echo)
+    finally:
+        with contextlib.suppress(OSError):
+            leading.unlink()
+    raise typer.Exit(code)
 
 
 def _spec(study: str | None, controller: str | None, scenario: str | None, hal: Path | None, folder: Path) -> Spec:
@@ -116,12 +127,19 @@ def _on_desktop() -> bool:
     return sys.platform in ("win32", "darwin") or bool(os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"))
 
 
-def _open(address: str) -> None:
+def _open(link: str, leading: Path) -> None:
+    """Opens the link in a browser, by way of a file that only this user can read: any user of the computer can list the
+    command lines of browsers.
+    """
     import threading
     import webbrowser
 
+    leading.unlink(missing_ok=True)
+    with os.fdopen(os.open(leading, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600), "w", encoding="utf-8") as file:
+        file.write(f'<!doctype html><meta http-equiv="refresh" content="0; url={escape(link)}">\n')
+
     def work() -> None:
-        if not webbrowser.open(address):
-            say("no browser could be opened; open the address yourself")
+        if not webbrowser.open(leading.as_uri()):
+            say("no browser could be opened; open the link yourself")
 
     threading.Thread(target=work, daemon=True).start()

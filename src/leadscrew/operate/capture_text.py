@@ -14,6 +14,9 @@ from leadscrew import reading
 from leadscrew.kernel.errors import DataError, ValueRefused
 from leadscrew.operate.capture import Capture, check
 
+MOST_TEXT = 4_000_000
+"""Characters of what a capture says of itself."""
+
 
 def said_of(capture: Capture, variables: Sequence[str] | None = None) -> str:
     """All but the rows, as a line of ASCII."""
@@ -40,6 +43,8 @@ def _plain(value: Any) -> Any:
 
 def heard(path: Path, text: str) -> dict[str, Any]:
     """What the line of JSON says, each part of it of its type."""
+    if len(text) > MOST_TEXT:
+        raise DataError(f"{path}: says {len(text) / 1e6:.0f} MB of itself besides its rows; up to 4 MB are read")
     said = reading.json_of(text, f"{path}: what is said of the capture")
     kinds = {
         "name": str, "columns": list, "units": dict, "period_s": float | int, "first_period": int, "trigger_row": int,

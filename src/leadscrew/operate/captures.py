@@ -78,8 +78,12 @@ def save(capture: Capture, folder: str | Path, name: str, format: str = "parquet
     return path
 
 
-def load(path: str | Path) -> Capture:
+def load(path: str | Path, apart: bool = False) -> Capture:
     """The capture of a file that :func:`save` wrote, or any log or run folder that ``leadscrew.logs`` reads.
+
+    Args:
+        path: the file or folder.
+        apart: a file is read in a process of its own, whose memory and time are bounded. Large texts always are.
 
     Raises:
         DataError: there is none, it is broken, is larger than 50 MB, or holds no rows or no sampling period.
@@ -95,7 +99,7 @@ def load(path: str | Path) -> Capture:
         raise DataError(
             f"{where}: {size / 1e6:.0f} MB; captures up to {MOST_BYTES / 1e6:.0f} MB are read: cut it into parts"
         )
-    if size and capture_apart.is_large_text(where):
+    if size and (apart or capture_apart.is_large_text(where)):
         return capture_apart.read(where)
     return (capture_formats.read(where) if size else None) or capture_logs.read(where)
 
@@ -128,8 +132,10 @@ def find(folder: str | Path, name: object) -> Path:
     return Path(folder) / fits[0]
 
 
-def received(folder: str | Path, name: object, data: bytes, replace: bool = False) -> Capture:
+def received(folder: str | Path, name: object, data: bytes, replace: bool = False, apart: bool = False) -> Capture:
     """Keeps a file that was sent, under its name with a suffix, if it can be read as a capture; gives the capture.
+
+    ``apart``: as :func:`load`.
 
     Raises:
         ValueRefused: a name that is not allowed, or of another suffix; more than 50 MB.
@@ -148,7 +154,7 @@ def received(folder: str | Path, name: object, data: bytes, replace: bool = Fals
         tried = Path(beside) / known
         newfile.save(data, tried, durable=False)
         try:
-            capture = load(tried)
+            capture = load(tried, apart)
         except DataError as problem:
             raise DataError(str(problem).replace(str(tried), known)) from None
     newfile.save(data, path)

@@ -24,8 +24,14 @@ from leadscrew.panel.plain import text_of
 
 WEB = Path(__file__).parent / "web"
 PROTOCOL = "leadscrew.1"
-HELLO_S, WRONG_S = 5.0, 0.25
-"""How long a page may take to say who it is, and how long the answer to a wrong token takes."""
+HELLO_S = 5.0
+"""How long a page may take to say who it is."""
+BROKEN = {
+    1002: "no sound WebSocket frame; the connection was closed",
+    1007: "a text that is not UTF-8; the connection was closed",
+    1009: "a message of more than 64 KB; the connection was closed",
+}
+"""Why the server ends a line by itself, by the close code."""
 
 
 def application(hub: Hub, gate: Gate, folder: Path, begun: Callable[[], None] | None = None) -> Door:
@@ -46,7 +52,7 @@ def application(hub: Hub, gate: Gate, folder: Path, begun: Callable[[], None] | 
         Route("/", page),
         Mount("/static", StaticFiles(directory=WEB)),
         *downloads.routes(),
-        WebSocketRoute("/ws", lines(hub, gate)),
+        WebSocketRoute("/ws", lines(hub)),
     ]
     return Door(Starlette(routes=routes, lifespan=life), gate, lambda scope, text: _note_refused(hub, scope, text))
 
@@ -59,7 +65,7 @@ async def page(_: Request) -> Response:
     return FileResponse(index, media_type="text/html; charset=utf-8")
 
 
-def lines(hub: Hub, gate: Gate) -> Callable[[WebSocket], Awaitable[None]]:
+def lines(hub: Hub) -> Callable[[WebSocket], Awaitable[None]]:
     """The WebSocket's end."""
 
     async def line(socket: WebSocket) -> None:
@@ -72,7 +78,7 @@ def lines(hub: Hub, gate: Gate) -> Callable[[WebSocket], Awaitable[None]]:
             await socket.close(1013)
             return
         await socket.accept(subprotocol=PROTOCOL)
-        since = await _greet(hub, gate, socket, client)
+        since = await _greet(hub, socket, client)
         if client.number not in hub.clients:
             return
         hub.welcome(client, since)
@@ -81,22 +87,20 @@ def lines(hub: Hub, gate: Gate) -> Callable[[WebSocket], Awaitable[None]]:
     return line
 
 
-async def _greet(hub: Hub, gate: Gate, socket: WebSocket, client: Client) -> float | None:
-    """The first message: who it is, and the token; a page that may not come in hears why, and nothing else."""
+async def _greet(hub: Hub, socket: WebSocket, client: Client) -> float | None:
+    """The first message: who it is; a page that may not come in hears why, and nothing else."""
     try:
         async with asyncio.timeout(HELLO_S):
             message = await socket.receive()
         if message["type"] == "websocket.disconnect":
+            if why := BROKEN.get(message.get("code", 0)):
+                raise Refused(why)
             return None
         if message.get("text") is None:
             raise Refused("the first message has to be a hello, as text")
         hello = parse(message["text"])
         if not isinstance(hello, Hello):
             raise Refused("say hello first", hello.id, hello.do)
-        if not gate.knows_token(hello.token):
-            await asyncio.sleep(WRONG_S)
-            raise Refused("the token is missing or wrong; open the address with the token that the server printed",
-                          hello.id, "hello")  # fmt: skip
     except TimeoutError:
         refused = Refused(f"no hello came within {HELLO_S:g} s")
     except Refused as error:
@@ -131,8 +135,8 @@ async def _listen(hub: Hub, socket: WebSocket, client: Client) -> None:
     while True:
         message = await socket.receive()
         if message["type"] == "websocket.disconnect":
-            if message.get("code") == 1009:
-                hub.refuse(client, "a message of more than 64 KB; the connection was closed", None, "message")
+            if why := BROKEN.get(message.get("code", 0)):
+                hub.refuse(client, why, None, "message")
             return
         if message.get("text") is None:
             hub.refuse(client, "binary messages are not taken", None, "message")

@@ -28,6 +28,11 @@ class Control:
         """Whether this client has control."""
         return self.writer is not None and self.writer.client == client
 
+    def is_of(self, secret: str) -> bool:
+        """Whether the page of this secret has control, and is there."""
+        found = self.writer
+        return found is not None and found.client is not None and _same(found.secret, secret)
+
     def take(self, client: int, name: str, secret: str) -> str:
         """Gives control where it is free; empty, or the sentence why not."""
         if self.has(client):
@@ -46,9 +51,7 @@ class Control:
         None where this is another page.
         """
         found = self.writer
-        if found is None or not secret or not found.secret:
-            return None
-        if not hmac.compare_digest(found.secret.encode("utf-8", "replace"), secret.encode("utf-8", "replace")):
+        if found is None or not _same(found.secret, secret):
             return None
         before, found.client = found.client, client
         return -1 if before is None else before
@@ -77,6 +80,12 @@ class Control:
         """For the ``state`` message; the id is 0 while the page is lost."""
         found = self.writer
         return None if found is None else {"id": found.client or 0, "name": found.name}
+
+
+def _same(one: str, other: str) -> bool:
+    """Whether two secrets are the same; no secret is the same as none."""
+    both = (one.encode("utf-8", "replace"), other.encode("utf-8", "replace"))
+    return bool(one) and hmac.compare_digest(*both)
 
 
 __all__ = ["Control", "Writer"]

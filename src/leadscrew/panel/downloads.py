@@ -24,10 +24,12 @@ MOST_BYTES = 50_000_000
 REPORT_S = 300.0
 RECEIVE_S = 60.0
 """How long a capture may be on its way; others wait for it."""
+SECRET = "leadscrew-secret"
+"""Header of an upload: the secret of the page that sends it, which has to have control."""
 
 
 class Downloads:
-    """The routes below ``/api``; the door has seen to the token."""
+    """The routes below ``/api``; the door has seen to who asks."""
 
     def __init__(self, hub: Hub, folder: Path) -> None:
         self.hub, self.folder = hub, folder
@@ -87,6 +89,8 @@ class Downloads:
                 400,
                 f"{name[:80]!r} is no name of a capture: letters, digits, blanks and _ . -, with its suffix",
             )
+        if why := self.hub.no_control(self.hub.control.is_of(request.headers.get(SECRET, ""))):
+            return self._no(request, 403, f"capture_receive: {why}")
         if self._uploading.locked():
             return self._no(request, 409, "another capture is on its way already; a moment")
         async with self._uploading:

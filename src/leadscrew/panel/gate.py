@@ -1,7 +1,8 @@
-"""Who may come in: the address that was served, pages of this server, the token; and no more than a person can do."""
+"""Who may come in: the address that was served, pages of this server, who opened its link; and at a person's pace."""
 
 from __future__ import annotations
 
+import hashlib
 import hmac
 import ipaddress
 import secrets
@@ -10,6 +11,7 @@ import time
 from collections.abc import Awaitable, Callable, Iterable, MutableMapping
 from dataclasses import dataclass, field
 from typing import Any
+from urllib.parse import parse_qs
 
 Scope = MutableMapping[str, Any]
 Receive = Callable[[], Awaitable[MutableMapping[str, Any]]]
@@ -18,6 +20,11 @@ Send = Callable[[MutableMapping[str, Any]], Awaitable[None]]
 LOOPBACK = ("127.0.0.1", "localhost", "[::1]")
 PER_S, BURST = 60.0, 120.0
 """Messages a second that a client may send, and how many at once."""
+NOT_OPENED = "open the link that leadscrew panel printed when it started: this browser has not opened it"
+OPENED = b"""<!doctype html><html lang="en"><meta charset="utf-8"><title>Leadscrew panel</title>
+<meta http-equiv="refresh" content="0; url=/"><p><a href="/">To the panel</a></p></html>"""
+"""The answer to the link where a file or a page of another site led to it. It leads on by itself: browsers send no
+strict cookie with the redirected request of such a link."""
 
 
 def is_loopback(host: str) -> bool:
@@ -35,12 +42,13 @@ class Gate:
     """What is asked of every request.
 
     ``host``: the address served; a wildcard one is met under any address of this computer given in numbers, and under
-    its name. A name that somebody else's DNS points here (rebinding) is refused.
+    its name. A name that somebody else's DNS points here (rebinding) is refused. ``token``: whoever gives it comes in;
+    with an empty one, nobody does.
     """
 
     host: str
     port: int
-    token: str = ""
+    token: str
 
     def knows_host(self, header: str) -> bool:
         """Whether a Host header names this server."""
@@ -60,20 +68,41 @@ class Gate:
         return origin.lower() == f"http://{host_header.lower()}" and self.knows_host(host_header)
 
     def knows_token(self, given: str | None) -> bool:
-        """Whether the token is right, in a time that says nothing about it; true where none is needed."""
-        if not self.token:
-            return True
-        return hmac.compare_digest((given or "").encode("utf-8", "replace"), self.token.encode())
+        """Whether the token is right, in a time that says nothing about it."""
+        return bool(self.token) and _same(given or "", self.token)
 
-    def token_of(self, scope: Scope) -> str | None:
-        """The token of a request: ``Authorization: Bearer``; never in an address, which browsers and proxies keep."""
-        header = _header(scope, b"authorization")
-        return header[7:].strip() if header.lower().startswith("bearer ") else None
+    @property
+    def cookie(self) -> tuple[str, str]:
+        """Name and value of the cookie of a browser that opened the link. Browsers send it to every port of the host:
+        the name has the port, and the token cannot be had from the value.
+        """
+        value = hmac.new(self.token.encode(), b"leadscrew panel", hashlib.sha256).hexdigest()
+        return f"leadscrew_{self.port}", value
+
+    def opens(self, scope: Scope) -> bool:
+        """Whether a request is for the link: ``/?token=...`` with the right token."""
+        if scope["type"] != "http" or scope["method"] != "GET" or scope["path"] != "/":
+            return False
+        given = parse_qs(scope["query_string"].decode("latin-1")).get("token", [])
+        return len(given) == 1 and self.knows_token(given[0])
+
+    def admits(self, scope: Scope) -> bool:
+        """Whether a request has the cookie, or, of a program, the token: ``Authorization: Bearer ...``."""
+        bearer = _header(scope, b"authorization")
+        if bearer[:7].lower() == "bearer " and self.knows_token(bearer[7:].strip()):
+            return True
+        name, value = self.cookie
+        given = (part.partition("=") for part in _header(scope, b"cookie").split(";"))
+        return bool(self.token) and any(key.strip() == name and _same(own.strip(), value) for key, _, own in given)
 
 
 def new_token() -> str:
     """A token that nobody guesses."""
     return secrets.token_urlsafe(24)
+
+
+def _same(given: str, wanted: str) -> bool:
+    return hmac.compare_digest(given.encode("utf-8", "replace"), wanted.encode())
 
 
 @dataclass
@@ -96,7 +125,7 @@ class Rate:
 
 
 class Door:
-    """ASGI around the application: Host of everything, Origin of what acts, token of ``/api``, headers on answers."""
+    """ASGI around the application: Host and cookie of everything, Origin of what acts, headers on answers."""
 
     def __init__(self, app: Any, gate: Gate, refused: Callable[[Scope, str], None]) -> None:
         self.app, self.gate, self.refused = app, gate, refused
@@ -112,20 +141,38 @@ class Door:
             self.refused(scope, text)
             await _deny(scope, receive, send, status, text, _headers(""))
             return
+        if self.gate.opens(scope):
+            await self._welcome(scope, send, _headers(host))
+            return
         await self.app(scope, receive, _with_headers(send, _headers(host)) if scope["type"] == "http" else send)
+
+    async def _welcome(self, scope: Scope, send: Send, headers: list[tuple[bytes, bytes]]) -> None:
+        """The answer to the link: the cookie, and on to the address without the token."""
+        name, value = self.gate.cookie
+        kept = [(k, v) for k, v in headers if k != b"cache-control"]
+        cookie = f"{name}={value}; Path=/; HttpOnly; SameSite=Strict".encode()
+        head = [
+            (b"content-type", b"text/html; charset=utf-8"),
+            (b"cache-control", b"no-store"),
+            (b"set-cookie", cookie),
+        ]
+        direct = _header(scope, b"sec-fetch-site") in ("none", "same-origin")
+        if direct:
+            head.append((b"location", b"/"))
+        await send({"type": "http.response.start", "status": 303 if direct else 200, "headers": [*kept, *head]})
+        await send({"type": "http.response.body", "body": b"" if direct else OPENED})
 
     def _judge(self, scope: Scope, host: str) -> tuple[int, str]:
         """Status and sentence of a refusal; an empty one lets in."""
         if not self.gate.knows_host(host):
-            return 421, "this server is not known under the address asked; open the address that it printed"
+            return 421, "this server is not known under the address asked; open the link that leadscrew panel printed"
         acts = scope["type"] == "websocket" or scope["method"] not in ("GET", "HEAD")
         if acts and not self.gate.knows_origin(_header(scope, b"origin"), host):
             return 403, "only pages of this panel may ask this (the Origin is another one, or missing)"
         if scope["path"].startswith("/api/") and _header(scope, b"sec-fetch-site") not in ("", "none", "same-origin"):
             return 403, "only pages of this panel may ask this (another site's page asked)"
-        needs = scope["type"] == "http" and scope["path"].startswith("/api/")
-        if needs and not self.gate.knows_token(self.gate.token_of(scope)):
-            return 401, "the token is missing or wrong; open the address with the token that the server printed"
+        if not self.gate.opens(scope) and not self.gate.admits(scope):
+            return 401, NOT_OPENED
         return 200, ""
 
 
@@ -174,6 +221,8 @@ async def _deny(
             return
         kind = "websocket.http"
     head = [*headers, (b"content-type", b"text/plain; charset=utf-8")]
+    if status == 401:
+        head.append((b"www-authenticate", b"Bearer"))
     await send({"type": f"{kind}.response.start", "status": status, "headers": head})
     await send({"type": f"{kind}.response.body", "body": text.encode()})
 

@@ -18,7 +18,6 @@ from leadscrew.panel.relay import Relay, notice
 if TYPE_CHECKING:
     from leadscrew.panel.audit import Audit
     from leadscrew.panel.control import Writer
-    from leadscrew.panel.gate import Gate
 
 MOST_CLIENTS = 32
 MOST_OVER = 1000
@@ -43,9 +42,8 @@ class Refusals:
 class Hub(Relay):
     """Between the WebSockets and the machine's process."""
 
-    def __init__(self, link: Link, audit: Audit, gate: Gate, timeout_s: float) -> None:
+    def __init__(self, link: Link, audit: Audit, timeout_s: float) -> None:
         super().__init__(link, audit, timeout_s)
-        self.gate = gate
         self._number = 0
         self._door = Rate(left=10.0, per_s=10.0, burst=10.0)
         self._refusals: dict[int, Refusals] = {}
@@ -114,12 +112,17 @@ class Hub(Relay):
         except Refused as refused:
             self.refuse(client, str(refused), refused.id, refused.do or "message", refused.key)
             return
-        if message.do in WRITERS and not self.control.has(client.number):
-            held = self.control.writer
-            why = f"{held.name} has control; this page watches" if held else "take control first"
+        if message.do in WRITERS and (why := self.no_control(self.control.has(client.number))):
             self.refuse(client, f"{message.do}: {why}", message.id, message.do)
             return
         await self._obey(client, message)
+
+    def no_control(self, has: bool) -> str:
+        """Why a page that has control, or has not, may not act; empty where it may."""
+        if has:
+            return ""
+        held = self.control.writer
+        return f"{held.name} has control; this page watches" if held else "take control first"
 
     def refuse(self, client: Client, error: str, id: int | None, do: str, key: str = "") -> None:
         """Says no, and notes it so seldom, of one page and of all, that nobody pushes out of the log what was done."""
@@ -140,7 +143,9 @@ class Hub(Relay):
             self.audit.note(what, who=address, ok=False, error=error)
 
     def note_http(self, request: Any, what: str, key: str = "", error: str = "") -> None:
-        """A file that was fetched or sent."""
+        """A file that was fetched or sent; refused ones as seldom as other refusals."""
+        if error and not self._noted.takes():
+            return
         address = request.client.host if request.client else ""
         entry = self.audit.note(what, who=address, t=self.state.get("t"), key=key, ok=not error, error=error)
         self._all(text_of({"kind": "audit", "entry": entry}))

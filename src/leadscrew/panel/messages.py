@@ -45,7 +45,6 @@ def _shown(name: str) -> str:
 
 class Hello(Message):
     name: Annotated[str, StringConstraints(min_length=1, max_length=40, strip_whitespace=True), AfterValidator(_shown)]
-    token: Annotated[str, StringConstraints(max_length=200)] | None = None
     secret: Annotated[str, StringConstraints(min_length=16, max_length=200)] | None = None
     since: Number | None = None
 
@@ -117,13 +116,14 @@ class Ping(Message):
 
 READERS: dict[str, type[Message]] = {
     "hello": Hello, "take": Message, "audit": Audit, "why": Why, "ping": Ping, "captures": Message,
-    "capture_load": CaptureLoad, "presets": Message,
+    "presets": Message,
 }  # fmt: skip
 """What every page may ask."""
 WRITERS: dict[str, type[Message]] = {
     "release": Message, "start": Message, "hold": Message, "stop": Message, "reset": Message, "speed": Speed,
     "machine": Machine, "switch": Switch, "set": Set, "undo": Message, "redo": Message, "compare": Compare,
     "disturb": Disturb, "arm": Arm, "disarm": Message, "force": Message, "capture_save": CaptureSave,
+    "capture_load": CaptureLoad,
     "preset_save": Named, "preset_load": Named, "preset_delete": Named, "session_save": Named,
 }  # fmt: skip
 """What only the page that has control may ask."""
@@ -142,7 +142,7 @@ def parse(text: str) -> Message:
     """The message as its model.
 
     Raises:
-        Refused: no message that is known; the sentence holds no value of a token or secret.
+        Refused: no message that is known; the sentence holds no value of a secret.
     """
     try:
         found = strict_json.loads(text)

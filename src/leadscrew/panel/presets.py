@@ -12,6 +12,7 @@ from typing import Any
 from leadscrew import newfile
 from leadscrew.kernel.errors import DataError, NameUnknown
 from leadscrew.kernel.sheet import nearest
+from leadscrew.panel import strict_json
 from leadscrew.panel.plain import plain
 
 MOST_BYTES = 256_000
@@ -53,17 +54,22 @@ def load(folder: Path, name: str) -> Preset:
 
     Raises:
         NameUnknown: there is none.
-        DataError: the file is no preset; says why.
+        DataError: the file cannot be read, or is no preset; says why.
     """
     path = _there(folder, name)
-    if path.stat().st_size > MOST_BYTES:
-        raise DataError(f"{path.name}: {path.stat().st_size} bytes; presets up to {MOST_BYTES} bytes are read")
     try:
-        table = json.loads(path.read_text(encoding="utf-8"), parse_constant=_refuse)
-    except (ValueError, RecursionError) as error:
+        with path.open("rb") as file:
+            data = file.read(MOST_BYTES + 1)
+    except OSError as error:
+        raise DataError(f"{path.name} cannot be read: {error.strerror or error}") from None
+    if len(data) > MOST_BYTES:
+        raise DataError(f"{path.name} has more than {MOST_BYTES} bytes, the most that a preset may have")
+    try:
+        table = strict_json.loads(data.decode("utf-8"))
+    except ValueError as error:
         raise DataError(f"{path.name} is no preset: {error}") from None
     known = {"schema_version", "study", "controller", "values"}
-    if not isinstance(table, dict) or set(table) != known or table["schema_version"] != 1:
+    if set(table) != known or table["schema_version"] != 1:
         raise DataError(f"{path.name} is no preset of version 1: it has to hold {', '.join(sorted(known))}")
     if not (isinstance(table["study"], str) and isinstance(table["controller"], str)):
         raise DataError(f"{path.name}: study and controller have to be names")
@@ -77,8 +83,13 @@ def delete(folder: Path, name: str) -> None:
 
     Raises:
         NameUnknown: there is none.
+        DataError: it cannot be removed.
     """
-    _there(folder, name).unlink()
+    path = _there(folder, name)
+    try:
+        path.unlink()
+    except OSError as error:
+        raise DataError(f"{path.name} cannot be removed: {error.strerror or error}") from None
 
 
 def _there(folder: Path, name: str) -> Path:
@@ -95,10 +106,6 @@ def _place(folder: Path, name: str) -> Path:
     if path.is_symlink():
         raise DataError(f"{path.name} is a link; choose another name")
     return path
-
-
-def _refuse(word: str) -> Any:
-    raise ValueError(f"{word} is no number")
 
 
 __all__ = ["NAME", "Preset", "delete", "load", "names", "save"]

@@ -18,9 +18,10 @@ from dataclasses import dataclass
 from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
+from urllib.parse import urlencode
 
 from leadscrew.kernel.errors import DataError, EngineError, ValueRefused
-from leadscrew.panel.gate import Gate, is_loopback, new_token
+from leadscrew.panel.gate import Gate, new_token
 
 SWEPT_S = 3600.0
 SILENT_S = 10.0
@@ -37,9 +38,9 @@ Say = Callable[[str], None]
 class Options:
     """Where the panel is served, and for whom."""
 
+    token: str
     host: str = "127.0.0.1"
     port: int = 8420
-    token: str = ""
     timeout_s: float = 30.0
     folder: Path = Path()
 
@@ -65,8 +66,8 @@ def bound(host: str, port: int) -> socket.socket:
         found.close()
         if error.errno == errno.EADDRINUSE:
             raise ValueRefused(
-                f"--port {port}: another program has it (perhaps a panel that runs already: open http://{host}:{port}/);"
-                " end that one, or give another port, --port 0 for a free one"
+                f"--port {port}: another program has it (perhaps a panel that runs already: open the link that it "
+                "printed); end that one, or give another port, --port 0 for a free one"
             ) from None
         if error.errno in (errno.EACCES, errno.EPERM):
             raise ValueRefused(f"--port {port}: this user may not serve there; give one from 1024 on") from None
@@ -75,14 +76,14 @@ def bound(host: str, port: int) -> socket.socket:
     return found
 
 
-def token_for(host: str, file: Path | None) -> str:
-    """The token: of the file, a new one where others can reach the address, none on loopback.
+def token_for(file: Path | None) -> str:
+    """The token: of the file, or a new one.
 
     Raises:
         DataError: the file cannot be read, or holds no token of 16 characters or more.
     """
     if file is None:
-        return "" if is_loopback(host) else new_token()
+        return new_token()
     try:
         text = file.read_text(encoding="utf-8").strip()
     except (OSError, ValueError) as error:
@@ -93,12 +94,12 @@ def token_for(host: str, file: Path | None) -> str:
 
 
 def address(options: Options, port: int) -> str:
-    """What to open; with the token in the fragment, which browsers send to nobody."""
+    """The link to open, with the token; its answer leads to the address without it."""
     host = options.host
     if host in ("0.0.0.0", "::"):
         host = socket.gethostname()
     host = f"[{host}]" if ":" in host and not host.startswith("[") else host
-    return f"http://{host}:{port}/" + (f"#token={options.token}" if options.token else "")
+    return f"http://{host}:{port}/?{urlencode({'token': options.token})}"
 
 
 def serve(options: Options, spec: Spec, said: Say, ended: Say) -> int:
@@ -144,7 +145,7 @@ def _over(options: Options, spec: Spec, say: tuple[Say, Say], listening: socket.
         from leadscrew.panel.hub import Hub
 
         gate = Gate(options.host, port, options.token)
-        hub = Hub(link, audit, gate, options.timeout_s)
+        hub = Hub(link, audit, options.timeout_s)
         asyncio.run(_run(application(hub, gate, options.folder), hub, listening))
     finally:
         link.close()
@@ -157,22 +158,31 @@ def _over(options: Options, spec: Spec, say: tuple[Say, Say], listening: socket.
 
 
 def sweep(folder: Path) -> None:
-    """Removes what uploads of an earlier panel have left, an hour old or more: another panel may share the folder."""
-    for left in [*folder.glob(".upload-*"), *folder.glob("captures/.upload-*")]:
+    """Removes what an earlier panel left of uploads and of opening a browser, an hour old or more: others may share the
+    folder.
+    """
+    for left in [*folder.glob(".upload-*"), *folder.glob("captures/.upload-*"), *folder.glob("open-*.html")]:
         with contextlib.suppress(OSError):
             if time.time() - left.stat().st_mtime > SWEPT_S:
                 shutil.rmtree(left) if left.is_dir() and not left.is_symlink() else left.unlink()
 
 
+STRANGERS = (
+    "ASGI callable returned without", "Exceeded concurrency limit", "Invalid HTTP request received",
+    "Invalid UTF-8 sequence received", "No supported WebSocket library", "Unsupported upgrade request",
+)  # fmt: skip
+"""How messages of the server begin that broken or refused requests cause: they are noted, or nobody's business."""
+
+
 def _is_news(record: logging.LogRecord) -> bool:
-    """Whether the terminal needs it: what strangers' broken or refused requests make the server say is noted already,
-    or nobody's business.
-    """
-    return not record.getMessage().startswith(("ASGI callable returned without", "Invalid HTTP request received"))
+    """Whether the terminal needs a message of the server."""
+    return not record.getMessage().startswith(STRANGERS)
 
 
 async def _run(app: Any, hub: Any, listening: socket.socket) -> None:
     import uvicorn
+
+    from leadscrew.panel.connections import REQUEST_S, Connection
 
     class Server(uvicorn.Server):
         """Signals are ours."""
@@ -182,9 +192,9 @@ async def _run(app: Any, hub: Any, listening: socket.socket) -> None:
 
     logging.getLogger("uvicorn.error").addFilter(_is_news)
     config = uvicorn.Config(
-        app, lifespan="on", log_config=None, access_log=False, ws="websockets-sansio", http="h11", loop="asyncio",
+        app, lifespan="on", log_config=None, access_log=False, ws="websockets-sansio", http=Connection, loop="asyncio",
         ws_max_size=65_536, ws_ping_interval=5.0, ws_ping_timeout=10.0, ws_per_message_deflate=False,
-        timeout_graceful_shutdown=2, server_header=False, timeout_keep_alive=30, limit_concurrency=200,
+        timeout_graceful_shutdown=2, server_header=False, timeout_keep_alive=int(REQUEST_S), limit_concurrency=200,
     )  # fmt: skip
     server = Server(config)
 

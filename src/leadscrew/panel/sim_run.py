@@ -51,7 +51,6 @@ class SimRun:
         self._told: dict[str, Any] = {}
         self._defaults: dict[str, Any] = {}
         """Of what runs after a stop or reset began with another value of."""
-        self._row: np.ndarray | None = None
         self._compare = "previous"
         self._news: list[tuple[str, dict[str, Any]]] = []
         self.pacer = Pacer(1e-3)
@@ -96,7 +95,6 @@ class SimRun:
         operated = self._here()
         first = operated.period - len(rows)
         if len(rows):
-            self._row = rows[-1]
             self.whys.feed(operated, rows)
         self.taking.feed(first, rows, self._about)
         self.figures.feed(rows)
@@ -113,9 +111,9 @@ class SimRun:
 
     def why(self, views: tuple[str, ...]) -> dict[str, Any]:
         """The views named, now."""
-        if self._operated is None or self._row is None:
+        if self._operated is None:
             return {}
-        found = self.whys.look(self._operated, self._row, views)
+        found = self.whys.look(self._operated, views)
         return {"t": self._operated.period * self._operated.period_s, "views": found} if found else {}
 
     def fail(self, text: str) -> None:
@@ -162,7 +160,7 @@ class SimRun:
         speed = self.pacer.speed
         self.pacer = Pacer(operated.period_s)
         self.pacer.speed = speed
-        self._row, self.message = None, ""
+        self.message = ""
         self._operated.compare(self._compare)
         self._refit()
         self.running = self._next

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import threading
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from datetime import UTC, datetime
 from pathlib import Path
@@ -63,8 +63,7 @@ class Taking:
         if do == "capture_load":
             return self._load(captures.find(self.folder, args["name"]))
         if do == "capture_receive":
-            data = Path(args["path"])
-            return Later(lambda: captures.received(self.folder, args["name"], data.read_bytes()), self._received)
+            return self._receive(args["name"], Path(args["path"]))
         if do == "capture_save":
             return self._save(args)
         if self.scope is None:
@@ -100,17 +99,22 @@ class Taking:
         return Later(work, lambda path: {"name": path.name, "bytes": path.stat().st_size})
 
     def _load(self, path: Path) -> Later:
-        """One at a time, so that pages that ask for many do not fill the memory."""
+        return Later(lambda: self._alone(lambda: captures.load(path, apart=True)), self._loaded)
 
+    def _receive(self, name: str, sent: Path) -> Later:
         def work() -> Capture:
-            if not self._loading.acquire(blocking=False):
-                raise DataError("another capture is being loaded; a moment")
-            try:
-                return captures.load(path)
-            finally:
-                self._loading.release()
+            return captures.received(self.folder, name, sent.read_bytes(), apart=True)
 
-        return Later(work, self._loaded)
+        return Later(lambda: self._alone(work), self._received)
+
+    def _alone(self, read: Callable[[], Capture]) -> Capture:
+        """Files are read one at a time, so that those who ask for many do not fill the memory."""
+        if not self._loading.acquire(blocking=False):
+            raise DataError("another capture is being loaded; a moment")
+        try:
+            return read()
+        finally:
+            self._loading.release()
 
     def _loaded(self, capture: Capture) -> dict[str, Any]:
         return {"capture": self._show(capture, loaded=True)}

@@ -27,18 +27,24 @@ class Whys:
         """Why there is no view, where there is none."""
         self.views = (*self.explainer.views, *(("circle",) if self.circle else ()))
         self._columns = list(operated.columns)
+        self._row: np.ndarray | None = None
+        """The last row under this controller; none before its first period."""
 
     def feed(self, operated: Operated, rows: np.ndarray) -> None:
-        """Rows of the machine, all columns."""
+        """Rows of the machine under this controller, at least one, all columns."""
+        self._row = rows[-1]
         if self.circle is not None:
             self.circle.feed(rows, _loops(operated))
 
-    def look(self, operated: Operated, row: np.ndarray, views: tuple[str, ...]) -> dict[str, Any]:
-        """The views named that there are, now."""
+    def look(self, operated: Operated, views: tuple[str, ...]) -> dict[str, Any]:
+        """The views named that there are, now; none before the first period under this controller."""
+        if self._row is None:
+            return {}
         wanted = tuple(v for v in views if v in self.explainer.views)
         found: dict[str, Any] = {}
         if wanted:
-            found = self.explainer.look(operated.live, dict(zip(self._columns, row.tolist(), strict=True)), wanted)
+            row = dict(zip(self._columns, self._row.tolist(), strict=True))
+            found = self.explainer.look(operated.live, row, wanted)
         if "circle" in views and self.circle is not None:
             found = {**found, "circle": self.circle.look()}
         return plain(found)

@@ -40,8 +40,7 @@ class View:
         page.on("pageerror", lambda error: self.wrong.append(f"error in the page: {error}"))
         page.on("console", lambda said: self.wrong.append(said.text) if said.type == "error" else None)
         page.on("requestfailed", lambda request: self.wrong.append(f"not loaded: {request.url}"))
-        token = f"#token={served.token}" if served.token else ""
-        page.goto(f"http://{served.address}/{token}")
+        page.goto(served.link)
         self.until("panel.machine && panel.state && panel.state.running !== 'building'")
 
     def js(self, expression: str, argument: Any = None) -> Any:
@@ -124,6 +123,15 @@ class Browsers:
             missing("chromium", "playwright is not installed: pip install leadscrew[dev]")
         self._driver = sync_playwright().start()
         self._chromium = self._driver.chromium.launch(executable_path=path, headless=True, args=["--no-sandbox"])
+
+    @contextmanager
+    def context(self) -> Iterator[Any]:
+        """A browser that knows nothing of the others and has opened nothing."""
+        own = self._chromium.new_context()
+        try:
+            yield own
+        finally:
+            own.close()
 
     @contextmanager
     def view(self, served: Served, script: str = "", **context: Any) -> Iterator[View]:

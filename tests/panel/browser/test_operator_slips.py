@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import webbrowser
 from pathlib import Path
 
 import pytest
 
+from leadscrew.cli.panel import _open
 from tests.panel.browser.chrome import Browsers
 from tests.panel.served import Served
 
@@ -85,6 +87,73 @@ def test_a_run_that_is_lost_shows_how_and_its_notices_go_with_the_next_one(brows
         assert view.page.locator(".notice.error").count() == 0
 
 
+def test_hold_then_why_then_another_controller_shows_the_new_one_as_soon_as_it_runs(
+    browsers: Browsers, served: Served
+) -> None:
+    with browsers.view(served) as view:
+        view.choose("vud_lathe")
+        view.start()
+        view.simulate(0.3)
+        view.page.click("#hold")
+        view.until("panel.state.running === 'held'")
+        view.show("why")
+        view.page.select_option("#choose-controller", "ours.vud_fast")
+        view.until("panel.machine.controller === 'ours.vud_fast'")
+        view.page.wait_for_timeout(500)
+        assert "cannot be shown" not in view.page.inner_text("#notices")
+        view.start()
+        view.page.locator(".why-cards tr, .why-cards li, .why-cards canvas, .why-cards svg").first.wait_for()
+        view.until("panel.state.t > 0.5")
+        assert "cannot be shown" not in view.page.inner_text("#notices")
+
+
+def test_after_the_link_the_address_is_clean_and_a_reload_and_a_second_tab_are_let_in(
+    browsers: Browsers, served: Served
+) -> None:
+    with browsers.view(served) as view:
+        assert view.page.url == f"http://{served.address}/"
+        assert view.js("() => document.cookie") == "", "no script of the page sees it"
+        view.page.reload()
+        view.until("window.panel?.machine && panel.connected")
+        other = view.page.context.new_page()
+        other.goto(f"http://{served.address}/")
+        for page in (view.page, other):
+            assert page.evaluate("() => performance.getEntriesByType('navigation')[0].name") == view.page.url
+        assert other.evaluate("async () => (await fetch('api/captures/none.csv')).status") == 404
+        view.wrong.clear()  # that answer is an error at the console
+    with browsers.context() as stranger:
+        page = stranger.new_page()
+        assert "open the link that leadscrew panel printed" in page.goto(f"http://{served.address}/").text()
+
+
+def test_a_browser_that_is_opened_by_a_file_with_the_link_is_let_in(
+    browsers: Browsers, served: Served, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(webbrowser, "open", lambda address: True)
+    _open(served.link, tmp_path / "open.html")
+    with browsers.context() as own:
+        page = own.new_page()
+        page.goto((tmp_path / "open.html").as_uri())
+        page.locator("#badge:text('SIMULATED')").wait_for()
+        assert page.url == f"http://{served.address}/"
+
+
+def test_a_page_of_an_earlier_panel_says_that_there_is_another_link(browsers: Browsers, tmp_path: Path) -> None:
+    panel = Served(tmp_path, "vud_lathe")
+    try:
+        with browsers.view(panel) as view:
+            view.page.context.clear_cookies()
+            view.js("() => panel.drop()")
+            view.page.locator("#refused[open]").wait_for()
+            assert "open the link that leadscrew panel printed" in view.page.inner_text("#refused")
+            view.page.context.new_page().goto(panel.link)
+            view.page.click("#refused button")
+            view.until("panel.connected && !document.querySelector('#refused').open")
+            view.wrong.clear()  # the refusals
+    finally:
+        panel.end()
+
+
 def test_with_a_token_files_are_fetched_without_it_in_the_address(browsers: Browsers, tmp_path: Path) -> None:
     token = tmp_path / "token"
     token.write_text("a-token-of-the-test-0123456789\n")
@@ -93,6 +162,8 @@ def test_with_a_token_files_are_fetched_without_it_in_the_address(browsers: Brow
         with browsers.view(panel) as view:
             asked: list[str] = []
             view.page.on("request", lambda request: asked.append(request.url))
+            view.page.goto(f"http://{panel.address}/")
+            view.until("window.panel?.machine && panel.connected")
             view.choose("vud_lathe")
             view.start()
             view.simulate(0.3)

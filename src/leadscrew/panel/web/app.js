@@ -13,7 +13,7 @@ import { mountTabs } from "./tabs.js";
 import { mountTop } from "./top.js";
 import { mountNotices } from "./notices.js";
 import { ownSecret } from "./secret.js";
-import { mountToken, rememberedToken } from "./token.js";
+import { mountRefused } from "./refused.js";
 import { Latency } from "./timing.js";
 
 const OTHERS = [
@@ -31,8 +31,6 @@ function remembered(store, key, make) {
   }
 }
 
-let secret = null; // known before the first message
-
 const listeners = new Map();
 
 export const panel = {
@@ -46,7 +44,7 @@ export const panel = {
   connected: false,
   you: null, // number of this client
   name: remembered(localStorage, "leadscrew.name", () => `Operator ${10 + Math.floor(Math.random() * 90)}`),
-  token: rememberedToken(),
+  secret: null, // of this page, known before its first message; it gives control back after a lost connection
   view: "live", // the tab shown
   measures: { fps: 0, latency_ms: [] },
 
@@ -91,7 +89,7 @@ export const panel = {
     }
   },
 
-  hello: () => connection.again(), // the line anew, with another token
+  hello: () => connection.again(), // the line anew, with another name
   drop: () => connection.socket?.close(), // as if the line was lost, for tests
 };
 
@@ -174,12 +172,16 @@ function setWriter(is) {
 const scheme = location.protocol === "https:" ? "wss:" : "ws:";
 const connection = new Connection(`${scheme}//${location.host}/ws`, {
   hello: () => ({
-    name: panel.name, token: panel.token, secret,
+    name: panel.name, secret: panel.secret,
     since: panel.history.serial && historyRun === panel.machine?.run ? panel.history.last + 1 : null,
   }),
   onHello: (result) => {
     panel.you = result.you;
     setWriter(Boolean(result.writer));
+  },
+  shut: async () => {
+    const answer = await fetch("./", { cache: "no-store" }).catch(() => null);
+    return answer?.status === 401 ? answer.text() : "";
   },
   onRefused: (error) => panel.emit("link", { link: "refused", text: error.message }),
   onText,
@@ -201,7 +203,7 @@ mountDisturb(at("part-disturb"), panel);
 mountNotices(at("notices"), panel);
 mountKeyboard(at("keys"), panel);
 mountOptions(at("run-options"), panel);
-mountToken(at("token"), panel);
+mountRefused(at("refused"), panel);
 for (const [file, mount, id] of OTHERS) {
   import(`./${file}`).then((part) => part[mount](at(id), panel)).catch((error) => {
     console.error(`panel: ${file}`, error);
@@ -211,6 +213,6 @@ for (const [file, mount, id] of OTHERS) {
 
 window.panel = panel; // for tests and for people at the console
 ownSecret().then((own) => {
-  secret = own;
+  panel.secret = own;
   connection.open();
 });

@@ -27,7 +27,8 @@ export function frameOf(buffer) {
 
 export class Connection {
   /**
-   * @param {object} handlers hello() -> what the first message says; onHello(result), onRefused(error), onText(object),
+   * @param {object} handlers hello() -> what the first message says; shut() -> a promise of the sentence why the server
+   *   lets this page in no more, "" where it does or is not there; onHello(result), onRefused(error), onText(object),
    *   onFrame(frame), onLink("connecting" | "open" | "lost", text)
    */
   constructor(url, handlers) {
@@ -50,7 +51,18 @@ export class Connection {
     this.heard = performance.now();
     socket.onopen = () => this.greet(socket);
     socket.onmessage = (message) => { if (socket === this.socket) this.take(message.data); };
-    socket.onclose = (event) => { if (socket === this.socket) this.lost(event.reason); };
+    socket.onclose = (event) => { if (socket === this.socket) this.closed(socket, event.reason); };
+  }
+
+  /** The line ended. A browser does not tell a page why it got no line; that is asked for. */
+  async closed(socket, reason) {
+    const why = this.ready || this.refused ? "" : await this.handlers.shut();
+    if (socket !== this.socket) return;
+    if (why) {
+      this.refused = true;
+      this.handlers.onRefused(new Error(why));
+    }
+    this.lost(reason);
   }
 
   async greet(socket) {
@@ -116,7 +128,7 @@ export class Connection {
     this.later = setTimeout(() => this.open(), wait);
   }
 
-  /** Opens the line anew at once (another name, another token). */
+  /** Opens the line anew at once (another name). */
   again() {
     this.refused = false;
     const socket = this.socket;

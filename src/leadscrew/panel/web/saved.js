@@ -11,15 +11,10 @@ export function savedOf(panel) {
   return stores.get(panel);
 }
 
-/** What a request says so that it is let in: the token never stands in an address, which browsers and proxies keep. */
-export function admission(panel) {
-  return panel.token ? { Authorization: `Bearer ${panel.token}` } : {};
-}
-
 /** Fetches a file of the server and hands it to the browser; gives its name and size, or null with a notice why not. */
 export async function download(panel, path, name) {
   try {
-    const answer = await fetch(path, { headers: admission(panel) });
+    const answer = await fetch(path);
     if (!answer.ok) throw new Error(`${name}: ${await refusal(answer)}`);
     const given = /filename="([^"]+)"/.exec(answer.headers.get("Content-Disposition") ?? "")?.[1] ?? name;
     const blob = await answer.blob();
@@ -108,7 +103,7 @@ class Saved {
     const name = kept(file.name);
     try {
       const answer = await fetch(`api/captures/${encodeURIComponent(name)}`,
-        { method: "POST", body: file, headers: admission(this.panel) });
+        { method: "POST", body: file, headers: { "Leadscrew-Secret": this.panel.secret } });
       if (!answer.ok) throw new Error(`${file.name} could not be taken: ${await refusal(answer)}`);
       await this.refresh();
       return await this.load(name);
@@ -123,7 +118,7 @@ class Saved {
     return `api/captures/${encodeURIComponent(name)}`;
   }
 
-  /** A click on a link to a saved capture: fetched, since the link alone has no token. */
+  /** A click on a link to a saved capture: fetched, so that a refusal is a notice and no other page. */
   clicked(event, name) {
     event.preventDefault();
     return download(this.panel, this.link(name), name);

@@ -39,7 +39,7 @@ export class Shelf {
 
   loading() {
     this.choose = make("select", {});
-    this.load = button("Overlay", () => this.read(), { title: "Load the saved capture and lay it over what is drawn" });
+    this.load = button("Overlay", () => this.read());
     this.download = make("a", { class: "side-link", download: "" }, "Download");
     this.download.addEventListener("click", (event) => this.saved.clicked(event, this.choose.value));
     this.choose.addEventListener("change", () => this.linked());
@@ -52,10 +52,9 @@ export class Shelf {
       if (own) await this.laid(this.saved.upload(own), own.name);
       file.value = "";
     });
-    const upload = button("Upload a file", () => file.click(),
-      { title: "A capture or log of this computer: Parquet, CSV, MAT, text; up to 50 MB" });
+    this.upload = button("Upload a file", () => file.click());
     return make("div", { class: "side-line" }, labelled("Saved captures", this.choose), this.load, this.download,
-      upload, file);
+      this.upload, file);
   }
 
   files(list) {
@@ -68,7 +67,7 @@ export class Shelf {
 
   linked() {
     const name = this.choose.value;
-    this.load.disabled = !name;
+    this.allow();
     this.download.hidden = !name;
     if (name) this.download.href = this.saved.link(name);
   }
@@ -111,12 +110,17 @@ export class Shelf {
     fill(this.list, main && this.line(main, true), ...overlays.map((e) => this.line(e, false)));
   }
 
-  /** Only who has control saves; everybody loads. */
+  /** Only who has control saves, loads and uploads; everybody downloads. */
   allow() {
     const may = this.panel.isWriter && this.panel.connected !== false;
-    this.save.disabled = !may || !this.entries.main;
-    this.save.title = may ? "Keep the capture beside the machine"
-      : "Only who has control can do this: take control first";
+    for (const [own, able, title] of [
+      [this.save, this.entries.main, "Keep the capture beside the machine"],
+      [this.load, this.choose.value, "Load the saved capture and lay it over what is drawn"],
+      [this.upload, true, "A capture or log of this computer: Parquet, CSV, MAT, text; up to 50 MB"],
+    ]) {
+      own.disabled = !may || !able;
+      own.title = may ? title : "Only who has control can do this: take control first";
+    }
   }
 
   line(entry, isMain) {
