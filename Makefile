@@ -2,13 +2,15 @@
 SHELL := /bin/sh
 unexport PYTHONDONTWRITEBYTECODE # without bytecode every worker of the tests would compile all modules again
 .DEFAULT_GOAL := help
-.PHONY: help demo test same mutants faults bench peers lint docs clean
+.PHONY: help demo test same mutants faults fuzz outdated bench peers lint docs clean
 
 BIN := .venv/bin
 INSTALL = $(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt
 RECIPE := pyproject.toml constraints.txt
 PYTEST_ARGS ?=
 MAX ?= 30
+INPUTS ?= 2000
+FIRST ?= 0
 
 help:
 	@echo "make demo    the lathe servo under three controllers, beside the paper's numbers"
@@ -16,6 +18,8 @@ help:
 	@echo "make same    what 81 commands compute, at BASE=COMMIT and in the working tree: every difference"
 	@echo "make mutants changes of src that no test notices: FILES=\"src/...\" or what differs from BASE=COMMIT, MAX=30"
 	@echo "make faults  forty known faults, each with the test that notices it: ONLY=PATTERN"
+	@echo "make fuzz    changed files before every reader: INPUTS=2000, FIRST=0 for the number of the first"
+	@echo "make outdated newer releases of what is installed, and the advisories that the index knows"
 	@echo "make bench   speed, beside C, plain Python and other libraries"
 	@echo "make peers   other fuzzy toolboxes to be measured against, in an environment of their own, .peers"
 	@echo "make lint    ruff and mypy"
@@ -38,6 +42,13 @@ mutants: .venv/.mutants
 faults: .venv/.dev
 	$(BIN)/python -m tests.faults $(if $(ONLY),--only "$(ONLY)")
 
+fuzz: .venv/.dev
+	$(BIN)/python -m tests.fuzz --inputs $(INPUTS) --first $(FIRST)
+
+outdated: .venv/.dev .audit/.made
+	$(BIN)/python -m pip list --outdated
+	.audit/bin/pip-audit --disable-pip --no-deps -r constraints.txt
+
 bench: .venv/.bench
 	$(BIN)/leadscrew bench
 
@@ -53,7 +64,7 @@ docs: .venv/.docs
 	@echo "open docs/_build/html/index.html"
 
 clean:
-	rm -rf .venv .peers build dist docs/_build docs/studies/generated docs/reference/generated report .coverage .coverage.* \
+	rm -rf .venv .peers .audit build dist docs/_build docs/studies/generated docs/reference/generated report .coverage .coverage.* \
 	  .pytest_cache .ruff_cache .mypy_cache .hypothesis
 	find src tests docs -name __pycache__ -type d -prune -exec rm -rf {} +
 
@@ -102,4 +113,10 @@ clean:
 	@echo "Installing other fuzzy toolboxes into .peers (once) ..."
 	@$(BIN)/python -m venv .peers
 	@.peers/bin/python -m pip install --quiet --disable-pip-version-check -r peers/requirements.txt
+	@touch $@
+
+# Not in .venv, and always the newest: what knows of faults in what Leadscrew uses.
+.audit/.made: | .venv/bin/pip
+	@$(BIN)/python -m venv .audit
+	@.audit/bin/python -m pip install --quiet --disable-pip-version-check pip-audit
 	@touch $@

@@ -1,0 +1,27 @@
+"""Broken and hostile files before every reader: read, or refused in a sentence. ``python -m tests.fuzz`` tries more."""
+
+import pytest
+
+from tests.budget import WHOLE
+from tests.fuzz.one import made, tried
+from tests.fuzz.targets import targets
+
+BY_NAME = pytest.mark.parametrize("target", targets(), ids=lambda t: t.name.replace(" ", "-"))
+
+
+@BY_NAME
+def test_some_changed_files_are_read_or_refused_in_a_sentence(target, tmp_path):
+    several(target, tmp_path, 0, 2)
+
+
+@pytest.mark.slow
+@BY_NAME
+def test_many_changed_files_are_read_or_refused_in_a_sentence(target, tmp_path):
+    several(target, tmp_path, 2, (300 if WHOLE else 12) * target.weight)
+
+
+def several(target, folder, first, count):
+    for seed in range(first, first + count):
+        place = folder / str(seed)
+        place.mkdir()
+        assert tried(target, made(target, seed, place)) in ("read", "refused"), f"{target.name} {seed}"
