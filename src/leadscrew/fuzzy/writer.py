@@ -6,6 +6,7 @@ together, else one a rule. ``NAME_value`` makes a number of an output's degrees.
 
 from __future__ import annotations
 
+from leadscrew.escape import python_docstring
 from leadscrew.fuzzy.circuit import Share
 from leadscrew.fuzzy.system import INTEGRAL, Output
 from leadscrew.fuzzy.text import Lines
@@ -20,7 +21,8 @@ class Writer(OutputsWriter):
         """The step."""
         last = [self.last(o) for o in self.live if o.lock_previous]
         lines = [f"def infer({', '.join(['p', *self.inputs, *last])}):"]
-        lines.append(f'    """The outputs {", ".join(o.name for o in self.system.outputs)} of {self.system.name}."""')
+        about = f"The outputs {', '.join(o.name for o in self.system.outputs)} of {self.system.name}."
+        lines.append(f'    """{python_docstring(about)}"""')
         groups = [f"{self.names[o.name]}_g{i}" for o in self.live for i in range(self.width(o))]
         if groups:
             lines.append(f"    {', '.join(groups)} = degrees({', '.join(['p', *self.inputs])})")

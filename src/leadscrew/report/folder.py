@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import platform
-import re
+import shlex
 import shutil
 import tempfile
 import time
@@ -13,6 +13,7 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from leadscrew.escape import file_name
 from leadscrew.kernel.errors import DataError
 from leadscrew.report.claim import SCHEMA_VERSION
 from leadscrew.report.strict import strict
@@ -118,14 +119,14 @@ def _fill(
         scenario, _, controller = key.partition("/")
         if not run.loop.origin:
             run.loop.origin = {"study": origin, "controller": controller, "scenario": scenario, "changes": {}}
-        name = re.sub(r"[^\w.-]+", "_", f"{scenario}__{controller}" if controller else scenario)
+        name = file_name(f"{scenario}__{controller}" if controller else scenario)
         folders[key] = f"runs/{name}"
         run.save(beside / "runs" / name)
     progress("drawing", 1.0)
     page = render(
         study,
         result,
-        manifest=manifest(wall_s) | {"command": f"leadscrew run {origin} --out {target}"},
+        manifest=manifest(wall_s) | {"command": shlex.join(["leadscrew", "run", origin, "--out", str(target)])},
         folders=folders,
         pictures=result.pictures if figures else (),
     )
