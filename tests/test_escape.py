@@ -1,6 +1,7 @@
 """Hostile names through every writer: an independent reader of each language finds the structure of a benign name."""
 
 import ast
+import copy
 import csv
 import io
 import json
@@ -73,8 +74,8 @@ each = pytest.mark.parametrize("text", HOSTILE.values(), ids=HOSTILE)
 @cache
 def exported(text):
     """The files of all targets with this text where foreign text can be."""
-    loop = loop_of("pid").using({"controller.kp": 20.0})
-    core, record = export_controller(loop, 0.01, name="ours", title="title")
+    loop, core, record = benign_core()
+    loop = copy.copy(loop)
     loop.name = text
     core = replace(
         core, title=text, doc=text,
