@@ -72,6 +72,12 @@ each = pytest.mark.parametrize("text", HOSTILE.values(), ids=HOSTILE)
 
 # ---- exports
 @cache
+def benign_core():
+    loop = loop_of("pid").using({"controller.kp": 20.0})
+    return loop, *export_controller(loop, 0.01, name="ours", title="title")
+
+
+@cache
 def exported(text):
     """The files of all targets with this text where foreign text can be."""
     loop, core, record = benign_core()

@@ -77,7 +77,8 @@ def write(proposal: Proposal, folder: str | Path, machine: Machine | None = None
         (place / "move.ngc").write_text(program(proposal, names.axis.upper()), encoding="utf-8")
         (place / "record.hal").write_text(recorder(names), encoding="utf-8")
         (place / "record.sh").write_text(record_script(proposal, names), encoding="utf-8")
-        (place / "record.sh").chmod(0o755)
+        mode = (place / "record.sh").stat().st_mode
+        (place / "record.sh").chmod(mode | (mode & 0o444) >> 2)  # whoever may read it may run it
         found = {"schema_version": 1, "kind": "leadscrew excite", **proposal.as_dict()}
         text = json.dumps(strict(found), indent=1, allow_nan=False)
         (place / "proposal.json").write_text(text + "\n", encoding="utf-8")
