@@ -24,7 +24,7 @@ from leadscrew.export.controller import export_controller
 from leadscrew.export.folder import contents
 from leadscrew.export.machine import machine_files
 from leadscrew.fuzzy.engine import engine
-from leadscrew.fuzzy.formats import loads
+from leadscrew.fuzzy.formats import WRITTEN, dumps, loads
 from leadscrew.kernel.block import controller
 from leadscrew.kernel.errors import DataError, LeadscrewError, ValueRefused
 from leadscrew.machine import file as machine_file
@@ -344,6 +344,21 @@ def test_the_name_of_a_fuzzy_system_in_a_file_is_not_run():
     evil = 'a"""; globals().update(PWNED=1); """'
     space = engine(loads(SYSTEM.replace("Engine: a", f"Engine: {evil}"), "fll")).space
     assert space["infer"].__doc__ == f"The outputs y of {evil}."
+
+
+@each
+@pytest.mark.parametrize("form", WRITTEN)
+def test_a_fuzzy_system_is_read_again_as_the_same_rules_or_refused(text, form):
+    system = fuzzy(text)
+    try:
+        written = dumps(system, form)
+    except ValueRefused as refused:
+        assert "cannot express" in str(refused)
+        return
+    again = loads(written, form)
+    at, same = ([*s(**{s.inputs[0].name: 0.25}).values()] for s in (again, system))
+    assert at == same
+    assert [len(v.terms) for v in (*again.inputs, *again.outputs)] == [2, 1] and len(again.rules) == 1
 
 
 @each

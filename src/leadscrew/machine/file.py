@@ -154,7 +154,8 @@ def validated(table: Mapping[str, Any], where: Path) -> MachineFile:
         raise DataError(f"{where}: schema_version = {table.get('schema_version')!r}: expected {SCHEMA_VERSION}")
     said = {key: door.text(table, key) for key in texts}
     try:
-        checked_line("name", said["name"], LONGEST_NAME)
+        for key in ("name", "position_unit", "drive_unit"):
+            checked_line(key, said[key], LONGEST_NAME)
     except ValueRefused as error:
         raise DataError(f"{where}: {error}") from None
     if said["model"] not in MODELS:

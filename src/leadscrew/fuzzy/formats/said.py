@@ -7,7 +7,6 @@ from collections.abc import Callable, Iterable
 from dataclasses import replace
 from typing import NoReturn, TypeVar
 
-from leadscrew.escape import one_line
 from leadscrew.fuzzy.rules_text import RESERVED
 from leadscrew.fuzzy.system import INTEGRAL, And, Antecedent, Is, Or, Output, Rule, RuleBlock, System, Variable
 from leadscrew.kernel.errors import ValueRefused
@@ -59,8 +58,7 @@ class Saying:
             same = output.integration == rule and resolution in (None, output.resolution)
             if output.defuzzifier in INTEGRAL and not same:
                 comments.append(
-                    f"leadscrew: integration of {one_line(output.name)}: {output.integration}, "
-                    f"resolution {output.resolution}"
+                    f"leadscrew: integration of {output.name}: {output.integration}, resolution {output.resolution}"
                 )
                 self.note(
                     f"output {output.name}: its rule of integration ({output.integration}, {output.resolution}) stands "

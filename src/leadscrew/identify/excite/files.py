@@ -56,7 +56,7 @@ def checked(machine: Machine) -> Machine:
     if machine.axis.upper() not in tuple("XYZABCUVW"):
         raise ValueRefused(f"axis = {machine.axis!r}: allowed are X, Y, Z, A, B, C, U, V, W")
     for name in (*machine.signals(), machine.thread, machine.drive_unit.replace(" ", "")):
-        if not name or any(c.isspace() or c in "\"'#$\\[]" for c in name):
+        if not name or any(c == " " or not c.isprintable() or c in "\"'#$\\[]" for c in name):
             raise ValueRefused(f"{name!r}: a name of a signal, a thread or a unit has no blanks, quotes or brackets")
     return machine
 

@@ -22,7 +22,7 @@ from leadscrew.kernel.subset import is_named_tuple_type
 def block(lines: list[str], place: str = "") -> str:
     """Lines as a C comment."""
     if not lines:
-        return f"/* {place} */\n" if place else ""
+        return f"/* {c_comment(place)} */\n" if place else ""
     if len(lines) == 1 and not place:
         return f"/* {c_comment(lines[0])} */\n"
     told = [*lines, *([place] if place else [])]
