@@ -7,6 +7,7 @@ import stat
 import subprocess
 import sys
 import threading
+from pathlib import Path
 
 import pytest
 
@@ -72,6 +73,35 @@ def test_a_folder_with_something_in_it_is_not_written_over(tmp_path):
     with pytest.raises(DataError, match="kept is not a folder"), appearing(tmp_path / "out" / "kept" / "below"):
         pass
     assert names(tmp_path) == ["kept", "out"]
+
+
+def test_a_folder_that_others_fill_meanwhile_is_not_replaced(tmp_path):
+    def made(folder):
+        return replacing(folder, lambda f: names(f) == ["ours"], "ours")
+
+    for new in (appearing, made):
+        with pytest.raises(DataError, match=r"exists already|holds something"), new(tmp_path / "out") as place:
+            (place / "a").write_text("1")
+            (tmp_path / "out").mkdir(exist_ok=True)
+            (tmp_path / "out" / "kept").write_text("1")
+        assert names(tmp_path) == ["kept", "out"]
+        (tmp_path / "out" / "kept").unlink()
+
+
+def test_an_older_folder_comes_back_where_the_new_one_cannot_take_its_place(tmp_path, monkeypatch):
+    (tmp_path / "out").mkdir()
+    (tmp_path / "out" / "old").write_text("1")
+    rename = Path.rename
+
+    def fails(self, target):
+        if self.suffix == ".partial":
+            raise OSError(28, "No space left on device")
+        return rename(self, target)
+
+    monkeypatch.setattr(Path, "rename", fails)
+    with pytest.raises(DataError, match="No space left"), replacing(tmp_path / "out", lambda f: True, "ours"):
+        pass
+    assert names(tmp_path) == ["old", "out"]
 
 
 # ---- modes

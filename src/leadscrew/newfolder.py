@@ -22,7 +22,7 @@ def appearing(folder: str | Path) -> AbstractContextManager[Path]:
     Raises:
         DataError: the folder exists already and is not empty, or cannot be written.
     """
-    return _written(Path(folder), _is_taken)
+    return _written(Path(folder), _is_taken, replaces=False)
 
 
 def replacing(folder: str | Path, is_ours: Callable[[Path], bool], what: str) -> AbstractContextManager[Path]:
@@ -31,7 +31,7 @@ def replacing(folder: str | Path, is_ours: Callable[[Path], bool], what: str) ->
     Raises:
         DataError: see :func:`replaceable`; or the disk refuses.
     """
-    return _written(Path(folder), _holds_else(is_ours, what))
+    return _written(Path(folder), _holds_else(is_ours, what), replaces=True)
 
 
 def replaceable(folder: str | Path, is_ours: Callable[[Path], bool], what: str) -> Path:
@@ -82,7 +82,7 @@ def _begun(named: Path, target: Path, refusal: Callable[[Path], str]) -> Path:
 
 
 @contextmanager
-def _written(named: Path, refusal: Callable[[Path], str]) -> Iterator[Path]:
+def _written(named: Path, refusal: Callable[[Path], str], replaces: bool) -> Iterator[Path]:
     target = place(named)
     with _refusals(named), ExitStack() as done:
         beside = _begun(named, target, refusal)
@@ -90,23 +90,25 @@ def _written(named: Path, refusal: Callable[[Path], str]) -> Iterator[Path]:
         if (handle := hold(beside)) is not None:
             done.callback(os.close, handle)
         yield beside
-        _put(beside, target)
+        if why := refusal(target):  # it may have been filled meanwhile
+            raise DataError(f"{named} {why}")
+        _put(beside, target, replaces)
 
 
-def _put(beside: Path, target: Path) -> None:
-    """Puts a finished folder in the place of an older one, which stays until the new one stands."""
-    if not target.exists() or not any(target.iterdir()):
-        if target.exists():
-            target.rmdir()
-        beside.rename(target)
-    else:
+def _put(beside: Path, target: Path, replaces: bool) -> None:
+    """Puts a finished folder in its place; an older one that is not empty stays until the new one stands."""
+    if replaces and target.exists() and any(target.iterdir()):
         aside = new_folder(target, "old")
         target.rename(aside / target.name)
         try:
             beside.rename(target)
         except OSError:
             (aside / target.name).rename(target)
+            aside.rmdir()
             raise
-        finally:
-            shutil.rmtree(aside, ignore_errors=True)
+        shutil.rmtree(aside, ignore_errors=True)
+    else:
+        if target.exists():
+            target.rmdir()
+        beside.rename(target)
     remove_old(target)
