@@ -6,6 +6,7 @@ import csv
 import io
 import json
 import re
+import shlex
 import shutil
 import subprocess
 import tomllib
@@ -412,3 +413,8 @@ def test_part_of_a_file_name_leads_out_of_no_folder_and_is_short():
     for text in (*HOSTILE.values(), "..", "../../a", ".profile", "a/b", "C:\\b", "a\x00"):
         name = escape.file_name(text)
         assert re.fullmatch(r"[^\W.][\w.-]*|_[\w.-]*", name) and len(name) <= 150
+
+
+@each
+def test_a_shell_takes_a_path_of_a_command_as_one_word(text):
+    assert shlex.split(f"leadscrew simulate {escape.shell(text)} -s move", comments=True)[2] == text

@@ -7,6 +7,7 @@ element, starts no command, and can be encoded as UTF-8. Text without such chara
 from __future__ import annotations
 
 import re
+import shlex
 import unicodedata
 from html import escape as _html
 
@@ -115,7 +116,7 @@ def hal_string(text: str) -> str:
     return " ".join(plain.replace("??/", "?? /").split())
 
 
-# ---- G-code, Python, TOML
+# ---- G-code, Python, shell, TOML
 def gcode_comment(text: str) -> str:
     """For a comment of G-code, between its parentheses: ASCII, no comment that a control executes, no line too long."""
     text = text.replace("(", "[").replace(")", "]")
@@ -127,6 +128,11 @@ def gcode_comment(text: str) -> str:
 def python_docstring(text: str) -> str:
     """For a docstring of Python, between its quotes."""
     return re.sub(r'[\\"]', lambda m: f"\\{m[0]}", one_line(text))
+
+
+def shell(text: object) -> str:
+    """For one word of a command, such as a path, to be copied into a POSIX shell."""
+    return shlex.quote(str(text))
 
 
 def toml_string(text: str) -> str:
