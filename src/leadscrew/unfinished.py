@@ -75,11 +75,16 @@ def hold(folder: Path) -> int | None:
 
 def remove_old(target: Path) -> None:
     """Removes what killed processes set aside of ``target``, once a new one stands."""
-    _remove(target.parent, re.escape(target.name[:100]), "old")
+    _remove(target.parent, re.escape(_short(target)), "old")
 
 
 def _name(target: Path, suffix: str) -> Path:
-    return target.with_name(f".{target.name[:100]}-{_host()}-{os.getpid()}-{secrets.token_hex(4)}.{suffix}")
+    return target.with_name(f".{_short(target)}-{_host()}-{os.getpid()}-{secrets.token_hex(4)}.{suffix}")
+
+
+def _short(target: Path) -> str:
+    """As much of a name as leaves room for the rest: file systems allow 255 bytes."""
+    return target.name.encode("utf-8", "ignore")[:120].decode("utf-8", "ignore")
 
 
 def _host() -> str:
