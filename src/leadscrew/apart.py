@@ -17,12 +17,13 @@ from pathlib import Path
 from typing import Any
 
 from leadscrew import reading
+from leadscrew.kernel import system
 from leadscrew.kernel.errors import DataError, LeadscrewError
 
 SECONDS, BYTES = 45, 4_000_000_000
 """Most time for a file, and most address space of the process."""
-RETIRES = 1_000_000_000
-"""A process that has held so many bytes is not kept."""
+RETIRES = 1000.0
+"""A process that has held so many MiB is not kept."""
 
 _idle: list[_Process] = []
 
@@ -128,16 +129,15 @@ if hasattr(os, "register_at_fork"):
 # ---- in the process
 def main() -> None:
     """One file after the other: a job comes as a line of JSON, a line of JSON is the answer."""
-    import signal
-
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C ends the one who asks, which ends this process
+    system.ignore_interrupt()  # it ends the one who asks, which ends this process
     answers = os.fdopen(os.dup(1), "wb")
     os.dup2(os.open(os.devnull, os.O_WRONLY), 1)  # what a library prints is no answer
     for line in sys.stdin.buffer:
         job = json.loads(line)
-        _bounded()
+        system.bound(int(BYTES * reading.factor()), SECONDS * reading.factor())
         refused = _refused(job)
-        answers.write(json.dumps({"refused": refused, "kept": _held() < RETIRES}).encode() + b"\n")
+        kept = (system.peak_memory() or 0.0) < RETIRES
+        answers.write(json.dumps({"refused": refused, "kept": kept}).encode() + b"\n")
         answers.flush()
 
 
@@ -152,31 +152,6 @@ def _refused(job: dict[str, str]) -> str | None:
     except MemoryError:
         return f"{job['path']}: asks for more memory than {BYTES * reading.factor() / 1e9:.0f} GB; is it broken?"
     return None
-
-
-def _bounded() -> None:
-    """Bounds on memory, and on computing for one file, where the system has them."""
-    try:
-        import resource
-    except ImportError:
-        return
-    factor = reading.factor()
-    most = int(BYTES * factor)
-    used = resource.getrusage(resource.RUSAGE_SELF)
-    resource.setrlimit(resource.RLIMIT_AS, (most, most))
-    resource.setrlimit(
-        resource.RLIMIT_CPU, (int(used.ru_utime + used.ru_stime + SECONDS * factor) + 1, resource.RLIM_INFINITY)
-    )
-
-
-def _held() -> float:
-    """Most bytes that this process has held."""
-    try:
-        import resource
-    except ImportError:
-        return 0.0
-    unit = 1 if sys.platform == "darwin" else 1024
-    return float(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * unit)
 
 
 __all__ = ["main", "run"]

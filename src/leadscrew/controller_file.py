@@ -24,6 +24,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from leadscrew import reading, userfile
+from leadscrew.escape import toml_key, toml_string
 from leadscrew.kernel.errors import CodeNotTrusted, DataError, LeadscrewError
 from leadscrew.kernel.sheet import checked_replace, nearest
 from leadscrew.newfile import save
@@ -158,8 +159,16 @@ def write_experiment(path: str | Path, table: Mapping[str, Any]) -> None:
     save(toml({"schema_version": 1, **table}), path)
 
 
+WHOLE = (("files",), ("columns",), ("units",))
+"""Tables whose keys are names of files or columns: a dot in them is no nesting."""
+
+
 def toml(table: Mapping[str, Any]) -> str:
-    """A table as TOML; what is None is left out."""
+    """A table as TOML; what is None is left out. ``controller.kp`` is a key of nested tables, except in :data:`WHOLE`.
+
+    Raises:
+        ValueRefused: a text that is not Unicode.
+    """
     return "\n".join(_lines(table, ())).strip() + "\n"
 
 
@@ -168,21 +177,10 @@ def _lines(table: Mapping[str, Any], path: tuple[str, ...]) -> list[str]:
     for key, value in table.items():
         if isinstance(value, Mapping):
             if value:
-                below += ["", f"[{'.'.join(map(_key, (*path, key)))}]", *_lines(value, (*path, key))]
+                below += ["", f"[{'.'.join(map(toml_key, (*path, key)))}]", *_lines(value, (*path, key))]
         elif value is not None:
-            lines.append(f"{_key(key)} = {_value(value)}")
+            lines.append(f"{toml_key(key, dotted=path[-1:] not in WHOLE)} = {_value(value)}")
     return lines + below
-
-
-def _key(key: str) -> str:
-    bare = key and all(c.isascii() and (c.isalnum() or c in "_-") for c in key)
-    dotted = key and all(part.isidentifier() and part.isascii() for part in key.split("."))
-    return key if bare or dotted else _string(key)
-
-
-def _string(text: str) -> str:
-    held = text.replace("\\", "\\\\").replace('"', '\\"')
-    return '"' + "".join(c if c.isprintable() else f"\\U{ord(c):08X}" for c in held) + '"'
 
 
 def _value(value: Any) -> str:
@@ -191,7 +189,7 @@ def _value(value: Any) -> str:
     if isinstance(value, bool):
         return "true" if value else "false"
     if isinstance(value, str):
-        return _string(value)
+        return toml_string(value)
     if isinstance(value, list | tuple):
         return f"[{', '.join(map(_value, value))}]"
     if isinstance(value, float) and not math.isfinite(value):

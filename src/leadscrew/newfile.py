@@ -4,14 +4,17 @@ from __future__ import annotations
 
 import contextlib
 import os
-import tempfile
 from pathlib import Path
 
 from leadscrew.kernel.errors import DataError
+from leadscrew.unfinished import new_file, place
 
 
 def save(data: str | bytes, path: str | Path, durable: bool = True) -> None:
     """Writes a file beside its place and renames it, so that it is never there in part; text as UTF-8, lines as given.
+
+    A link stays, and the file that it points to is replaced. A device or pipe is written to. The file has the
+    permissions that the umask leaves, or those of the file that it replaces.
 
     ``durable``: it is on the disk before it has its name, and so after a power cut is whole or not there. Without, a
     power cut may leave it empty or torn; the end of the process alone never does.
@@ -19,21 +22,28 @@ def save(data: str | bytes, path: str | Path, durable: bool = True) -> None:
     Raises:
         DataError: it cannot be written.
     """
-    target, beside = Path(path), ""
+    named, beside = Path(path), None
     try:
+        content = data.encode() if isinstance(data, str) else data
+        if named.exists() and not named.is_file() and not named.is_dir():
+            named.write_bytes(content)
+            return
+        target = place(named)
         target.parent.mkdir(parents=True, exist_ok=True)
-        handle, beside = tempfile.mkstemp(prefix=f".{target.name}-", suffix=".tmp", dir=target.parent)
+        handle, beside = new_file(target)
         with os.fdopen(handle, "wb") as out:
-            out.write(data.encode() if isinstance(data, str) else data)
+            out.write(content)
             if durable:
                 out.flush()
                 os.fsync(out.fileno())
-        Path(beside).chmod(0o644)
-        Path(beside).replace(target)
+        beside.replace(target)
+    except UnicodeEncodeError:
+        raise DataError(f"{named} cannot be written: a name or note in it is no Unicode text") from None
     except OSError as error:
-        if beside:
-            Path(beside).unlink(missing_ok=True)
-        raise DataError(f"{target} cannot be written: {error.strerror or error}") from None
+        raise DataError(f"{named} cannot be written: {error.strerror or error}") from None
+    finally:
+        if beside is not None:
+            beside.unlink(missing_ok=True)
     if durable:
         _sync_folder(target.parent)
 

@@ -13,8 +13,9 @@ import numpy as np
 import pyarrow.parquet as pq
 import pytest
 
-from leadscrew.cli.montecarlo_work import Asked, peak_memory
+from leadscrew.cli.montecarlo_work import Asked
 from leadscrew.kernel.errors import DataError, ValueRefused
+from leadscrew.kernel.system import peak_memory
 from tests.cli.conftest import strict_json
 from tests.tune.noisy_loop import DIVERGING, FILE, NAME
 
@@ -144,12 +145,12 @@ with placed(sys.argv[1]) as beside:
     (left,) = out.parent.iterdir()
     machine = left.name.removeprefix(".out-").split("-")[0]
     kept = {
-        f".out-{machine}-{os.getpid()}-alive.partial", f".out-elsewhere-{dead.pid}-x.partial", ".out-mine.partial",
-        f".output-{machine}-{dead.pid}-x.partial", f".out-{machine}-{dead.pid}-x.txt",
+        f".out-{machine}-{os.getpid()}-0123abcd.partial", f".out-elsewhere-{dead.pid}-0123abcd.partial",
+        ".out-mine.partial", f".output-{machine}-{dead.pid}-0123abcd.old", f".out-{machine}-{dead.pid}-0123abcd.txt",
     }  # fmt: skip
     for name in kept:
         (out.parent / name).mkdir()
-    (out.parent / f".out-{machine}-{dead.pid}-x.old").mkdir()
+    (out.parent / f".out-{machine}-{dead.pid}-0123abcd.old").mkdir()
     call(*asked, "-o", out, "--no-figures")
     assert {p.name for p in out.parent.iterdir()} == {"out", *kept}
 

@@ -10,7 +10,7 @@ import time
 
 import pytest
 
-from leadscrew.cli.terminal import visible
+from leadscrew.escape import terminal
 from leadscrew.kernel.errors import DataError
 from leadscrew.kernel.run import load
 from tests.cli.conftest import FILE
@@ -90,8 +90,8 @@ def test_names_in_files_do_not_command_the_terminal(tmp_path):
 
 
 def test_colours_of_tables_and_line_ends_stay():
-    assert visible("\x1b[32mreproduced\x1b[0m\t1\r\n") == "\x1b[32mreproduced\x1b[0m\t1\r\n"
-    assert visible("a\rb\x1b[8m\x9b2J") == r"a\rb\x1b[8m\x9b2J"
+    assert terminal("\x1b[32mreproduced\x1b[0m\t1\r\n") == "\x1b[32mreproduced\x1b[0m\t1\r\n"
+    assert terminal("a\rb\x1b[8m\x9b2J") == r"a\rb\x1b[8m\x9b2J"
 
 
 @pytest.mark.skipif(os.name != "posix", reason="posix: signals")

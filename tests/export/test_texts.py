@@ -1,5 +1,6 @@
 """Texts of a user in what an export writes: nothing of them acts as C, HTML or a format."""
 
+import ast
 import html
 import re
 from dataclasses import replace
@@ -17,12 +18,12 @@ from tests.export.table import loop_of
 
 
 @pytest.mark.parametrize(
-    ("unit", "shown"), [("mm", " mm"), ("%", " %"), ("%s/%d", " %s/%d"), ("1", ""), ("", ""), ('"\\n', " n")]
+    ("unit", "shown"), [("mm", " mm"), ("%", " %"), ("%s/%d", " %s/%d"), ("1", ""), ("", ""), ('"\\n', ' "\\n')]
 )
 def test_a_unit_behind_a_number_of_printf_is_printed_and_takes_no_argument(unit, shown):
     text = shown_unit(Port("output", "output", "output", unit))
-    # Python's formats have C's rule of the percent sign.
-    assert text % () == shown and '"' not in text and "\\" not in text
+    # Python has C's rules of the percent sign and of quotes.
+    assert ast.literal_eval(f'"{text}"') % () == shown
 
 
 def test_the_name_of_a_loop_stays_inside_the_comments_of_its_simulated_machine():

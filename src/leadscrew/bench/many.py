@@ -28,7 +28,7 @@ LONG = 20.0
 FRESH = """
 import json
 from leadscrew.bench import many
-from leadscrew.cli.montecarlo_work import peak_memory
+from leadscrew.kernel.system import peak_memory
 print(json.dumps(many.{what}({arguments}) | {{"memory": peak_memory()}}))
 """
 

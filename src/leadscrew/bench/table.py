@@ -7,6 +7,8 @@ import sys
 from collections.abc import Iterable, Mapping
 from typing import Any
 
+from leadscrew.escape import markdown_doc
+
 HEAD = ("Row", "What", "Measured", "Ratio", "Target", "Met", "Integrator", "Error, mm", "Remark")
 VERDICTS = {True: "yes", False: "**no**", None: ""}
 
@@ -27,7 +29,7 @@ def markdown(rows: Iterable[Mapping[str, Any]]) -> str:
         for r in rows
     ]  # fmt: skip
     lines = [HEAD, ("---", "---", "--:", "--:", "---", "---", "---", "--:", "---"), *cells]
-    return "\n".join("| " + " | ".join(c.replace("|", "/") for c in line) + " |" for line in lines)
+    return "\n".join("| " + " | ".join(markdown_doc(c, cell=True) for c in line) + " |" for line in lines)
 
 
 if __name__ == "__main__":

@@ -11,6 +11,7 @@ import typer
 from leadscrew.cli.ballbar_machine import loops_of, simulated
 from leadscrew.cli.output import Json, emit, print_table
 from leadscrew.cli.subject import Trust
+from leadscrew.escape import shell
 from leadscrew.kernel.errors import DataError, ValueRefused
 
 if TYPE_CHECKING:
@@ -180,4 +181,6 @@ def _write_example(subject: str) -> None:
     if file.exists():
         raise DataError(f"{file} exists already; --example overwrites nothing")
     save(example(), file)
-    typer.echo(f"{file}: a made test; next: leadscrew ballbar {file} --radius {RADIUS_MM:g} --feed {FEED_MM_MIN:g}")
+    typer.echo(
+        f"{file}: a made test; next: leadscrew ballbar {shell(file)} --radius {RADIUS_MM:g} --feed {FEED_MM_MIN:g}"
+    )

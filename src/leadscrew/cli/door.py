@@ -13,6 +13,7 @@ from typing import Any
 import typer
 from typer.core import TyperGroup
 
+from leadscrew.escape import one_line
 from leadscrew.kernel.errors import Diverged, LeadscrewError
 
 MISSED, REFUSED, DIVERGED, INTERNAL, INTERRUPTED, PIPE_CLOSED = 1, 2, 3, 70, 130, 141
@@ -40,11 +41,6 @@ class Door(TyperGroup):
                     raise
                 to_nowhere(sys.stdout)
                 raise typer.Exit(PIPE_CLOSED) from None
-
-
-def one_line(text: str) -> str:
-    """The text without line breaks or other control characters."""
-    return " ".join("".join(c if c.isprintable() else " " for c in text).split())
 
 
 def say(text: str) -> None:

@@ -12,6 +12,7 @@ from leadscrew.cli.door import MISSED
 from leadscrew.cli.output import Json, busy, emit, print_table
 from leadscrew.cli.subject import Trust, experiment_of
 from leadscrew.cli.values import parse
+from leadscrew.escape import shell
 
 if TYPE_CHECKING:
     from leadscrew.export.verdict import Verdict
@@ -93,7 +94,7 @@ def export(
         )
     if "machine_left_out" in manifest:
         typer.echo(f"the simulated machine is left out: {manifest['machine_left_out']}")
-    typer.echo(f"next: leadscrew verify-export {out}")
+    typer.echo(f"next: leadscrew verify-export {shell(out)}")
 
 
 def verify_export(

@@ -9,6 +9,7 @@ import typer
 
 from leadscrew.cli import pairs
 from leadscrew.cli.output import Json, busy, emit, print_table, progress
+from leadscrew.escape import shell
 from leadscrew.kernel import door
 from leadscrew.kernel.errors import ValueRefused
 
@@ -189,4 +190,4 @@ def _show(fit: AxisFit, log: AxisLog, out: Path | None, report: Path | None, as_
     if report is not None:
         typer.echo(f"\nreport: {report / 'report.html'}")
     if out is not None:
-        typer.echo(f"\n{out}: the machine; next: leadscrew simulate {out} -c ours.cascade_model -s move")
+        typer.echo(f"\n{out}: the machine; next: leadscrew simulate {shell(out)} -c ours.cascade_model -s move")

@@ -10,6 +10,7 @@ import typer
 
 from leadscrew.cli.output import Json, busy, emit
 from leadscrew.cli.pairs import texts
+from leadscrew.escape import shell
 from leadscrew.kernel.errors import ValueRefused
 
 if TYPE_CHECKING:
@@ -120,7 +121,7 @@ def _write_example(file: Path, more: bool) -> None:
     if file.exists():
         raise DataError(f"{file} exists already; --example overwrites nothing")
     save(EXAMPLE, file)
-    typer.echo(f"{file}: published cuts; next: leadscrew identify cutting-force {file}")
+    typer.echo(f"{file}: published cuts; next: leadscrew identify cutting-force {shell(file)}")
 
 
 def _pair(option: str, text: str, expected: str) -> tuple[float, float]:

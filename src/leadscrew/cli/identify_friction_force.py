@@ -10,6 +10,7 @@ import typer
 
 from leadscrew.cli.output import Json, emit, progress
 from leadscrew.cli.pairs import texts
+from leadscrew.escape import shell
 from leadscrew.kernel.errors import ValueRefused
 
 
@@ -130,7 +131,7 @@ def _write_example(file: Path, more: bool) -> None:
     if file.exists():
         raise DataError(f"{file} exists already; --example overwrites nothing")
     save(example_text(), file)
-    typer.echo(f"{file}: a made log; next: leadscrew identify friction-force {file}")
+    typer.echo(f"{file}: a made log; next: leadscrew identify friction-force {shell(file)}")
 
 
 def _sign(text: str) -> Literal["auto", 1, -1]:

@@ -9,6 +9,7 @@ import typer
 
 from leadscrew.cli import pairs
 from leadscrew.cli.output import Json, emit, print_table, progress
+from leadscrew.escape import shell
 from leadscrew.kernel.errors import ValueRefused
 
 
@@ -107,7 +108,7 @@ def linear(
     if report is not None:
         typer.echo(f"\nreport: {report / 'report.html'}")
     if out is not None:
-        typer.echo(f"\n{out}: the machine; next: leadscrew simulate {out}")
+        typer.echo(f"\n{out}: the machine; next: leadscrew simulate {shell(out)}")
 
 
 def _structure(text: str) -> tuple[int, int, int]:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import shlex
-import sys
 import time
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -15,6 +14,7 @@ from leadscrew.cli.subject import experiment_of, spread
 from leadscrew.cli.values import parse
 from leadscrew.kernel import door
 from leadscrew.kernel.errors import ValueRefused
+from leadscrew.kernel.system import peak_memory
 from leadscrew.tune import montecarlo, sensitivity
 from leadscrew.tune.crew import Crew, crew
 from leadscrew.tune.job import Job
@@ -184,13 +184,3 @@ class Work:
 
     def _kept(self) -> str:
         return f"{self.count.done} runs are kept in {self.keeping.at}; go on with: {self.asked.command(resume=True)}"
-
-
-def peak_memory() -> float | None:
-    """The most memory that this process held, MiB; None where the system does not tell."""
-    try:
-        import resource
-    except ImportError:
-        return None
-    peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
-    return round(peak / (1024.0 if sys.platform != "darwin" else 1024.0**2), 1)

@@ -8,6 +8,7 @@ from typing import Annotated, Any
 import typer
 
 from leadscrew.cli.output import Json, emit
+from leadscrew.escape import shell
 from leadscrew.kernel.errors import ValueRefused
 
 
@@ -90,4 +91,4 @@ def _write_example(file: Path) -> None:
     if file.exists():
         raise DataError(f"{file} exists already; --example overwrites nothing")
     save(example(), file)
-    typer.echo(f"{file}: a made test; next: leadscrew positioning {file}")
+    typer.echo(f"{file}: a made test; next: leadscrew positioning {shell(file)}")

@@ -72,7 +72,7 @@ def written(data: str | bytes, out: Path) -> None:
     """Writes a file; through a link, the file that it points to, and the link stays."""
     from leadscrew.newfile import save
 
-    save(data, out.resolve() if out.is_symlink() else out)
+    save(data, out)
 
 
 def wanted(out: Path, suffixes: Sequence[str], what: str) -> None:

@@ -21,6 +21,7 @@ from leadscrew.cli.tangent_files import (
     wanted,
     written,
 )
+from leadscrew.escape import shell
 from leadscrew.tangent.settings import Settings
 
 
@@ -99,4 +100,4 @@ def _write_example(file: Path, more: bool) -> None:
     if file.exists():
         raise DataError(f"{file} exists already; --example overwrites nothing")
     save(FILE.read_bytes(), file)
-    typer.echo(f"{file}: an example; next: leadscrew tangent show {file}")
+    typer.echo(f"{file}: an example; next: leadscrew tangent show {shell(file)}")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from leadscrew.escape import c_format
 from leadscrew.export.core import Core, Port
 from leadscrew.export.machine import LICENCE
 from leadscrew.export.templates import render
@@ -12,7 +13,7 @@ FLAGS = ("-std=c99", "-Wall", "-Wextra", "-pedantic", "-Werror", "-ffp-contract=
 
 def shown_unit(port: Port) -> str:
     """A unit behind a number in a format string of C; nothing for a pure number."""
-    return f" {port.unit}".replace("%", "%%").replace("\\", "").replace('"', "") if port.unit not in ("", "1") else ""
+    return f" {c_format(port.unit)}" if port.unit not in ("", "1") else ""
 
 
 def check_program(core: Core) -> str:

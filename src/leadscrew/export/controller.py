@@ -8,12 +8,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from leadscrew.escape import c_comment, checked_line, one_line
 from leadscrew.export.core import Core, Limits, Port, Record
 from leadscrew.export.knobs import knobs_of
 from leadscrew.export.machine import LICENCE, machine_files
 from leadscrew.export.source import Source
 from leadscrew.kernel.block import DRIVES, Block
-from leadscrew.kernel.c99.comments import clean
 from leadscrew.kernel.c99.names import is_identifier
 from leadscrew.kernel.errors import BlockError, ValueRefused
 from leadscrew.kernel.frame import pairs
@@ -110,7 +110,7 @@ def ports(loop: Loop, block: Block, source: Source) -> tuple[tuple[Port, ...], t
         told = said.get(argument.key)
         unit = told.unit if told and told.unit else _unit(loop, block, role)
         doc = DOCS.get(role, told.doc if told and told.doc else argument.key)
-        return Port(argument.key, argument.name, role, clean(unit), doc)
+        return Port(argument.key, argument.name, role, one_line(unit), doc)
 
     inputs = tuple(port(a, _role(a.key, first)) for a in source.inputs)
     return inputs, tuple(port(o, "output") for o in source.outputs)
@@ -206,8 +206,8 @@ def export_controller(
     drive = drive_of(block, drive)
     prepared = None if block.params is None else loop.prepared(block, "controller")
     state = None if block.state is None else loop.start_state(block)
-    title = clean(title)
-    head = f"/* {title}, exported by Leadscrew from {clean(block.name)}.\n{LICENCE} */\n"
+    title = checked_line("title", title)
+    head = f"/* {c_comment(title)}, exported by Leadscrew from {c_comment(block.name)}.\n{LICENCE} */\n"
     source = Source(block, prepared, state, loop.signals, name=name, period=loop.period, real=real, head=head)
     files = source.files()
     inputs, outputs = ports(loop, block, source)

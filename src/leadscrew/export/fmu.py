@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import hashlib
-import html
 import io
 import math
 import platform
@@ -12,6 +11,7 @@ import tempfile
 import zipfile
 from pathlib import Path
 
+from leadscrew import escape
 from leadscrew.export.core import Core, Record
 from leadscrew.export.fmu_variables import Variable, variables
 from leadscrew.export.fmu_xml import build_description, model_description
@@ -119,8 +119,8 @@ def _binary(core: Core, files: dict[str, str], compiler: str) -> bytes:
 
 
 def _page(core: Core, about: str) -> str:
-    title = html.escape(core.title)
-    return f'<!doctype html>\n<meta charset="utf-8">\n<title>{title}</title>\n<pre>\n{html.escape(about)}</pre>\n'
+    title = escape.html(core.title)
+    return f'<!doctype html>\n<meta charset="utf-8">\n<title>{title}</title>\n<pre>\n{escape.html(about)}</pre>\n'
 
 
 def _archive(files: dict[str, str | bytes]) -> bytes:

@@ -6,6 +6,7 @@ import math
 from collections.abc import Iterable
 from xml.etree import ElementTree as ET
 
+from leadscrew.escape import one_line, visible
 from leadscrew.export.core import Core
 from leadscrew.export.fmu_units import base_units
 from leadscrew.export.fmu_variables import Variable
@@ -22,7 +23,7 @@ def model_description(core: Core, variables: tuple[Variable, ...], version: int,
     """``modelDescription.xml`` for FMI 2 or 3; ``sources`` are the C files to compile."""
     root = ET.Element("fmiModelDescription", fmiVersion=f"{version}.0", modelName=core.title)
     root.set(_TOKEN[version], token)
-    root.set("description", _line(core.doc))
+    root.set("description", one_line(core.doc))
     root.set("generationTool", "Leadscrew")
     root.set("variableNamingConvention", "structured")
     _interface(root, core, version, sources)
@@ -75,7 +76,7 @@ def _units(root: ET.Element, names: Iterable[str]) -> None:
 def _attributes(v: Variable) -> dict[str, str]:
     rest = {"name": v.name, "valueReference": str(v.reference)}
     if v.doc:
-        rest["description"] = _line(v.doc)
+        rest["description"] = one_line(v.doc)
     variability = "tunable" if v.causality == "parameter" else "discrete"
     rest |= {"causality": v.causality, "variability": variability}
     if v.causality != "input":
@@ -127,10 +128,8 @@ def _value(value: float | int | bool, kind: str) -> str:
     return str(int(value)) if kind == "int" else repr(float(value))
 
 
-def _line(text: str) -> str:
-    return " ".join(text.split())
-
-
 def _text(root: ET.Element) -> str:
+    for element in root.iter():
+        element.attrib.update({key: visible(value) for key, value in element.attrib.items()})
     ET.indent(root)
     return f'<?xml version="1.0" encoding="UTF-8"?>\n{ET.tostring(root, encoding="unicode")}\n'

@@ -6,6 +6,7 @@ import math
 from dataclasses import dataclass
 from typing import Any
 
+from leadscrew.escape import hal_string
 from leadscrew.export import hal_names
 from leadscrew.export.core import Core, Knob, Port
 from leadscrew.export.machine import LICENCE, number
@@ -101,21 +102,20 @@ def _view(core: Core) -> dict[str, Any]:
         "rediscretisable": bool(core.manifest.get("rediscretisable")),
         "design": repr(float(core.period)),
         "nanoseconds": round(core.period * 1e9),
-        "text": hal_names.text,
         "unit": lambda port: f", {_unit(port.unit)}" if _unit(port.unit) else "",
         "sim": _demonstration(core),
-        "per_mm": LENGTHS.get(hal_names.text(core.inputs[0].unit), 1.0),
+        "per_mm": LENGTHS.get(hal_string(core.inputs[0].unit), 1.0),
     }
 
 
 def _unit(unit: str) -> str:
     """A unit as text, empty for a pure number."""
-    return "" if unit == "1" else hal_names.text(unit)
+    return "" if unit == "1" else hal_string(unit)
 
 
 def _about(doc: str, unit: str, interval: str = "") -> str:
     """What a number is, in one line."""
-    return ", ".join(p for p in (hal_names.text(doc), _unit(unit), interval and f"in {interval}") if p)
+    return ", ".join(p for p in (hal_string(doc), _unit(unit), interval and f"in {interval}") if p)
 
 
 def _pins(ports: tuple[Port, ...]) -> list[Pin]:
@@ -126,7 +126,7 @@ def _pins(ports: tuple[Port, ...]) -> list[Pin]:
             hal.replace("-", "_"),
             p.name,
             _unit(p.unit),
-            hal_names.text(p.doc or p.key),
+            hal_string(p.doc or p.key),
             _about(p.doc or p.key, p.unit),
         )
         for hal, p in zip(names, ports, strict=True)
@@ -166,7 +166,7 @@ def _setting(core: Core, knob: Knob, hal: str, places: tuple[str, ...], source: 
     start = repr(float(knob.value)) if knob.kind == "float" else str(int(knob.value))
     wanted = f"{read} != 0" if knob.kind == "bool" else f"({held}){read}"
     interval = "" if knob.kind == "bool" else _interval(knob)
-    doc, unit = hal_names.text(knob.doc or knob.key), _unit(knob.unit)
+    doc, unit = hal_string(knob.doc or knob.key), _unit(knob.unit)
     about = _about(doc, unit, interval)
     outside = _outside(core, knob)
     return Setting(hal, c, hal_type, start, unit, doc, about, interval, held, wanted, outside, places)
@@ -174,7 +174,7 @@ def _setting(core: Core, knob: Knob, hal: str, places: tuple[str, ...], source: 
 
 def _interval(knob: Knob) -> str:
     if knob.range:
-        return hal_names.text(knob.range)
+        return hal_string(knob.range)
     left = "(" if math.isinf(knob.low) else "["
     right = ")" if math.isinf(knob.high) else "]"
     return f"{left}{knob.low:g}, {knob.high:g}{right}"
@@ -199,7 +199,7 @@ def _outside(core: Core, knob: Knob) -> str:
 
 def _demonstration(core: Core) -> dict[str, Any]:
     """Size and speed of the demonstration's plant, none of any machine: full drive makes 100 or 200 mm/s."""
-    unit = LENGTHS.get(hal_names.text(core.inputs[0].unit), 1.0)
+    unit = LENGTHS.get(hal_string(core.inputs[0].unit), 1.0)
     full = core.full_scale or core.limits.max_output or 1.0
     kind = {"torque": "torque", "force": "torque", "position": "position"}.get(core.drive, "speed")
     at_full = {"speed": 100.0, "torque": 200.0, "position": 1.0}[kind] * unit

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-import unicodedata
 from collections.abc import Iterable, Iterator, Sequence
 
 from leadscrew.kernel.errors import ValueRefused
@@ -116,9 +115,3 @@ def fit(name: str, within: Sequence[str]) -> None:
             f"{full} has {len(full)} characters, and LinuxCNC allows names of {LONGEST}: "
             f"export under a name that is {len(full) - LONGEST} characters shorter than {name}"
         )
-
-
-def text(said: str) -> str:
-    """A text that halcompile can read between double quotes."""
-    plain = said.replace("µ", "u").replace("μ", "u").replace('"', "'").replace("\\", "/")
-    return " ".join(unicodedata.normalize("NFKD", plain).encode("ascii", "replace").decode().split())

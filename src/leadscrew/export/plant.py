@@ -17,7 +17,6 @@ from leadscrew.export.core import Core
 from leadscrew.export.machine import LICENCE
 from leadscrew.export.source import argument_name
 from leadscrew.export.templates import render
-from leadscrew.kernel.c99.comments import clean
 from leadscrew.kernel.c99.entry import entry_function
 from leadscrew.kernel.c99.prelude import GUARD
 from leadscrew.kernel.c99.translation import Translation
@@ -81,8 +80,7 @@ def plant_files(loop: Loop, core: Core) -> dict[str, str]:
         "comp": hal_names.component(title),
         "own": hal_names.component(core.name),
         "licence": LICENCE,
-        "loop": clean(loop.name),
-        "text": hal_names.text,
+        "loop": loop.name,
         "vectors": {k: [number(x) for x in v.tolist()] for k, v in vectors.items()},
         "held": len(held),
         "shown": [p for p in pins if not p.key.startswith("output")],

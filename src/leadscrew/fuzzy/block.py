@@ -20,10 +20,11 @@ from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 
+from leadscrew.escape import python_docstring
 from leadscrew.fuzzy.engine import Engine, engine, execute
 from leadscrew.fuzzy.system import System
 from leadscrew.fuzzy.tables import Tables
-from leadscrew.fuzzy.text import identifiers, inline
+from leadscrew.fuzzy.text import identifiers
 from leadscrew.kernel.block import Block, make
 from leadscrew.kernel.errors import NameUnknown, ValueRefused
 from leadscrew.kernel.sheet import Doc, nearest
@@ -56,7 +57,7 @@ def function(system: System) -> Callable[..., Any]:
     name = identifiers([system.name or "fuzzy"], made.space)[system.name or "fuzzy"]
     lines = [
         f"def {name}({', '.join(given)}):",
-        f'    """The fuzzy system {inline(system.name)}."""',
+        f'    """The fuzzy system {python_docstring(system.name)}."""',
         f"    return infer(Plan({plan}), {', '.join(given)})",
     ]
     space["Plan"] = made.plan_type
@@ -229,7 +230,7 @@ def _step(
     name = identifiers([system.name or "fuzzy"], made.space)[system.name or "fuzzy"]
     lines = [
         f"def {name}(p, s, command, feedback, dt):",
-        f'    """The fuzzy system {inline(system.name)} as a controller."""',
+        f'    """The fuzzy system {python_docstring(system.name)} as a controller."""',
         f"    error = {signals['command']} - {signals['feedback']}",
         "    before = s.before if s.started else error",
         "    total = s.total + error * dt",

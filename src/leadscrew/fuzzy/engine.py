@@ -10,6 +10,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from leadscrew.escape import one_line
 from leadscrew.fuzzy.active import axis_numbers, is_pointed, is_table, table
 from leadscrew.fuzzy.circuit import Circuit, circuit
 from leadscrew.fuzzy.exact_centroid import prepare_lines
@@ -72,7 +73,7 @@ def traits(made: Circuit, numbers: Tables) -> Traits:
 
 def execute(text: str, title: str, space: dict[str, Any]) -> dict[str, Any]:
     """Runs source that was written here, so that it can be read back: by the compiler, by pdb, in tracebacks."""
-    name = f"<fuzzy {title} {hashlib.sha256(text.encode()).hexdigest()[:12]}>"
+    name = f"<fuzzy {one_line(title)} {hashlib.sha256(text.encode()).hexdigest()[:12]}>"
     linecache.cache[name] = (len(text), None, text.splitlines(keepends=True), name)
     space["__name__"] = HOME
     before = set(space)

@@ -8,10 +8,10 @@ from collections.abc import Iterable, Sequence
 
 
 def identifiers(names: Sequence[str], taken: Iterable[str] = ()) -> dict[str, str]:
-    """A Python name for each name, alike where that can be."""
+    """A Python name for each name, alike where that can be; cut to 60 characters: LLVM has a limit."""
     used, found = set(taken), {}
     for name in names:
-        stem = re.sub(r"\W+", "_", name, flags=re.ASCII).strip("_") or "value"
+        stem = re.sub(r"\W+", "_", name, flags=re.ASCII).strip("_")[:60] or "value"
         stem = f"v_{stem}" if stem[0].isdigit() or keyword.iskeyword(stem) else stem
         made, n = stem, 1
         while made in used:
@@ -20,11 +20,6 @@ def identifiers(names: Sequence[str], taken: Iterable[str] = ()) -> dict[str, st
         used.add(made)
         found[name] = made
     return found
-
-
-def inline(text: str) -> str:
-    """A name of a file as text for a docstring or a comment of generated source: one line, no quotes, no backslash."""
-    return "".join(c if c.isprintable() else " " for c in text).replace("\\", "/").replace('"', "'")
 
 
 def tree(parts: Sequence[str], join: str) -> str:

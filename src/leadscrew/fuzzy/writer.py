@@ -6,9 +6,10 @@ together, else one a rule. ``NAME_value`` makes a number of an output's degrees.
 
 from __future__ import annotations
 
+from leadscrew.escape import python_docstring
 from leadscrew.fuzzy.circuit import Share
 from leadscrew.fuzzy.system import INTEGRAL, Output
-from leadscrew.fuzzy.text import Lines, inline
+from leadscrew.fuzzy.text import Lines
 from leadscrew.fuzzy.writer_outputs import OutputsWriter
 
 
@@ -20,8 +21,8 @@ class Writer(OutputsWriter):
         """The step."""
         last = [self.last(o) for o in self.live if o.lock_previous]
         lines = [f"def infer({', '.join(['p', *self.inputs, *last])}):"]
-        names = inline(", ".join(o.name for o in self.system.outputs))
-        lines.append(f'    """The outputs {names} of {inline(self.system.name)}."""')
+        about = f"The outputs {', '.join(o.name for o in self.system.outputs)} of {self.system.name}."
+        lines.append(f'    """{python_docstring(about)}"""')
         groups = [f"{self.names[o.name]}_g{i}" for o in self.live for i in range(self.width(o))]
         if groups:
             lines.append(f"    {', '.join(groups)} = degrees({', '.join(['p', *self.inputs])})")

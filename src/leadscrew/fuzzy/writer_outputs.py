@@ -6,13 +6,14 @@ from typing import Any
 
 import numpy as np
 
+from leadscrew.escape import python_docstring
 from leadscrew.fuzzy import active, exact_centroid, norms
 from leadscrew.fuzzy.defuzzifiers import INTEGRALS, INVERSES
 from leadscrew.fuzzy.inference import RuleBase
 from leadscrew.fuzzy.partition import Axis
 from leadscrew.fuzzy.system import Output
 from leadscrew.fuzzy.tables import FIRST, HEIGHT, HIGH, LOW, PAD, PEAK, SECOND, is_exact, is_integral, nodes
-from leadscrew.fuzzy.text import Lines, inline, total
+from leadscrew.fuzzy.text import Lines, total
 from leadscrew.fuzzy.writer_rules import RulesWriter
 from leadscrew.kernel.errors import ValueRefused
 
@@ -31,7 +32,7 @@ class OutputsWriter(RulesWriter):
         to, groups = Lines(), self.groups[output.name]
         name = self.names[output.name]
         lines = [f"def {name}_value({', '.join(['p', *self.arguments(output)])}):"]
-        lines.append(f'    """{inline(output.name)}: {output.defuzzifier.replace("_", " ")}."""')
+        lines.append(f'    """{python_docstring(output.name)}: {output.defuzzifier.replace("_", " ")}."""')
         default = repr(output.default) if output.default == output.default else "NAN"
         if output.name in self.tabled:
             y, best = self.interpolated(to, output)

@@ -7,11 +7,12 @@ from typing import Any
 
 import numpy as np
 
+from leadscrew.escape import one_line
 from leadscrew.fuzzy import activations, norms, shapes
 from leadscrew.fuzzy.circuit import Activation, Circuit, Prop
 from leadscrew.fuzzy.system import INTEGRAL, Output, System
 from leadscrew.fuzzy.tables import HEIGHT, places
-from leadscrew.fuzzy.text import Lines, identifiers, inline, total
+from leadscrew.fuzzy.text import Lines, identifiers, total
 
 RESERVED = (
     "p",
@@ -107,7 +108,7 @@ class RulesWriter:
             if not asked or not variable.enabled:
                 continue
             x = self.names[variable.name]
-            to.put(f"# {inline(variable.name)}: {inline(', '.join(t.name for t in asked))}")
+            to.put(f"# {one_line(variable.name)}: {one_line(', '.join(t.name for t in asked))}")
             if variable.name in self.cut:
                 step, cut = self.use(shapes.side), f"p.cuts_{at}"
                 sides = [
@@ -227,7 +228,7 @@ class RulesWriter:
                 continue
             self.groups[output.name] = groups = self.grouped(output, rules)
             if groups:
-                to.put(f"# {inline(output.name)}")
+                to.put(f"# {one_line(output.name)}")
             for group in groups:
                 named = [p if p.isidentifier() else to.name("h", p) for p in group.parts]
                 if output.defuzzifier in INTEGRAL:

@@ -7,11 +7,11 @@ from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import nullcontext
 from dataclasses import dataclass, field
-from html import escape
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from leadscrew.escape import html
 from leadscrew.kernel import door
 from leadscrew.kernel.engines import ENGINES
 from leadscrew.kernel.errors import NameUnknown, ValueRefused
@@ -57,9 +57,9 @@ class Batch:
         for name, values in self.metrics.items():
             known = values[np.isfinite(values)]
             cells = (np.percentile(known, q) for q in (5, 50, 95)) if len(known) else (np.nan,) * 3
-            rows += f"<tr><td>{escape(name)}</td>{''.join(f'<td>{c:.5g}</td>' for c in cells)}</tr>"
+            rows += f"<tr><td>{html(name)}</td>{''.join(f'<td>{c:.5g}</td>' for c in cells)}</tr>"
         head = "<tr><th>metric</th><th>5 %</th><th>median</th><th>95 %</th></tr>"
-        return f"<h4>{escape(self.loop.name)}: {len(self)} runs of {self.duration:g} s</h4><table>{head}{rows}</table>"
+        return f"<h4>{html(self.loop.name)}: {len(self)} runs of {self.duration:g} s</h4><table>{head}{rows}</table>"
 
     @property
     def time(self) -> np.ndarray:

@@ -30,6 +30,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from typing import Any
 
+from leadscrew.escape import checked_line
 from leadscrew.kernel.errors import BlockError
 from leadscrew.kernel.sheet import checked_replace
 
@@ -137,7 +138,7 @@ def make(kind: str, step: Callable[..., Any], params: Any = None, state: Any = N
         raise BlockError(f"{step.__name__}: sense={more['sense']!r}; allowed are 1 and -1")
     if kind == "plant" and state is None:
         raise BlockError(f"{step.__name__}: a plant needs a state: @plant(Params(), State())")
-    name = more.pop("name", None) or step.__name__
+    name = checked_line("name", more.pop("name", None) or step.__name__)
     doc = more.pop("doc", None) or inspect.getdoc(step) or ""
     return Block(kind, name, step, params, state, _signals(kind, step, params, state), doc=doc, **more)
 

@@ -19,7 +19,7 @@ from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
 
-from leadscrew.kernel.private import is_private, may_be_replaced, read_private
+from leadscrew.kernel.system import is_private, may_be_replaced, read_private
 
 LIMIT = 5000
 """Files of modules kept, some 100 MB: more than the five studies compile; beyond, the oldest go."""

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from leadscrew.escape import checked_line
 from leadscrew.kernel import door
 from leadscrew.kernel.block import Block
 from leadscrew.kernel.engines import ENGINES
@@ -104,7 +105,7 @@ class Loop:
         self.rtol = door.positive("rtol", rtol, "")
         self.atol = door.positive("atol", atol, "")
         self.engine = door.one_of("engine", engine, list(ENGINES))
-        self.name = name
+        self.name = checked_line("name", name)
         self.origin: dict[str, Any] = {}
         """How to build this loop again: study, controller, scenario and changes; goes into the manifest."""
         door.check_continuous(self)
@@ -152,6 +153,8 @@ class Loop:
                 value = min(door.positive("bound", value, ""), LARGEST)
             elif option == "engine":
                 value = door.one_of("engine", value, list(ENGINES))
+            else:
+                value = checked_line("name", value)
             setattr(new, option, value)
         kept = self.__dict__.get("program")
         if kept is not None:

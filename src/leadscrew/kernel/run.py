@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import json
 from dataclasses import dataclass
-from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from leadscrew.escape import html
 from leadscrew.kernel.errors import DataError, Diverged, NameUnknown
 from leadscrew.kernel.layout import is_branch
 from leadscrew.kernel.sheet import nearest
@@ -144,9 +144,9 @@ class Run:
         return run_figure(self)
 
     def _repr_html_(self) -> str:
-        rows = "".join(f"<tr><td>{escape(k)}</td><td>{v:.6g}</td></tr>" for k, v in self.metrics.items())
-        state = f"<p><b>{escape(str(self.diverged))}</b></p>" if self.diverged else ""
-        return f"<h4>{escape(self.loop.name)}: {self.duration:g} s</h4>{state}<table>{rows}</table>"
+        rows = "".join(f"<tr><td>{html(k)}</td><td>{v:.6g}</td></tr>" for k, v in self.metrics.items())
+        state = f"<p><b>{html(str(self.diverged))}</b></p>" if self.diverged else ""
+        return f"<h4>{html(self.loop.name)}: {self.duration:g} s</h4>{state}<table>{rows}</table>"
 
     def __repr__(self) -> str:
         metrics = ", ".join(f"{k}={v:.4g}" for k, v in self.metrics.items())

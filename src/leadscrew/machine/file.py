@@ -47,7 +47,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from leadscrew.kernel.errors import DataError
+from leadscrew.escape import checked_line
+from leadscrew.kernel.errors import DataError, ValueRefused
 from leadscrew.kernel.sheet import nearest
 from leadscrew.newfile import save
 
@@ -152,8 +153,11 @@ def validated(table: Mapping[str, Any], where: Path) -> MachineFile:
     if table.get("schema_version") != SCHEMA_VERSION:
         raise DataError(f"{where}: schema_version = {table.get('schema_version')!r}: expected {SCHEMA_VERSION}")
     said = {key: door.text(table, key) for key in texts}
-    if len(said["name"]) > LONGEST_NAME or not said["name"].isprintable():
-        raise DataError(f"{where}: name = {said['name'][:40]!r}: expected one line, {LONGEST_NAME} characters at most")
+    try:
+        for key in ("name", "position_unit", "drive_unit"):
+            checked_line(key, said[key], LONGEST_NAME)
+    except ValueRefused as error:
+        raise DataError(f"{where}: {error}") from None
     if said["model"] not in MODELS:
         raise DataError(f"{where}: model = {said['model']!r}: expected {', '.join(MODELS)}")
     numbers = {

@@ -13,11 +13,11 @@ import struct
 import zlib
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
 from leadscrew import parquet, reading
+from leadscrew.escape import one_line
 from leadscrew.kernel.errors import DataError
 from leadscrew.logs import mat_apart
 from leadscrew.operate.capture import MOST_BYTES, Capture
@@ -55,12 +55,14 @@ def csv_of(capture: Capture) -> bytes:
     units = {**capture.units, "time": "s"}
     out = io.StringIO(newline="")
     about = [
-        f"# {key}: {_inline(value)}\n" for key, value in capture.about.items() if isinstance(value, str | float | int)
+        f"# {key}: {one_line(str(value))}\n"
+        for key, value in capture.about.items()
+        if isinstance(value, str | float | int)
     ]
-    out.write(f"{_FIRST}{_inline(capture.name)}\n# Sampling period is {capture.period_s!r} s\n{''.join(about)}")
+    out.write(f"{_FIRST}{one_line(capture.name)}\n# Sampling period is {capture.period_s!r} s\n{''.join(about)}")
     out.write(f"# {_KEY}: {said_of(capture)}\n")
     writer = csv.writer(out, lineterminator="\n")
-    writer.writerow([f"{n} ({_inline(units[n])})" if units.get(n) else n for n in names])
+    writer.writerow([f"{n} ({one_line(units[n])})" if units.get(n) else n for n in names])
     writer.writerows(zip(*(map(repr, c.tolist()) for c in columns), strict=True))
     return out.getvalue().encode()
 
@@ -172,10 +174,6 @@ def _table(capture: Capture) -> tuple[list[str], list[np.ndarray]]:
     if "time" in names:
         return names, columns
     return ["time", *names], [(capture.first_period + np.arange(len(capture.rows))) * capture.period_s, *columns]
-
-
-def _inline(value: Any) -> str:
-    return " ".join(str(value).split())
 
 
 def _legal(names: Sequence[str]) -> list[str]:

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from leadscrew import __version__
+from leadscrew.escape import python_docstring
 from leadscrew.newfile import save
 from leadscrew.operate.session import MARK, Event, Session, Start
 
@@ -50,9 +51,9 @@ def text(session: Session, period_s: float, name: str = "session.py") -> str:
     start = session.start
     title = " ".join(str(x) for x in (start.study, start.controller, start.scenario) if x)
     return _HEAD.format(
-        title=_plain(title),
+        title=python_docstring(title),
         version=__version__,
-        name=_plain(name),
+        name=python_docstring(name),
         period=period_s,
         start=_call(start, "\n    ", ",\n    ", ",\n"),
         events="".join(f"    # t = {e.period * period_s:g} s\n    {_event(e)},\n" for e in session.events),
@@ -69,11 +70,6 @@ def write(session: Session, period_s: float, path: str | Path) -> None:
         DataError: it cannot be written.
     """
     save(text(session, period_s, Path(path).name), path)
-
-
-def _plain(text: str) -> str:
-    """Text that can stand in a docstring."""
-    return "".join(c if c.isprintable() and c not in '"\\' else "_" for c in text)
 
 
 def _event(event: Event) -> str:

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from leadscrew.analysis.cutting_force import ChipAndEdge, Kienzle, kienzle, r_squared, specific_force
+from leadscrew.escape import one_line
 from leadscrew.identify.cutting_force import ForceFit
 from leadscrew.identify.cutting_force_fit import Interval, LawFit
 from leadscrew.newfolder import appearing
@@ -186,7 +187,7 @@ def experiment(fit: ForceFit, source: str) -> str:
     """An experiment file: the study ``grey_turning`` with this material."""
     lines = [pair.replace("=", " = ") for pair in settings(fit)]
     return (
-        f"# Force law fitted to {' '.join(source.split())} by leadscrew identify cutting-force\n"
+        f"# Force law fitted to {one_line(source)} by leadscrew identify cutting-force\n"
         "# 150 N are held at 1 mm and 1200 1/min by a PI controller; names of others: leadscrew list grey_turning\n"
         'schema_version = 1\nstudy = "grey_turning"\ncontroller = "pi_incremental"\nscenario = "fig6_fixed_depth"\n'
         "\n[set]\n" + "\n".join(lines) + "\n"

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from leadscrew import escape
 from leadscrew.analysis.cutting_force import ChipAndEdge, Kienzle, PowerLaw, specific_force
 from leadscrew.identify.cutting_force import ForceFit
 from leadscrew.report.style import BLACK, BLUE, GREEN, ORANGE, VERMILION
@@ -76,7 +77,7 @@ def picture(fit: ForceFit, title: str = "", beside: Kienzle | None = None) -> Fi
         ax.grid(color="0.92", linewidth=0.6)
         ax.set_axisbelow(True)
     if title:
-        figure.suptitle(title, fontsize="medium")
+        figure.suptitle(escape.figure(title), fontsize="medium")
     figure.legend(loc="outside lower center", ncols=6, frameon=False, fontsize="small")
     return figure
 

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from leadscrew import escape
 from leadscrew.identify.excite.design import PASSES, Proposal
 from leadscrew.identify.excite.files import SHOWN
 from leadscrew.report.style import BLUE, GREEN, ORANGE, PURPLE, SKY, VERMILION
@@ -116,7 +117,7 @@ def picture(proposal: Proposal, title: str = "") -> Figure:
         ax.grid(color="0.92", linewidth=0.6)
     axes[-1].set_xlabel("time (s); dashed: the limits")
     if title:
-        figure.suptitle(title, fontsize="medium")
+        figure.suptitle(escape.figure(title), fontsize="medium")
     handles, words = axes[0].get_legend_handles_labels()
     figure.legend(handles, words, loc="outside lower center", ncols=len(names), frameon=False, fontsize="small")
     return figure

@@ -4,9 +4,7 @@ from __future__ import annotations
 
 import json
 import platform
-import re
-import shutil
-import tempfile
+import shlex
 import time
 from collections.abc import Callable
 from importlib.metadata import version
@@ -14,7 +12,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from leadscrew import reading
+from leadscrew.escape import file_name
 from leadscrew.kernel.errors import DataError
+from leadscrew.newfolder import replaceable, replacing
 from leadscrew.report.claim import SCHEMA_VERSION
 from leadscrew.report.strict import strict
 
@@ -31,20 +31,7 @@ def claimable(folder: str | Path) -> Path:
     Raises:
         DataError: it holds something else, or cannot be written.
     """
-    target = Path(folder)
-    try:
-        if target.is_symlink() or (target.exists() and not target.is_dir()):
-            raise DataError(f"{target} is not a folder; choose another place for the report")
-        if target.exists() and any(target.iterdir()) and not _is_report(target):
-            raise DataError(f"{target} holds something that is not a report of ours; choose another folder")
-        target.parent.mkdir(parents=True, exist_ok=True)
-        with tempfile.TemporaryFile(dir=target.parent):
-            pass
-    except (OSError, ValueError) as error:
-        if isinstance(error, DataError):
-            raise
-        raise DataError(f"{target} cannot be written: {getattr(error, 'strerror', None) or error}") from None
-    return target
+    return replaceable(folder, _is_report, "a report of ours")
 
 
 def _is_report(folder: Path) -> bool:
@@ -87,16 +74,9 @@ def write(
     Raises:
         DataError: see :func:`claimable`; or the disk refuses.
     """
-    target = claimable(folder)
-    beside = Path(tempfile.mkdtemp(prefix=f".{target.name}-", suffix=".partial", dir=target.parent))
-    try:
+    target = Path(folder)
+    with replacing(target, _is_report, "a report of ours") as beside:
         _fill(beside, study, result, wall_s, origin, figures, progress, target)
-        beside.chmod(0o755)
-        _replace(target, beside)
-    except OSError as error:
-        raise DataError(f"{target} cannot be written: {error.strerror or error}") from None
-    finally:
-        shutil.rmtree(beside, ignore_errors=True)
     return target
 
 
@@ -119,14 +99,14 @@ def _fill(
         scenario, _, controller = key.partition("/")
         if not run.loop.origin:
             run.loop.origin = {"study": origin, "controller": controller, "scenario": scenario, "changes": {}}
-        name = re.sub(r"[^\w.-]+", "_", f"{scenario}__{controller}" if controller else scenario)
+        name = file_name(f"{scenario}__{controller}" if controller else scenario)
         folders[key] = f"runs/{name}"
         run.save(beside / "runs" / name)
     progress("drawing", 1.0)
     page = render(
         study,
         result,
-        manifest=manifest(wall_s) | {"command": f"leadscrew run {origin} --out {target}"},
+        manifest=manifest(wall_s) | {"command": shlex.join(["leadscrew", "run", origin, "--out", str(target)])},
         folders=folders,
         pictures=result.pictures if figures else (),
     )
@@ -146,19 +126,3 @@ def manifest(wall_s: float) -> dict[str, Any]:
         "platform": f"{platform.system()} {platform.machine()}, Python {platform.python_version()}",
         **{p: version(p) for p in ("llvmlite", "numpy", "scipy")},
     }
-
-
-def _replace(target: Path, beside: Path) -> None:
-    """Puts a finished folder in the place of an older one, which stays until the new one stands."""
-    if not target.exists():
-        beside.rename(target)
-        return
-    aside = Path(tempfile.mkdtemp(prefix=f".{target.name}-", suffix=".old", dir=target.parent))
-    target.rename(aside / "report")
-    try:
-        beside.rename(target)
-    except OSError:
-        (aside / "report").rename(target)
-        raise
-    finally:
-        shutil.rmtree(aside, ignore_errors=True)

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from leadscrew import escape
 from leadscrew.analysis.following import Following
 from leadscrew.report.style import BLUE, GREEN, ORANGE, PURPLE, SKY, VERMILION
 
@@ -50,7 +51,7 @@ def picture(found: Following, title: str = "") -> Figure:
         ax.grid(color="0.92", linewidth=0.6)
         ax.set_axisbelow(True)
     if title:
-        figure.suptitle(title, fontsize="medium")
+        figure.suptitle(escape.figure(title), fontsize="medium")
     handles, labels = right.get_legend_handles_labels()
     figure.legend(
         handles, labels, loc="outside lower center", ncols=2 * len(axes_names), frameon=False, fontsize="small"

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from leadscrew import escape
 from leadscrew.report.style import BLUE, GREEN, VERMILION
 
 if TYPE_CHECKING:
@@ -104,6 +105,6 @@ def picture(found: FrequencyResponse, title: str = "", level: float = 0.95) -> F
         axes.margins(x=0)
     gain.legend(frameon=False, fontsize="small")
     if title:
-        gain.set_title(title, fontsize="medium")
+        gain.set_title(escape.figure(title), fontsize="medium")
     figure.align_ylabels()
     return figure

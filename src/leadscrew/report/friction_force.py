@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import json
-from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from leadscrew import escape
 from leadscrew.identify.friction_force.block import set_table, settings
 from leadscrew.identify.friction_force.result import MAP, FrictionForceFit, ModelFit, better_percent, judged_rms
 from leadscrew.newfolder import appearing
@@ -128,6 +128,6 @@ def _page(fit: FrictionForceFit, source: str, figure: Figure) -> str:
         html.table(f"Models ({fit.record.force_unit})", MODEL_COLUMNS, model_rows(fit), NUMBERS),
         *(html.table(m.name, VALUE_COLUMNS, value_rows(m), NUMBERS) for m in reversed(fit.models.values())),
         html.table(f"Sliding friction against speed ({fit.record.unit}/s)", BIN_COLUMNS, bin_rows(fit), NUMBERS),
-        f"<h2>As a friction block</h2><pre>{escape(set_table(fit, source))}</pre>",
+        f"<h2>As a friction block</h2><pre>{escape.html(set_table(fit, source))}</pre>",
     ]
     return html.page(title, parts)

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from leadscrew import escape
 from leadscrew.analysis.friction import friction_velocity
 from leadscrew.friction.static_map import TwoSided
 from leadscrew.identify.friction_force.block import map_of
@@ -56,7 +57,7 @@ def picture(fit: FrictionForceFit, title: str = "") -> Figure:
         columns = 3 if ax is left else 2
         ax.legend(frameon=False, loc="upper center", bbox_to_anchor=(0.5, -0.13), ncols=columns)
     if title:
-        figure.suptitle(title, fontsize="medium")
+        figure.suptitle(escape.figure(title), fontsize="medium")
     return figure
 
 

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from leadscrew import escape
 from leadscrew.report.style import BLUE, VERMILION
 
 if TYPE_CHECKING:
@@ -92,6 +93,6 @@ def picture(found: Measured, title: str = "", unit: str = "", level: float = 0.9
     axes.set_ylim(0.5 * floor, 20.0 * max(float(np.max(h.amplitudes)), float(np.max(seen.amplitudes[kept]))))
     axes.grid(color="0.92", linewidth=0.6)
     if title:
-        axes.set_title(title, fontsize="medium")
+        axes.set_title(escape.figure(title), fontsize="medium")
     figure.legend(loc="outside lower center", ncols=2, frameon=False, fontsize="small")
     return figure

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import base64
 import io
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
+from leadscrew.escape import visible
 from leadscrew.report import tables
 
 if TYPE_CHECKING:
+    from jinja2 import Template
     from matplotlib.figure import Figure
 
     from leadscrew.studies.study import Picture, Study, StudyResult
@@ -33,6 +35,18 @@ def embedded(figure: Figure, name: str) -> str:
     return f"data:image/{kind};base64,{base64.b64encode(buffer.getvalue()).decode('ascii')}"
 
 
+def template(name: str, **filters: Callable[..., str]) -> Template:
+    """A template of pages; every value in it is escaped for HTML."""
+    from jinja2 import Environment, PackageLoader, StrictUndefined
+
+    environment = Environment(
+        loader=PackageLoader("leadscrew.report"), autoescape=True, undefined=StrictUndefined, trim_blocks=True,
+        lstrip_blocks=True, finalize=lambda value: visible(value) if type(value) is str else value,
+    )  # fmt: skip
+    environment.filters |= filters
+    return environment.get_template(name)
+
+
 def render(
     study: Study,
     result: StudyResult,
@@ -42,13 +56,6 @@ def render(
     pictures: Sequence[Picture] = (),
 ) -> str:
     """The page. ``folders`` are the run folders beside it, by the key of the run."""
-    from jinja2 import Environment, PackageLoader, StrictUndefined
-
-    environment = Environment(
-        loader=PackageLoader("leadscrew.report"), autoescape=True, undefined=StrictUndefined, trim_blocks=True,
-        lstrip_blocks=True,
-    )  # fmt: skip
-    environment.filters["number"] = tables.number
     drawn = [(p.name, p.caption, embedded(p.draw(), p.name)) for p in pictures]
     topics = [
         (title, [[(c, tables.three_columns(c), tables.target(c), tables.met(c)) for c in part]
@@ -60,7 +67,7 @@ def render(
         for key, run in result.runs.items()
         if key in folders
     ]
-    return environment.get_template("report.html.j2").render(
+    return template("report.html.j2", number=tables.number).render(
         study=study, result=result, topics=topics, tally=tables.tally(result.claims),
         missed=tables.missed(result.claims), pictures=drawn, runs=runs, manifest=manifest,
     )  # fmt: skip

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import json
 from collections.abc import Sequence
-from html import escape
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from leadscrew import escape
 from leadscrew.identify.linear.intervals import Interval
 from leadscrew.identify.linear.result import LinearFit
 from leadscrew.newfolder import appearing
@@ -163,7 +163,7 @@ def _page(fit: LinearFit, drawn: dict[str, Any]) -> str:
     title = f"Linear model: {fit.input_name} to {fit.output_name}"
     lines = [*sentences(fit), *(f"note: {n}" for n in fit.notes), *(f"next: {a}" for a in fit.advice)]
     parts = [
-        f"<p>{escape(fit.source)}</p>",
+        f"<p>{escape.html(fit.source)}</p>",
         *html.paragraphs(lines),
         html.table("Errors of simulation", STRETCH_COLUMNS, stretch_rows(fit), NUMBERS),
         html.table("Parameters", PARAMETER_COLUMNS, parameter_rows(fit), NUMBERS),

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from leadscrew import escape
 from leadscrew.identify.linear.intervals import NORMAL
 from leadscrew.identify.linear.result import LinearFit
 from leadscrew.report.style import BLACK, BLUE, GREEN, ORANGE, VERMILION
@@ -39,8 +40,11 @@ def simulated(fit: LinearFit) -> Figure:
     way.plot(s.time[part], s.measured[part], color=BLACK, linewidth=1.0, label="measured")
     way.plot(s.time[part], s.simulated[part], color=BLUE, linewidth=1.0, linestyle="--", label="simulated")
     error.plot(s.time[part], (s.measured - s.simulated)[part], color=VERMILION, linewidth=0.8)
-    way.set(ylabel=f"{fit.output_name} ({fit.output_unit})", title=f"{s.what}: rms {s.rms:.3g} {fit.output_unit}")
-    error.set(xlabel="time (s)", ylabel=f"difference ({fit.output_unit})")
+    way.set(
+        ylabel=escape.figure(f"{fit.output_name} ({fit.output_unit})"),
+        title=escape.figure(f"{s.what}: rms {s.rms:.3g} {fit.output_unit}"),
+    )
+    error.set(xlabel="time (s)", ylabel=escape.figure(f"difference ({fit.output_unit})"))
     way.legend(frameon=False, fontsize="small")
     figure.align_ylabels()
     return figure
@@ -70,7 +74,7 @@ def bode(fit: LinearFit) -> Figure:
     shown = size[(b.frequency_hz >= fit.excited_hz[0]) & (b.frequency_hz <= fit.excited_hz[1])] if any(
         fit.excited_hz) else size  # fmt: skip
     shown = shown if len(shown) else size
-    gain.set(yscale="log", ylabel=f"gain ({fit.output_unit}/{fit.input_unit})")
+    gain.set(yscale="log", ylabel=escape.figure(f"gain ({fit.output_unit}/{fit.input_unit})"))
     gain.set_ylim(0.03 * float(shown.min()), 5.0 * float(max(shown.max(), 1e-300)))
     phase.set(ylabel="phase (deg)", ylim=(float(angle.min()) - 60.0, float(angle.max()) + 60.0))
     coherence.set(ylabel="coherence", xlabel="frequency (Hz)", xscale="log", ylim=(0.0, 1.05))
@@ -114,7 +118,11 @@ def orders(fit: LinearFit) -> Figure:
     error = best.holdout_rms if held else best.train_rms
     ax.annotate(f"chosen: {best.structure.text}", (at, error), (0, -26), textcoords="offset points", ha="center",
                 arrowprops={"arrowstyle": "->", "linewidth": 0.8}, fontsize="small")  # fmt: skip
-    ax.set(yscale="log", xlabel="coefficients of numerator and denominator", ylabel=f"rms error ({fit.output_unit})")
+    ax.set(
+        yscale="log",
+        xlabel="coefficients of numerator and denominator",
+        ylabel=escape.figure(f"rms error ({fit.output_unit})"),
+    )
     ax.margins(x=0.08, y=0.3)
     ax.xaxis.get_major_locator().set_params(integer=True)
     ax.legend(frameon=False, fontsize="small", loc="upper right")

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import re
 from collections.abc import Container, Sequence
-from html import escape
 from typing import TYPE_CHECKING
 
+from leadscrew.escape import html as escape
 from leadscrew.report.html import embedded
 from leadscrew.report.tables import NOTHING
 

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 from matplotlib.figure import Figure
 
+from leadscrew import escape
 from leadscrew.kernel.frame import pairs, signal_tree, under
 from leadscrew.report.style import BLACK, BLUE, GREEN, ORANGE, PURPLE, SKY, VERMILION
 from leadscrew.report.tables import signal_unit
@@ -36,7 +37,7 @@ def run_figure(run: Run) -> Figure:
         ax.grid(color="0.92", linewidth=0.6)
         ax.margins(x=0)
     axes[-1].set_xlabel("time (s)")
-    axes[0].set_title(run.loop.name + (f"\n{run.diverged}" if run.diverged else ""), fontsize="medium")
+    axes[0].set_title(escape.figure(run.loop.name) + (f"\n{run.diverged}" if run.diverged else ""), fontsize="medium")
     figure.align_ylabels(axes)
     return figure
 

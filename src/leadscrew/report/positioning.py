@@ -6,6 +6,7 @@ import json
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from leadscrew import escape
 from leadscrew.analysis.positioning import OneWay, Positioning
 from leadscrew.newfolder import appearing
 from leadscrew.report import page as html
@@ -99,7 +100,7 @@ def picture(test: Positioning, title: str = "") -> Figure:
     axes = figure.subplots()
     draw(axes, test)
     if title:
-        axes.set_title(title, fontsize="medium")
+        axes.set_title(escape.figure(title), fontsize="medium")
     figure.legend(loc="outside lower center", ncols=3, frameon=False, fontsize="small")
     return figure
 

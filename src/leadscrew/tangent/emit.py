@@ -23,6 +23,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
+from leadscrew.escape import gcode_comment
 from leadscrew.references.gcode_reader import MM_PER_INCH
 from leadscrew.tangent.moves import Move, moves_of
 from leadscrew.tangent.settings import ANGLE_DIGITS, Settings, nearest_turn
@@ -43,7 +44,7 @@ def program(
     shift = "compensated" if any(s.table.offset.any() for s in strokes) else "none"
     head = [
         FIRST_LINE,
-        *(f"({_comment(n)})" for n in notes),
+        *(f"({gcode_comment(n)})" for n in notes),
         *settings.lines(),
         f"(offsets: {shift})",
         f"{'G20' if settings.inch else 'G21'} G90 G17 G40 G49 G80 G94",
@@ -150,8 +151,3 @@ def _zero(text: str) -> str:
     """Without a sign before nothing, and without idle zeros."""
     short = text.rstrip("0").rstrip(".") if "." in text else text
     return "0" if short in ("-0", "") else short
-
-
-def _comment(text: str) -> str:
-    """Text that may stand in a comment of G-code."""
-    return "".join(c if c.isprintable() and c.isascii() else "?" for c in text.replace("(", "[").replace(")", "]"))

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import json
-import re
 from pathlib import Path
 
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 from leadscrew import controller_file
+from leadscrew.escape import file_name
 from leadscrew.newfolder import appearing
 from leadscrew.report import style
 from leadscrew.report.strict import strict
@@ -84,7 +84,7 @@ def write(found: Comparison, asked: Contest, folder: str | Path) -> None:
         (beside / "compare.json").write_text(text + "\n", "utf-8")
         jobs = {c.name: c.job for c in asked.contenders}
         for i, r in enumerate(found.results, 1):
-            stem = f"{i}_{re.sub(r'[^A-Za-z0-9.-]+', '_', Path(r.name).name)}"
+            stem = file_name(f"{i}_{Path(r.name).name}")
             parquet(r.samples, beside / f"{stem}.parquet")
             if r.tuned is not None:
                 controller_file.write(beside / f"{stem}.toml", tuned_files.controller_of(jobs[r.name], r.tuned))

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Callable, Iterator
 from functools import partial
 from typing import TYPE_CHECKING
@@ -10,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from matplotlib.figure import Figure
 
+from leadscrew import escape
 from leadscrew.report.style import BLACK, VERMILION
 from leadscrew.tune.failures import questions, shares
 from leadscrew.tune.montecarlo_figures import plain
@@ -34,7 +34,7 @@ def failure_pictures(found: MonteCarlo) -> Iterator[tuple[str, str, Callable[[],
 
 def file_name(tolerance: str) -> str:
     """The name of a tolerance's picture."""
-    return "fails_" + re.sub(r"[^\w.-]+", "_", tolerance.replace("<=", "_at_most_").replace(">=", "_at_least_"))
+    return escape.file_name("fails_" + tolerance.replace("<=", "_at_most_").replace(">=", "_at_least_"))
 
 
 def failure_figure(found: MonteCarlo, failed: np.ndarray, keys: list[str]) -> Figure:

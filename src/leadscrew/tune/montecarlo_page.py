@@ -25,18 +25,12 @@ def short(value: float | None) -> str:
 
 def render(findings: Findings, said: Mapping[str, Any], folder: Path, drawn: Sequence[tuple[str, str, str]]) -> str:
     """The page, from what the summary says; ``drawn`` are name, caption and source of each figure."""
-    from jinja2 import Environment, PackageLoader, StrictUndefined
-
     from leadscrew.report.folder import manifest
+    from leadscrew.report.html import template
 
-    environment = Environment(
-        loader=PackageLoader("leadscrew.report"), autoescape=True, undefined=StrictUndefined, trim_blocks=True,
-        lstrip_blocks=True,
-    )  # fmt: skip
-    environment.filters |= {"number": number, "percent": percent, "short": short}
     made = manifest(findings.found.wall_s)
     made.pop("wall time of the study")
-    return environment.get_template("montecarlo.html.j2").render(
+    return template("montecarlo.html.j2", number=number, percent=percent, short=short).render(
         said=said,
         title=f"{Path(str(said['study'])).name} under {said['controller']}" if said["controller"] else said["study"],
         several=len(said["scenarios"]) > 1,

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import json
 import math
-import shlex
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from leadscrew.escape import shell
 from leadscrew.report.strict import strict
 from leadscrew.report.tables import first_line, metric_unit
 from leadscrew.tune.montecarlo import MonteCarlo
@@ -62,7 +62,7 @@ class Findings:
 
     def replay(self, row: Worst, folder: str | Path) -> str:
         """The command that runs one of the worst again."""
-        return f"leadscrew simulate {shlex.quote(str(Path(folder) / 'worst' / row.file))}"
+        return f"leadscrew simulate {shell(Path(folder) / 'worst' / row.file)}"
 
 
 def summary(findings: Findings, folder: str | Path | None = None) -> dict[str, Any]:

@@ -8,6 +8,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from leadscrew import escape
 from leadscrew.report.style import BLACK, BLUE, ORANGE, VERMILION
 from leadscrew.tune.objective import Constraint, Goal
 from leadscrew.tune.tuned import Tuned
@@ -51,7 +52,9 @@ def search(tuned: Tuned, units: dict[str, str]) -> Figure:
         _plain(ax)
     axes[0].legend(frameon=False, fontsize="small")
     axes[-1].set_xlabel("evaluations")
-    axes[0].set_title(f"{tuned.controller}: {tuned.optimiser}, seed {tuned.seed}", fontsize="medium")
+    axes[0].set_title(
+        f"{escape.figure(str(tuned.controller))}: {tuned.optimiser}, seed {tuned.seed}", fontsize="medium"
+    )
     return figure
 
 
@@ -136,5 +139,5 @@ def front(tuned: Tuned, units: dict[str, str]) -> Figure:
     for ax in axes[len(pairs) :]:
         ax.set_visible(False)
     axes[0].legend(frameon=False, fontsize="small")
-    axes[0].set_title(f"{tuned.controller}: Pareto front", fontsize="medium")
+    axes[0].set_title(f"{escape.figure(str(tuned.controller))}: Pareto front", fontsize="medium")
     return figure

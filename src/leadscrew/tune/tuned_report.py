@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping, Sequence
-from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from leadscrew import controller_file
+from leadscrew import controller_file, escape
 from leadscrew.newfolder import appearing
 from leadscrew.report.strict import strict
 from leadscrew.report.tables import metric_unit, number
@@ -129,7 +128,7 @@ def page(title: str, sentences: Sequence[str], tables: Sequence[Table], drawn: M
             f"<tr>{''.join(_cell('td', c, right) for c, right in zip(line, numbers, strict=True))}</tr>"
             for line in lines
         )
-        parts.append(f'<h2>{escape(name)}</h2><div class="wide"><table><tr>{head}</tr>{body}</table></div>')
+        parts.append(f'<h2>{escape.html(name)}</h2><div class="wide"><table><tr>{head}</tr>{body}</table></div>')
     parts += [html.picture(figure, name, name) for name, figure in drawn.items()]
     return html.page(title, parts, style="td { white-space: nowrap; }")
 
@@ -144,4 +143,4 @@ def _numbers(texts: Sequence[str]) -> bool:
 
 def _cell(tag: str, text: str, right: bool) -> str:
     kind = ' class="n"' if right else ""
-    return f"<{tag}{kind}>{escape(text)}</{tag}>"
+    return f"<{tag}{kind}>{escape.html(text)}</{tag}>"

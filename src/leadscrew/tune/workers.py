@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import contextlib
 import os
-import signal
 import subprocess
 import sys
 import tempfile
@@ -18,6 +17,7 @@ from pathlib import Path
 from typing import IO, Any
 
 from leadscrew.kernel.errors import LeadscrewError
+from leadscrew.kernel.system import end_session
 
 START_S = 90.0
 """How long workers may take to start, all together."""
@@ -64,9 +64,5 @@ def _end(running: subprocess.Popen[bytes]) -> None:
     running.terminate()
     with contextlib.suppress(subprocess.TimeoutExpired):
         running.wait(END_S)
-    with contextlib.suppress(OSError):
-        if os.name == "posix":
-            os.killpg(running.pid, signal.SIGKILL)
-        else:
-            running.kill()
+    end_session(running)
     running.wait()

@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-import json
-import re
-from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from leadscrew import userfile
+from leadscrew import controller_file, userfile
+from leadscrew.escape import file_name, one_line
 from leadscrew.experiment import SCHEMA_VERSION, Experiment
 from leadscrew.newfile import save
 from leadscrew.report.tables import number
@@ -34,7 +32,7 @@ class Worst(NamedTuple):
     @property
     def file(self) -> str:
         """Its file's name."""
-        return re.sub(r"[^\w.-]+", "_", f"{self.of}_{self.rank}") + ".toml"
+        return file_name(f"{self.of}_{self.rank}") + ".toml"
 
 
 def worst(found: MonteCarlo, count: int = 3) -> tuple[Worst, ...]:
@@ -109,30 +107,5 @@ def toml(asked: Experiment, comment: str = "") -> str:
         "seed": asked.seed,
         "run": asked.run,
     }
-    lines = [f"# {comment}"] if comment else []
-    lines += _lines(head)
-    if asked.changes:
-        lines += ["", "[set]", *_lines(asked.changes)]
-    if asked.files:
-        # A path is one key, whatever dots it has.
-        lines += ["", "[files]", *(f"{_value(k)} = {_value(v)}" for k, v in asked.files.items())]
-    return "\n".join(lines) + "\n"
-
-
-def _lines(table: Mapping[str, Any]) -> list[str]:
-    return [f"{_key(k)} = {_value(v)}" for k, v in table.items() if v is not None]
-
-
-def _key(key: str) -> str:
-    bare = re.compile(r"[A-Za-z0-9_-]+")
-    return ".".join(p if bare.fullmatch(p) else json.dumps(p, ensure_ascii=False) for p in key.split("."))
-
-
-def _value(value: Any) -> str:
-    if hasattr(value, "tolist"):
-        value = value.tolist()
-    if isinstance(value, list | tuple):
-        return f"[{', '.join(_value(v) for v in value)}]"
-    if isinstance(value, bool):
-        return "true" if value else "false"
-    return repr(value) if isinstance(value, int | float) else json.dumps(str(value), ensure_ascii=False)
+    table = {**head, "set": dict(asked.changes), "files": dict(asked.files)}
+    return (f"# {one_line(comment)}\n" if comment else "") + controller_file.toml(table)

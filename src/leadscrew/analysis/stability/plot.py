@@ -9,6 +9,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from leadscrew import escape
 from leadscrew.analysis.stability.certificate import Certificate, number
 from leadscrew.analysis.stability.crossings import phase_crossings
 from leadscrew.analysis.stability.grid import own_grid
@@ -21,7 +22,7 @@ def popov_plot(cert: Certificate) -> Figure:
     figure = Figure(figsize=(6.0, 4.6), layout="constrained")
     axes: Any = figure.subplots()
     draw_popov(axes, cert, BLUE, VERMILION)
-    axes.set_title(f"{cert.loop['name']}: {cert.criterion}, {cert.grade}", fontsize="medium", loc="left")
+    axes.set_title(f"{escape.figure(cert.loop['name'])}: {cert.criterion}, {cert.grade}", fontsize="medium", loc="left")
     finish(axes)
     return figure
 
@@ -67,7 +68,7 @@ def circle_plot(cert: Certificate) -> Figure:
         draw_sector(axes, k1, cert.limit, GREEN, f"largest sector [{k1:g}, {number(cert.limit)}]")
     if cert.sector is not None and math.isfinite(cert.sector[1]):
         draw_sector(axes, k1, cert.sector[1], ORANGE, f"asked [{k1:g}, {cert.sector[1]:.4g}]")
-    axes.set_title(f"{cert.loop['name']}: {cert.criterion}, {cert.grade}", fontsize="medium", loc="left")
+    axes.set_title(f"{escape.figure(cert.loop['name'])}: {cert.criterion}, {cert.grade}", fontsize="medium", loc="left")
     left = -1.6 / k1 if k1 > 0.0 else -2.5
     window(axes, left)
     return figure
@@ -82,7 +83,7 @@ def nyquist_plot(cert: Certificate) -> Figure:
     turn = np.linspace(0.0, 2.0 * np.pi, 361)
     axes.plot(np.cos(turn), np.sin(turn), color="0.6", linewidth=0.8, linestyle=":", label="unit circle")
     axes.plot(-1.0 + np.cos(turn) / ms, np.sin(turn) / ms, color=VERMILION, linewidth=0.9, label=f"Ms = {ms:.3g}")
-    axes.set_title(f"{cert.loop['name']}: {cert.statement.split(':')[0]}", fontsize="medium", loc="left")
+    axes.set_title(f"{escape.figure(cert.loop['name'])}: {cert.statement.split(':')[0]}", fontsize="medium", loc="left")
     window(axes, -2.0)
     return figure
 
@@ -137,7 +138,7 @@ def condition_plot(cert: Certificate) -> Figure:
     axes.set_xlim(0.1, float(w[-1]) / (2 * np.pi))
     axes.set_xlabel("frequency (Hz)")
     axes.set_ylabel("left side of the condition (above 0)")
-    axes.set_title(f"{cert.loop['name']}: {cert.criterion}, {cert.grade}", fontsize="medium", loc="left")
+    axes.set_title(f"{escape.figure(cert.loop['name'])}: {cert.criterion}, {cert.grade}", fontsize="medium", loc="left")
     finish(axes, lines=False)
     return figure
 

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-import re
 from dataclasses import replace
 
+from leadscrew.escape import one_line
 from leadscrew.fuzzy.rules_text import rule_text
 from leadscrew.fuzzy.system import INTEGRAL, Antecedent, Input, Is, Output, Rule, RuleBlock, System, Variable
 
@@ -78,7 +78,7 @@ def shapes_of_fuzzylite(saying: Saying, system: System) -> None:
 
 def _line(saying: Saying, text: str) -> str:
     """A text as it can stand after a key: one line, without the sign of comments."""
-    found = re.sub(r"\s+", " ", "".join(c if c.isprintable() and c != "#" else " " for c in text)).strip()
+    found = one_line(text.replace("#", " "))
     if found != text:
         saying.note(f"{text!r} is written as {found!r}")
     return found

@@ -56,7 +56,7 @@ def checked(machine: Machine) -> Machine:
     if machine.axis.upper() not in tuple("XYZABCUVW"):
         raise ValueRefused(f"axis = {machine.axis!r}: allowed are X, Y, Z, A, B, C, U, V, W")
     for name in (*machine.signals(), machine.thread, machine.drive_unit.replace(" ", "")):
-        if not name or any(c.isspace() or c in "\"'#$\\[]" for c in name):
+        if not name or any(c == " " or not c.isprintable() or c in "\"'#$\\[]" for c in name):
             raise ValueRefused(f"{name!r}: a name of a signal, a thread or a unit has no blanks, quotes or brackets")
     return machine
 
@@ -77,7 +77,8 @@ def write(proposal: Proposal, folder: str | Path, machine: Machine | None = None
         (place / "move.ngc").write_text(program(proposal, names.axis.upper()), encoding="utf-8")
         (place / "record.hal").write_text(recorder(names), encoding="utf-8")
         (place / "record.sh").write_text(record_script(proposal, names), encoding="utf-8")
-        (place / "record.sh").chmod(0o755)
+        mode = (place / "record.sh").stat().st_mode
+        (place / "record.sh").chmod(mode | (mode & 0o444) >> 2)  # whoever may read it may run it
         found = {"schema_version": 1, "kind": "leadscrew excite", **proposal.as_dict()}
         text = json.dumps(strict(found), indent=1, allow_nan=False)
         (place / "proposal.json").write_text(text + "\n", encoding="utf-8")

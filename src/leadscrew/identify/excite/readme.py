@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
+from leadscrew.escape import markdown_code
 from leadscrew.identify.excite.limits import SHARE
 
 if TYPE_CHECKING:
@@ -20,7 +21,7 @@ def readme(proposal: Proposal, machine: Machine) -> str:
     limits, axis = proposal.limits, machine.axis.upper()
     low, high = scale * limits.low, scale * limits.high
     lowest, highest = (scale * f(proposal.samples.position) for f in (min, max))
-    command, feedback, output = machine.signals()
+    command, feedback, output = map(markdown_code, machine.signals())
     jerk = (
         f"\n- The jerk in `reference.csv` stays below {scale * limits.jerk:g} {unit}/s^3. LinuxCNC 2.9 does not limit "
         "jerk: played from `move.ngc` the acceleration jumps. Use the CSV where that is not allowed."
@@ -45,8 +46,8 @@ def readme(proposal: Proposal, machine: Machine) -> str:
 
 ## Steps with LinuxCNC
 
-1. Load `record.hal` as the last `HALFILE` of the ini file. It takes the signals `{command}`, `{feedback}` and
-   `{output}`; where yours are called otherwise (`halcmd show sig`), change the three `net` lines or give their names to
+1. Load `record.hal` as the last `HALFILE` of the ini file. It takes the signals {command}, {feedback} and
+   {output}; where yours are called otherwise (`halcmd show sig`), change the three `net` lines or give their names to
    `leadscrew excite`.
 2. Home the machine. In a terminal: `./record.sh log.txt`. In LinuxCNC: open `move.ngc`, start it.
 3. When it has ended: Ctrl-C in the terminal, if it still runs.

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from leadscrew.escape import one_line
 from leadscrew.friction.asymmetric import TwoSidedLuGre
 from leadscrew.friction.static_map import Sliding, TwoSided
 from leadscrew.identify.friction_force.result import FrictionForceFit
@@ -50,7 +51,7 @@ def set_table(fit: FrictionForceFit, source: str, *, normal: float | None = None
     at = "" if fit.load == "force" else f" at a normal force of {fit.normal_mean if normal is None else normal:.6g} N"
     lines = [f"{key} = {value:.8g}" for key, value in settings(fit, normal=normal).items()]
     return (
-        f"# LuGre friction of {' '.join(source.split())}{at}, from leadscrew identify friction-force\n"
+        f"# LuGre friction of {one_line(source)}{at}, from leadscrew identify friction-force\n"
         "# for a plant whose friction is TwoSidedLuGre; without stiffness and damping for one with TwoSided\n"
         "[set]\n" + "\n".join(lines) + "\n"
     )

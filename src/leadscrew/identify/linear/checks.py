@@ -9,12 +9,12 @@ is said. Two things that are refused of an axis are only said here, since the sy
 from __future__ import annotations
 
 import re
-import shlex
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from leadscrew.escape import shell
 from leadscrew.kernel.errors import DataError, ValueRefused
 from leadscrew.logs.finding import Finding, refuse
 from leadscrew.logs.measure import encoder_step, noise
@@ -128,7 +128,7 @@ def _asked(sentence: str, names: Names, axis: bool) -> str:
     """The sentence with the options of ``identify linear``, and the input for a drive that is none."""
 
     def unit(found: re.Match[str]) -> str:
-        return f"--unit {shlex.quote(f'{getattr(names, found[1])}={found[2] or found[3]}')}"
+        return f"--unit {shell(f'{getattr(names, found[1])}={found[2] or found[3]}')}"
 
     sentence = re.sub(r", or the force of one unit of the drive \(--force-per-drive\)", "", sentence)
     said = re.sub(r"--unit (time|drive|position|command)=(?:'([^']+)'|([A-Za-z]+))", unit, sentence)
@@ -155,7 +155,7 @@ def columns_of(table: Table, told: Mapping[str, str | None], timed: bool) -> dic
     except DataError as error:
         option = re.sub(
             r"--column (?:'(drive|position|time)=([^']*)'|(drive|position|time)=(\S+))",
-            lambda m: f"{OPTIONS[m[1] or m[3]]} {shlex.quote(m[2] or m[4])}",
+            lambda m: f"{OPTIONS[m[1] or m[3]]} {shell(m[2] or m[4])}",
             str(error),
         )
         raise DataError(option) from None

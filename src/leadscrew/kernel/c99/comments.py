@@ -12,26 +12,21 @@ import tokenize
 from pathlib import Path
 from typing import Any
 
+from leadscrew.escape import c_comment
 from leadscrew.kernel.module import Item
 from leadscrew.kernel.sheet import entry_of, hints
 from leadscrew.kernel.source import tree_of
 from leadscrew.kernel.subset import is_named_tuple_type
 
 
-def clean(text: str) -> str:
-    """Text that can stand inside a C comment: nothing that ends it, joins its lines or turns the writing round."""
-    text = "".join(c if c.isprintable() else " " for c in text.replace("``", "")).replace("??/", "?? /")
-    return text.replace("*/", "* /").replace("/*", "/ *")
-
-
 def block(lines: list[str], place: str = "") -> str:
     """Lines as a C comment."""
     if not lines:
-        return f"/* {place} */\n" if place else ""
+        return f"/* {c_comment(place)} */\n" if place else ""
     if len(lines) == 1 and not place:
-        return f"/* {clean(lines[0])} */\n"
+        return f"/* {c_comment(lines[0])} */\n"
     told = [*lines, *([place] if place else [])]
-    return "/* " + "\n".join(f" * {clean(x)}".rstrip() for x in told).removeprefix(" * ") + " */\n"
+    return "/* " + "\n".join(f" * {c_comment(x)}".rstrip() for x in told).removeprefix(" * ") + " */\n"
 
 
 def about(value: Any) -> list[str]:
@@ -56,7 +51,7 @@ def fields(cls: Any) -> dict[str, str]:
     for name in cls._fields:
         entry = entry_of(name, sheet.get(name), 0.0)
         parts = [entry.doc or below.get(name, ""), entry.unit]
-        found[name] = clean(", ".join(p for p in parts if p))
+        found[name] = c_comment(", ".join(p for p in parts if p))
     return found
 
 
@@ -94,5 +89,5 @@ def lines(function: Any) -> dict[int, list[str]]:
         before = [s for s in starts if s <= line]
         at = after[0] if after else before[-1] if before else None
         if at is not None:
-            found.setdefault(at, []).append(clean(token.string.lstrip("# ").strip()))
+            found.setdefault(at, []).append(c_comment(token.string.lstrip("# ").strip()))
     return found

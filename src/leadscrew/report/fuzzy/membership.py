@@ -6,12 +6,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from leadscrew import escape
 from leadscrew.fuzzy.circuit import CONSEQUENTS
 from leadscrew.fuzzy.shapes import membership_function
 from leadscrew.fuzzy.system import System, Term, Variable
 from leadscrew.fuzzy.tables import peak
 
-from .words import COLOURS, GREY, SMALL, dark, ends, formula, kind, labelled, number, pen, safe, short, ticks
+from .words import COLOURS, GREY, SMALL, dark, ends, formula, kind, labelled, number, pen, short, ticks
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -48,7 +49,7 @@ def membership_figure(system: System) -> Figure:
     figure.set_figheight(figure.get_figheight() + sum(more))
     for ax in axes[len(variables) :]:
         ax.set_axis_off()
-    figure.suptitle(safe(short(system.name, 80)), fontsize="medium")
+    figure.suptitle(escape.figure(short(system.name, 80)), fontsize="medium")
     return figure
 
 
@@ -78,7 +79,7 @@ def _texts(ax: Axes, lines: list[str]) -> None:
     """Sentences instead of curves."""
     ax.set_axis_off()
     shown = lines if len(lines) <= LINES else [*lines[: LINES - 1], f"and {len(lines) - LINES + 1} more"]
-    text = "\n".join(safe(short(line, 62)) for line in shown)
+    text = "\n".join(escape.figure(short(line, 62)) for line in shown)
     ax.text(0.02, 0.97, text, transform=ax.transAxes, va="top", fontsize=SMALL + 0.5, linespacing=1.45)
 
 
@@ -170,7 +171,7 @@ def _named(ax: Axes, labels: list[tuple[float, str, str]], tallest: float, span:
         return _legend(ax, labels, tallest)
     step = 0.125 * lines * tallest
     for (_, text, colour), (left, _, wide), row in zip(labels, places, rows, strict=True):
-        ax.text(left + 0.5 * wide, (1.05 * tallest) + row * step, safe(text), ha="center", va="bottom",
+        ax.text(left + 0.5 * wide, (1.05 * tallest) + row * step, escape.figure(text), ha="center", va="bottom",
                 fontsize=SMALL, color=dark(colour), linespacing=1.05)  # fmt: skip
     ax.set_ylim(0.0, 1.07 * tallest + (max(rows) + 1) * step)
     ax.spines["left"].set_bounds(0.0, tallest)
@@ -180,7 +181,7 @@ def _named(ax: Axes, labels: list[tuple[float, str, str]], tallest: float, span:
 def _legend(ax: Axes, labels: list[tuple[float, str, str]], tallest: float) -> int:
     ax.set_ylim(0.0, 1.07 * tallest)
     lines: list[Any] = ax.get_lines()
-    names = [safe(short(text.replace("\n", ": "), 18)) for _, text, _ in labels]
+    names = [escape.figure(short(text.replace("\n", ": "), 18)) for _, text, _ in labels]
     if len(names) > MOST_NAMES:
         for line in lines:
             line.set(color=COLOURS[0], linestyle="-", linewidth=1.0, markersize=3.0)

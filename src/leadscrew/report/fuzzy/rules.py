@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from leadscrew import escape
 from leadscrew.fuzzy.activity import activity, rising
 from leadscrew.fuzzy.evaluate import compiled
 from leadscrew.fuzzy.rules_text import rule_text
@@ -14,7 +15,7 @@ from leadscrew.fuzzy.system import Rule, System
 from leadscrew.kernel.errors import ValueRefused
 from leadscrew.report.style import BLACK, BLUE
 
-from .words import GREY, HATCH, SMALL, labelled, safe, short, ticks
+from .words import GREY, HATCH, SMALL, labelled, short, ticks
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -60,7 +61,7 @@ def activity_figure(system: System, time: Any, points: Any, *, unit: str = "s") 
     axes[-1].set_xlim(t[0], t[-1])
     ticks(axes[-1].xaxis, count=9)
     figure.suptitle(
-        safe(f"{short(system.name, 60)}: {len(fired)} of {len(system.rules)} rules fire"), fontsize="medium"
+        escape.figure(f"{short(system.name, 60)}: {len(fired)} of {len(system.rules)} rules fire"), fontsize="medium"
     )
     figure.align_ylabels(axes[:-1])
     return figure
@@ -115,7 +116,7 @@ def _labels(system: System, fired: np.ndarray) -> list[str]:
         every = -(-len(fired) // NUMBERS)
         return [str(i + 1) if k % every == 0 else "" for k, i in enumerate(fired)]
     rules = system.rules
-    return [safe(f"{brief(rules[i])}  {i + 1:>3}") for i in fired]
+    return [escape.figure(f"{brief(rules[i])}  {i + 1:>3}") for i in fired]
 
 
 def gathered(t: np.ndarray, strengths: np.ndarray, by: Any = np.maximum) -> tuple[np.ndarray, np.ndarray]:

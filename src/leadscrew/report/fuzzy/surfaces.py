@@ -8,12 +8,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from leadscrew import escape
 from leadscrew.fuzzy.system import Output, System
 from leadscrew.kernel.errors import ValueRefused
 from leadscrew.report.style import BLUE
 
 from .grid import Surface, surface
-from .words import HATCH, SMALL, labelled, measure, number, safe, short, ticks
+from .words import HATCH, SMALL, labelled, measure, number, short, ticks
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -64,7 +65,7 @@ def _title(made: Surface, output: Output) -> str:
     if made.held:
         units = {v.name: v.unit for v in made.system.inputs}
         title += " at " + ", ".join(f"{n} = {measure(v, units[n])}" for n, v in made.held.items())
-    return safe(title)
+    return escape.figure(title)
 
 
 def _why(made: Surface, output: Output) -> str:

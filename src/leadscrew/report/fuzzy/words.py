@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
+from leadscrew import escape
 from leadscrew.fuzzy.formats.extent import extent, hull
 from leadscrew.fuzzy.system import Output, System, Term, Variable
 from leadscrew.report.style import BLUE, GREEN, ORANGE, PURPLE, SKY, VERMILION
@@ -33,12 +34,7 @@ def dark(colour: str) -> tuple[float, ...]:
 def labelled(variable: Variable, most: int = 44) -> str:
     """Name and unit; a name that is too long is cut, the unit stays."""
     unit = f" ({variable.unit})" if variable.unit not in ("", "1") else ""
-    return safe(short(variable.name, max(4, most - len(unit))) + unit)
-
-
-def safe(text: str) -> str:
-    """A text that Matplotlib takes literally: a dollar sign starts no formula."""
-    return text.replace("$", r"\$")
+    return escape.figure(short(variable.name, max(4, most - len(unit))) + unit)
 
 
 def short(text: str, most: int) -> str:
