@@ -31,9 +31,9 @@ def checked_line(what: str, name: str, longest: int = LONGEST_NAME) -> str:
     """A name or title: one line of printable characters.
 
     Raises:
-        ValueRefused: it is empty, longer, or holds a line end, a control or a bidirectional character.
+        ValueRefused: it is longer, or holds a line end, a control or a bidirectional character.
     """
-    if not isinstance(name, str) or not 0 < len(name) <= longest or not name.isprintable():
+    if not isinstance(name, str) or len(name) > longest or not name.isprintable():
         shown = f"{name[:40]!r}..." if isinstance(name, str) and len(name) > 40 else repr(name)
         raise ValueRefused(f"{what} = {shown}: expected one line of printable characters, {longest} at most")
     return name
