@@ -140,8 +140,6 @@ def data(path: Path, most: float, what: str) -> bytes:
         with path.open("rb") as file:
             check(path, os.fstat(file.fileno()).st_size, most, what)
             held = file.read(int(most * factor()) + 1)
-    except FileNotFoundError:
-        raise DataError(f"there is no file {str(path)!r}") from None
     except OSError as problem:
         raise DataError(f"{path}: cannot be read ({problem.strerror or problem})") from None
     except ValueError as problem:  # such as a name with a character 0
@@ -171,6 +169,8 @@ def toml(path: Path) -> dict[str, Any]:
     Raises:
         DataError: as :func:`text`; it is no TOML, nests too deep, or has a whole number beyond 64 bits.
     """
+    if not path.exists():
+        raise DataError(f"there is no file {str(path)!r}")
     return toml_of(text(path, SETTINGS, "settings"), str(path))
 
 

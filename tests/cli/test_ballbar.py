@@ -180,7 +180,7 @@ def test_parameters_change_one_direction_is_one_and_few_points_are_noted(call, t
     assert "clockwise only" in equal.stderr and "cannot be told apart" in equal.stderr
 
 
-def test_two_loops_of_one_axis_are_a_machine(call, one_axis, tmp_path):
+def test_two_loops_of_one_axis_are_a_machine(call, one_axis, tmp_path, monkeypatch):
     found = strict_json(
         call("ballbar", one_axis, "--y", one_axis, "--radius", 10, "--feed", 100, "--set", "y.controller.gain=30",
              "--json").stdout
@@ -190,6 +190,7 @@ def test_two_loops_of_one_axis_are_a_machine(call, one_axis, tmp_path):
     # 1/40 s - 1/30 s = -8.33 ms.
     assert faults["servo mismatch"]["more"]["ms"] == pytest.approx(-8.33, abs=0.01)
     assert abs(faults["squareness"]["um"]) < 0.001
+    monkeypatch.chdir(tmp_path)  # Python that a file names runs from here
     (tmp_path / "machine.toml").write_text(f'schema_version = 1\nstudy = "{one_axis}"\n[set]\ncontroller.gain = 30.0\n')
     other = strict_json(
         call("ballbar", one_axis, "--y", tmp_path / "machine.toml", "--radius", 10, "--feed", 100, "--json").stdout

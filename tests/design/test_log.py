@@ -97,7 +97,7 @@ def test_missing_columns_and_values_out_of_range_name_row_and_column(tmp_path):
     high[4] = {**high[4], "rho": "1.5"}
     with pytest.raises(DataError, match=r"row 6, column 'rho': 1\.5 is outside \[-1, 1\]"):
         read_moves(write(path, high))
-    with pytest.raises(DataError, match="there is no file"):
+    with pytest.raises(DataError, match="cannot be read"):
         read_moves(tmp_path / "none.csv")
     with pytest.raises(ValueRefused, match="one log at least"):
         read_moves([])

@@ -48,7 +48,7 @@ def test_parquet_is_read_by_its_suffix(tmp_path):
     pq.write_table(pa.table({"ap": DEPTH, "f": FEED, "tool": ["a", "b", "c"], "Fc": FORCE}), tmp_path / "x.parquet")
     assert_the_cuts(read_force_table(tmp_path / "x.parquet"))
     pq.write_table(pa.table({"ap": DEPTH, "f": FEED, "Fc": [None, 1.0, 2.0]}), tmp_path / "y.parquet")
-    with pytest.raises(DataError, match=r"row 1, column 'Fc': 'None' is not a number"):
+    with pytest.raises(DataError, match=r"row 1, column 'Fc': 'nan' is not a finite number"):
         read_force_table(tmp_path / "y.parquet")
 
 

@@ -61,7 +61,7 @@ def test_what_is_no_run_is_refused(tmp_path):
     with pytest.raises(DataError, match="schema_version = 99"):
         load(folder)
     (folder / "run.json").write_text("{")
-    with pytest.raises(DataError, match="cannot be read"):
+    with pytest.raises(DataError, match="is not JSON"):
         load(folder)
     (tmp_path / "file").write_text("")
     with pytest.raises(DataError, match=r"cannot be written|exists already"):

@@ -168,7 +168,7 @@ def test_a_bad_network_file_is_refused_in_a_sentence(tmp_path, text, said):
 
 
 def test_a_missing_network_file_is_refused(tmp_path):
-    with pytest.raises(DataError, match="there is no file"):
+    with pytest.raises(DataError, match="cannot be read"):
         read_net(tmp_path / "none.json")
 
 

@@ -251,7 +251,7 @@ def test_the_command_writes_what_the_loop_can_read(tmp_path):
     [
         (["-o", "net.toml"], "ends in .json"),
         (["--biases", "few"], "expected none, output, hidden, all"),
-        (["--table", "nowhere.csv"], "there is no file"),
+        (["--table", "nowhere.csv"], "cannot be read"),
         (["--method", "luck"], "no method 'luck'"),
     ],
 )

@@ -66,7 +66,7 @@ def test_a_chunk_that_a_power_cut_tore_counts_as_none(tmp_path):
         journal.path(0).write_bytes(torn)
         assert journal.get(0) is None
     (tmp_path / "j" / "question.json").write_text("{")
-    with pytest.raises(DataError, match=r"question\.json cannot be read"):
+    with pytest.raises(DataError, match=r"question\.json: is not JSON"):
         Journal(tmp_path / "j", ASKED, resume=True)
 
 

@@ -190,7 +190,7 @@ def load(folder: str | Path) -> tuple[dict[str, Any], dict[str, np.ndarray]]:
         raise DataError(f"{path}/run.json: schema_version = {manifest.get('schema_version')!r}; this version reads 1")
     for key, kind in MANIFEST.items():
         if key in manifest and not isinstance(manifest[key], kind):
-            raise DataError(f"{path}/run.json: {key} = {str(manifest[key])[:40]!r} is not what a run writes there")
+            raise DataError(f"{path}/run.json: is not a whole manifest: {key} = {str(manifest[key])[:40]!r}")
     named = {"inf": np.inf, "-inf": -np.inf, "nan": np.nan}
     known = manifest.get("parameters") or {}
     manifest["parameters"] = {k: named.get(v, v) if isinstance(v, str) else v for k, v in known.items()}
