@@ -152,7 +152,7 @@ def test_what_cannot_be_replayed_is_refused(refused, study, tmp_path, call):
         (out / "run.json").write_text(json.dumps({**whole, key: value}))
         assert word in refused("replay", out)
     (out / "run.json").write_text("{")
-    assert "cannot be read" in refused("replay", out)
+    assert "is not JSON" in refused("replay", out)
 
 
 def test_a_folder_in_use_is_refused_before_anything_runs(refused, study, tmp_path):
