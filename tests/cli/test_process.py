@@ -114,6 +114,29 @@ def test_ctrl_c_ends_a_compiled_run_that_would_take_days(tmp_path):
     assert process.returncode == 130
 
 
+BATCH = """
+import numpy as np
+from leadscrew.experiment import Experiment
+from leadscrew.kernel import batch
+started = batch.Thread.start
+def told(self):
+    started(self)
+    print("running", flush=True)
+batch.Thread.start = told
+loop = Experiment("vud_lathe", "paper.vud", "step_p50").loop()
+loop.batch(1e10, runs=64, record=(), threads=2)
+"""
+
+
+@pytest.mark.skipif(os.name != "posix", reason="posix: signals")
+def test_ctrl_c_ends_a_batch_that_would_take_years():
+    with subprocess.Popen([sys.executable, "-c", BATCH], stdout=subprocess.PIPE, stderr=subprocess.PIPE) as process:
+        assert process.stdout.readline() == b"running\n"
+        process.send_signal(signal.SIGINT)
+        said = process.communicate(timeout=120)[1]
+    assert b"KeyboardInterrupt" in said
+
+
 SAVING = f"""
 import sys
 sys.path.insert(0, {str(FILE.parent)!r})

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Mapping, Sequence
-from concurrent.futures import ThreadPoolExecutor
-from contextlib import nullcontext
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import nullcontext, suppress
 from dataclasses import dataclass, field
+from queue import Empty, SimpleQueue
+from threading import Event, Thread
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -26,6 +27,10 @@ if TYPE_CHECKING:
 
 MEMORY = 8 * 1024**3
 """Bytes of recorded signals above which a batch is refused."""
+
+
+HEARD_S = 0.1
+"""After which Ctrl-C is heard at the latest."""
 
 
 @dataclass(repr=False)
@@ -232,23 +237,53 @@ def run_batch(
         room = [np.empty(vectors[i].size * LANES) for i in (1, 3)]
         entry(*vectors, *room, places, values, span, select, table, metrics, lost)
 
-    def report(done: int) -> None:
+    for done, _ in enumerate(_worked(work, starts, threads), start=1):
         if progress is not None:
             progress(done / len(starts))
-
-    if threads == 1 or len(starts) == 1:
-        for i, low in enumerate(starts):
-            work(low)
-            report(i + 1)
-    else:
-        with ThreadPoolExecutor(threads) as pool:
-            for i, _ in enumerate(pool.map(work, starts)):
-                report(i + 1)
     metrics[lost >= 0] = np.nan
     diverged_at = np.where(lost >= 0, (lost + 1) * loop.period, np.nan)
     signals = {c: table[:, i, :] for i, c in enumerate(names)}
     measured = {k: metrics[:, i].copy() for i, k in enumerate(loop.metrics)}
     return Batch(loop, duration, columns, measured, diverged_at, signals)
+
+
+def _worked(work: Callable[[int], None], parts: Sequence[int], threads: int) -> Iterator[None]:
+    """Works off the parts in threads, and says when each is done.
+
+    Ctrl-C is heard at once: no further part is begun, and one that runs ends by itself, or with the process.
+    """
+    waiting: SimpleQueue[int] = SimpleQueue()
+    done: SimpleQueue[BaseException | None] = SimpleQueue()
+    given_up = Event()
+    for part in parts:
+        waiting.put(part)
+
+    def worker() -> None:
+        while not given_up.is_set():
+            try:
+                part = waiting.get_nowait()
+            except Empty:
+                return
+            try:
+                work(part)
+                done.put(None)
+            except BaseException as problem:
+                done.put(problem)
+
+    for _ in range(min(threads, len(parts))):
+        Thread(target=worker, daemon=True).start()
+    try:
+        for _ in parts:
+            problem = None
+            while True:
+                with suppress(Empty):
+                    problem = done.get(timeout=HEARD_S)
+                    break
+            if problem is not None:
+                raise problem
+            yield
+    finally:
+        given_up.set()
 
 
 def _one_by_one(
