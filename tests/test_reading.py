@@ -14,6 +14,7 @@ import pytest
 
 from leadscrew import apart, controller_file, parquet, reading, replay
 from leadscrew.analysis.circular.file import read_circles
+from leadscrew.analysis.following_files import read_logs
 from leadscrew.analysis.positioning_file import read_positioning
 from leadscrew.fuzzy import formats
 from leadscrew.identify.cutting_force_table import read_force_table
@@ -141,7 +142,51 @@ def test_a_chunk_of_a_journal_that_is_compressed_counts_as_none(tmp_path):
     assert journal.get(1) is None
 
 
+@pytest.mark.parametrize(
+    ("name", "text"),
+    [
+        ("line.ngc", "G21 G90\nG0 X0 Y0\nG1 X99999999 Y5 F1000\n"),
+        ("digits.ngc", f"G21 G90\nG0 X0 Y0\nG1 X{'9' * 308} F1000\nG1 Y{'9' * 308}\n"),
+        ("curve.svg", '<svg xmlns="http://www.w3.org/2000/svg" width="9mm" height="9mm" viewBox="0 0 9 9">'
+                      '<path d="M0 0 C4e6 0 4e6 4e6 0 4e6"/></svg>'),
+    ],
+)  # fmt: skip
+def test_a_line_as_long_as_a_country_is_refused_before_its_places_are_computed(tmp_path, name, text):
+    (tmp_path / name).write_text(text)
+    with pytest.raises(DataError, match="a coordinate beyond 1 km: is the unit right"):
+        read_drawing(tmp_path / name)
+
+
+def test_a_header_of_many_brackets_and_a_log_of_one_row_or_of_no_size_are_said_and_soon(tmp_path):
+    rows = "\n".join(f"{k / 1000},{k},{k}" for k in range(300))
+    for header in (f"time,position({'a' * 200_000},drive", "# " + "a [ " * 100_000 + "\ntime,position,drive"):
+        (tmp_path / "log.csv").write_text(f"{header}\n{rows}\n")
+        began = time.process_time()
+        read_table(tmp_path / "log.csv")
+        assert time.process_time() - began < 10.0
+    (tmp_path / "one.csv").write_text("time,command,actual\n0,1,2\n")
+    with pytest.raises(DataError, match="1 row of data: three or more"):
+        read_logs([tmp_path / "one.csv"])
+    (tmp_path / "none.csv").write_text("time,x\n" + "".join(f"{k}e-320,{k}\n" for k in range(300)))
+    with pytest.raises(DataError, match=r"largest value is 2\.99\d*e-318"):
+        read_table(tmp_path / "none.csv").numbers("time")
+
+
 # ---- the process that reads
+def test_a_module_that_lies_in_the_working_folder_is_not_run_by_reading_data(tmp_path):
+    for module in ("pyarrow", "numpy", "scipy", "json"):
+        (tmp_path / f"{module}.py").write_text("open('ran', 'w')\n")
+    signals = CORPUS / "runs" / "sampled" / "signals.parquet"
+    done = subprocess.run(
+        [sys.executable, "-P", "-m", "leadscrew", "log", signals],
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert "rows" in done.stdout and not (tmp_path / "ran").exists(), done.stderr
+
+
 def test_after_a_file_that_kills_its_reader_the_next_one_is_read(tmp_path):
     for module, said in (
         ("killed", "is broken so that its reader crashes"),

@@ -83,7 +83,7 @@ class _Process:
             "PYTHONPATH": os.pathsep.join(str(Path(p).resolve()) for p in sys.path if p),
         }
         self.child = subprocess.Popen(
-            [sys.executable, "-c", "from leadscrew import apart; apart.main()"], env=environment,
+            [sys.executable, *system.safe_path(), "-c", "from leadscrew import apart; apart.main()"], env=environment,
             stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL,
         )  # fmt: skip
 

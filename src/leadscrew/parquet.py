@@ -94,6 +94,7 @@ def _held(path: Path, pa: Any, pq: Any) -> tuple[dict[str, Any], list[np.ndarray
             raise DataError(f"{path}: the column {name!r} appears {count} times")
     words = [f.name for f in schema if _is_text(f.type, pa)]
     flat = [f.name for f in schema if f.name in set(words) or _is_number(f.type, pa)]
+    reading.check_columns(str(path), len(schema.names))
     reading.check_cells(str(path), shape.num_rows, len(flat))
     if words:
         file = pq.ParquetFile(path, read_dictionary=words)

@@ -10,8 +10,9 @@ PROGRAM      50 MB   G-code, drawings
 ===========  ======  ========================================================================
 
 A log may have 2 GB, 300 MB as text (that takes some ten times as much memory), 50 million cells and 10,000 columns; a
-drawing 200,000 lines and arcs, a program 200,000 lines of text; a fuzzy system 32 MB. :data:`VARIABLE`, or
-``leadscrew --file-limits``, multiplies all of them, and the memory and time of :mod:`leadscrew.apart`.
+drawing 100,000 lines and arcs, a program 100,000 lines of text; a fuzzy system 2 MB and 50,000 lines.
+:data:`VARIABLE`, or ``leadscrew --file-limits``, multiplies all of them, and the memory and time of
+:mod:`leadscrew.apart`.
 """
 
 from __future__ import annotations
@@ -27,7 +28,7 @@ from leadscrew.kernel.errors import DataError, ValueRefused
 VARIABLE = "LEADSCREW_FILE_LIMITS"
 LARGEST_FACTOR = 1000.0
 SETTINGS, OBJECT, POINTS, PROGRAM = 8_000_000, 32_000_000, 20_000_000, 50_000_000
-LOG, LOG_TEXT, CELLS, COLUMNS, CURVES = 2_000_000_000, 300_000_000, 50_000_000, 10_000, 200_000
+LOG, LOG_TEXT, CELLS, COLUMNS, CURVES = 2_000_000_000, 300_000_000, 50_000_000, 10_000, 100_000
 DEEPEST = 64
 """Tables inside tables, lists inside lists."""
 

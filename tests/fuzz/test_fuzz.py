@@ -9,6 +9,10 @@ from tests.fuzz.targets import targets
 BY_NAME = pytest.mark.parametrize("target", targets(), ids=lambda t: t.name.replace(" ", "-"))
 
 
+FOUND = [("dxf", 10040), ("dxf", 10075), ("dxf", 10476), ("identify friction", 10141)]
+"""Readers and numbers of files that ended with a traceback once."""
+
+
 @BY_NAME
 def test_some_changed_files_are_read_or_refused_in_a_sentence(target, tmp_path):
     several(target, tmp_path, 0, 2)
@@ -18,6 +22,11 @@ def test_some_changed_files_are_read_or_refused_in_a_sentence(target, tmp_path):
 @BY_NAME
 def test_many_changed_files_are_read_or_refused_in_a_sentence(target, tmp_path):
     several(target, tmp_path, 2, (300 if WHOLE else 12) * target.weight)
+
+
+@pytest.mark.parametrize(("name", "seed"), FOUND)
+def test_files_that_were_found_this_way_are_refused(name, seed, tmp_path):
+    several(next(t for t in targets() if t.name == name), tmp_path, seed, 1)
 
 
 def several(target, folder, first, count):

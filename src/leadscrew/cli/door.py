@@ -34,6 +34,14 @@ class Door(TyperGroup):
                     traceback.print_exc()
                 say(f"leadscrew: {one_line(str(error))}")
                 raise typer.Exit(DIVERGED if isinstance(error, Diverged) else REFUSED) from None
+            except (MemoryError, ValueError) as error:
+                why = _beyond(error)
+                if not why:
+                    raise
+                if ctx.params.get("debug"):
+                    traceback.print_exc()
+                say(f"leadscrew: {why}")
+                raise typer.Exit(REFUSED) from None
             except KeyboardInterrupt:
                 raise typer.Exit(INTERRUPTED) from None
             except OSError as error:
@@ -41,6 +49,16 @@ class Door(TyperGroup):
                     raise
                 to_nowhere(sys.stdout)
                 raise typer.Exit(PIPE_CLOSED) from None
+
+
+def _beyond(error: Exception) -> str:
+    """What a file asks for that no computer can do, by the kind of the error; empty of others."""
+    why = one_line(str(error))
+    if isinstance(error, MemoryError):
+        return f"there is not enough memory for this: ask for less ({why or 'no more is known'})"
+    if type(error).__name__ == "LinAlgError":
+        return f"the numbers have no solution: are columns and units right? ({why})"
+    return ""
 
 
 def say(text: str) -> None:

@@ -87,13 +87,17 @@ def there(file: Path) -> None:
         raise DataError(f"{file}: no such file")
 
 
+MOST_PLACES = 200_000
+"""Of a stroke that are looked at."""
+
+
 def program_row(stroke: Stroke, settings: Settings, number: int) -> dict[str, object]:
     """What a stroke asks of the machine."""
     import math
 
     import numpy as np
 
-    at = stroke.at(stroke.grid(0.1))
+    at = stroke.at(stroke.grid(max(0.1, stroke.length / MOST_PLACES)))
     sharpest = float(np.abs(at.curvature).max())
     per_mm = math.degrees(sharpest)
     rate = per_mm * settings.feed / 60.0

@@ -17,6 +17,7 @@ import numpy as np
 
 from leadscrew.export.core import at_the_machine
 from leadscrew.export.verdict import FAILED, GOLDEN, NOT_RUN, Verdict, compared, read_golden
+from leadscrew.kernel.system import safe_path
 
 _ROWS = (("FMPy", "fmpy", False), ("FMPy, compiled from its own sources", "fmpy", True), ("ecos", "ecospy", False))
 _BINARIES = ("binaries/linux64/", "binaries/x86_64-linux/")
@@ -66,7 +67,7 @@ def _played(
         folder = Path(name)
         (folder / "job.json").write_text(json.dumps({**job, "period": manifest["period_s"]}), encoding="utf-8")
         np.save(folder / "rows.npy", rows[:, : len(inputs)])
-        command = [sys.executable, "-m", "leadscrew.export.fmu_play", name]
+        command = [sys.executable, *safe_path(), "-m", "leadscrew.export.fmu_play", name]
         try:
             done = subprocess.run(command, capture_output=True, text=True, errors="replace", timeout=_LONGEST)
         except subprocess.TimeoutExpired:

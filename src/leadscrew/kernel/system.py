@@ -11,6 +11,7 @@ import stat
 import subprocess
 import sys
 from contextlib import suppress
+from pathlib import Path
 
 try:
     import fcntl
@@ -107,6 +108,11 @@ def end_session(process: subprocess.Popen[bytes]) -> None:
             os.killpg(process.pid, signal.SIGKILL)
         else:
             process.kill()
+
+
+def safe_path() -> tuple[str, ...]:
+    """Options of a Python that this one starts: modules of the working folder come first only where they do here."""
+    return () if sys.path[:1] in ([""], [str(Path.cwd())]) and not sys.flags.safe_path else ("-P",)
 
 
 def ignore_interrupt() -> None:

@@ -7,7 +7,11 @@ from collections.abc import Sequence
 
 from leadscrew.logs.units import known, plain
 
-_BRACKETS = re.compile(r"^(?P<name>.*?)\s*(?:\[(?P<square>[^\[\]]*)\]|\((?P<round>[^()]*(?:\([^()]*\))?[^()]*)\))\s*$")
+_BRACKETS = re.compile(
+    r"^(?P<name>.*?)\s*(?:\[(?P<square>[^\[\]]*)\]|\((?P<round>[^()]*+(?:\([^()]*+\)[^()]*+)?)\))\s*$"
+)
+_LONGEST = 300
+"""Characters of a header with a unit."""
 _SLASH = re.compile(r"^(?P<name>.*\S)(?:\s+/\s*|\s*/\s+|\s+in\s+)(?P<unit>\S.*)$")
 _TAILS = (
     re.compile(r"^(?P<name>.*[^_])_(?P<unit>[^\W_]+_(?:s|min))$"),
@@ -24,6 +28,8 @@ def split(header: str) -> tuple[str, str]:
     is one where it is known.
     """
     text = header.strip()
+    if len(text) > _LONGEST:
+        return text, ""
     found = _BRACKETS.match(text)
     if found and found["square"] is not None and found["name"]:
         return found["name"].strip(), found["square"].strip()

@@ -13,6 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from leadscrew.kernel.errors import DataError
 from leadscrew.logs.finding import Finding
 
 JITTER = 0.01
@@ -23,6 +24,9 @@ GAP = 1.5
 
 SLOW, FAST = 0.5, 2e-6
 """Periods in s that no log of an axis has; from a fortieth, or up to five times of them, a unit is asked for."""
+
+SHORTEST_S = 1e-9
+"""Shorter periods are not computed with."""
 
 Place = Callable[[int], str]
 
@@ -39,10 +43,19 @@ class Clock(NamedTuple):
 
 
 def clock(time: np.ndarray, place: Place, lost: Sequence[int] = ()) -> Clock:
-    """The even grid nearest to the stamps (s, at least three of them, finite) and what is wrong with them."""
+    """The even grid nearest to the stamps (s, finite) and what is wrong with them.
+
+    Raises:
+        DataError: fewer than three stamps.
+    """
+    if len(time) < 3:
+        raise DataError(f"{len(time)} row{'s' if len(time) != 1 else ''} of data: three or more tell a sampling period")
     steps = np.diff(time)
     typical = float(np.median(steps))
     even = float(time[-1] - time[0]) / (len(time) - 1)
+    if 0.0 < even < SHORTEST_S:
+        said = f"times rise by {even:g} s from row to row: is their unit right?"
+        return Clock(None, even, False, [Finding("clock", "refused", said)])
     if even > 0.0 and float(np.abs(steps / even - 1.0).max()) <= JITTER:
         return Clock(time[0] + even * np.arange(len(time)), even, False, _rate(even) + _lost(lost, place))
     if rounded := _rounded(time):

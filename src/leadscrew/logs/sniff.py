@@ -21,7 +21,7 @@ WHITE = " "
 
 _DELIMITERS = (",", ";", "\t", "|", WHITE)
 _LOOKED_AT = 200
-_GLUED = re.compile(r"\S+(?:[ \t]*[\[(][^\])]*[\])])?")
+_GLUED = re.compile(r"\S+(?:[ \t]*[\[(][^\])]{0,60}[\])])?")
 
 
 class Form(NamedTuple):

@@ -9,6 +9,9 @@ import numpy as np
 from leadscrew.kernel.errors import DataError, NameUnknown
 from leadscrew.kernel.sheet import nearest
 
+SMALLEST, LARGEST = 1e-100, 1e100
+"""Of the largest value of a column: beyond, squares and quotients leave the numbers of a computer."""
+
 
 @dataclass(frozen=True)
 class Table:
@@ -80,4 +83,9 @@ class Table:
         bad = np.flatnonzero(~np.isfinite(values) if kept is None else kept & ~np.isfinite(values))
         if len(bad):
             raise DataError(f"{self.source}, {self.place(int(bad[0]))}, column {name!r}: holds no finite number")
+        largest = float(np.abs(values[np.isfinite(values)]).max(initial=0.0))
+        if not (largest == 0.0 or SMALLEST <= largest <= LARGEST):
+            raise DataError(
+                f"{self.source}, column {name!r}: its largest value is {largest:g}: is it the right column?"
+            )
         return values

@@ -14,6 +14,7 @@ from starlette.requests import ClientDisconnect, Request
 from starlette.responses import FileResponse, JSONResponse, PlainTextResponse, Response
 from starlette.routing import Route
 
+from leadscrew.kernel.system import safe_path
 from leadscrew.panel.link import NoAnswer
 from leadscrew.panel.plain import plain
 
@@ -141,7 +142,7 @@ class Downloads:
 async def _reported(session: str) -> str:
     """The report of a session, by ``leadscrew.panel.reporting`` in another process."""
     process = await asyncio.create_subprocess_exec(
-        sys.executable, "-m", "leadscrew.panel.reporting",
+        sys.executable, *safe_path(), "-m", "leadscrew.panel.reporting",
         stdin=asyncio.subprocess.PIPE, stdout=asyncio.subprocess.PIPE, stderr=asyncio.subprocess.PIPE,
     )  # fmt: skip
     try:

@@ -20,7 +20,7 @@ UNITS_MM = {"mm": 1.0, "cm": 10.0, "m": 1000.0, "in": 25.4, "px": 25.4 / 96.0}
 """Units a user may name, in mm; ``px``: 96 to the inch."""
 SAME_UNIT = {"inch": "in"}
 
-LARGEST_MM = 1e7
+LARGEST_MM = 1e6
 """Coordinates beyond are a broken file."""
 DOUBLE_MM = 1e-6
 """Pieces that agree to this are the same."""

@@ -58,7 +58,7 @@ def read_dxf(file: File, unit: str | None, tolerance: float, layers: Sequence[st
             f"{file} does not say its unit ({'it has no $INSUNITS' if code is None else f'$INSUNITS is {code}'}): "
             "give it, as --unit mm or unit='mm' in Python"
         )
-    present = sorted({e.dxf.layer for e in document.modelspace()})
+    present = sorted({_layer(e) for e in document.modelspace()})
     for layer in layers:
         if layer not in present:
             raise NameUnknown(f"{file} has no layer {layer!r}{nearest(layer, present)}")
@@ -68,7 +68,7 @@ def read_dxf(file: File, unit: str | None, tolerance: float, layers: Sequence[st
     curves = 0
     try:
         for entity in document.modelspace():
-            if not layers or entity.dxf.layer in layers:
+            if not layers or _layer(entity) in layers:
                 more = list(reader.pieces(entity, "0"))
                 reading.check_curves(str(file), curves := curves + sum(len(p.curves) for p in more))
                 pieces += more
@@ -105,6 +105,11 @@ def _says_unit(file: File) -> bool:
     return re.search(rb"(?:^|\n)[ \t]*9[ \t]*\r?\n[ \t]*\$INSUNITS\b", data) is not None
 
 
+def _layer(entity: Any) -> str:
+    """The layer of an entity; 0 where its kind has none, as of a broken file."""
+    return str(entity.dxf.get("layer", "0")) if entity.dxf.is_supported("layer") else "0"
+
+
 class _Reader:
     """Entities as pieces, and a count of what is not one."""
 
@@ -119,7 +124,10 @@ class _Reader:
     def pieces(self, entity: Any, layer: str, depth: int = 0) -> Iterator[Piece]:
         """The pieces of an entity; ``layer`` is that of the block reference it stands in."""
         kind = entity.dxftype()
-        own = layer if depth and entity.dxf.layer == "0" else str(entity.dxf.layer)
+        if not entity.dxf.is_supported("layer"):  # no graphic at all, in a broken file
+            self.other[kind] += 1
+            return
+        own = layer if depth and _layer(entity) == "0" else _layer(entity)
         if own in self.off or entity.dxf.get("invisible", 0):
             self.hidden[kind] += 1
         elif kind == "INSERT":

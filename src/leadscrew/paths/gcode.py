@@ -19,7 +19,7 @@ import numpy as np
 from leadscrew import reading
 from leadscrew.kernel.errors import DataError, ValueRefused
 from leadscrew.paths.curve import Curve
-from leadscrew.paths.drawing import UNITS_MM, Drawing, Programmed, left_out, nothing, unit_named
+from leadscrew.paths.drawing import LARGEST_MM, UNITS_MM, Drawing, Programmed, left_out, nothing, unit_named
 from leadscrew.paths.path import JOIN_MM, SHORTEST_MM, Path
 from leadscrew.paths.segments import Arc, Bezier, Line
 from leadscrew.references.gcode_reader import RADIUS_TOLERANCE_MM, Dialect, Move, moves_from_gcode
@@ -66,6 +66,10 @@ def paths_of_gcode(program: str, unit: str | None = None, axis: str = "", name: 
                 curve = curve_of(move)
             except ValueRefused as refused:
                 raise DataError(f"{name}, line {move.line}: {refused}") from None
+            if not curve.scale + math.hypot(*curve.start) < LARGEST_MM:
+                raise DataError(
+                    f"{name}, line {move.line}: a coordinate beyond {LARGEST_MM / 1e6:g} km: is the unit right?"
+                )
             if curve.length <= SHORTEST_MM:
                 empty += 1
                 continue

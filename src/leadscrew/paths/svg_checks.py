@@ -65,6 +65,7 @@ MEASURED = {
 """Lengths of each element."""
 
 
+MOST_TRANSFORMS = 1000
 STYLED = {
     *("display", "visibility", "transform", "d", "points"),
     *(key for keys in MEASURED.values() for key in keys),
@@ -178,8 +179,10 @@ def _check_points(element: Element) -> None:
 
 def _check_transform(element: Element) -> None:
     text = element.get("transform", "")
-    place = 0
-    while place < len(text) and text.strip() != "none":
+    place = len(text) if text.strip() == "none" else 0
+    if text.count("(") > MOST_TRANSFORMS:
+        raise DataError(f"{_called(element)}: more than {MOST_TRANSFORMS} transforms of one element")
+    while place < len(text):
         found = _TRANSFORM.match(text, place)
         counts = TRANSFORMS.get(found[1].lower(), ()) if found and _PARAMETERS.fullmatch(found[2]) else ()
         if found is None or len(re.findall(_PARAMETER, found[2], re.IGNORECASE)) not in counts:

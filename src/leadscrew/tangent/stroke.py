@@ -118,7 +118,13 @@ class Stroke:
         return np.interp(np.asarray(travel, dtype=np.float64), *self.table)
 
     def grid(self, step: float) -> Array:
-        """Arc lengths from 0 to the length, not more than ``step`` apart."""
+        """Arc lengths from 0 to the length, not more than ``step`` apart.
+
+        Raises:
+            DataError: more than ten million.
+        """
+        if self.length > 1e7 * step:
+            raise DataError(f"a stroke of {self.length:g} mm has too many places {step:g} mm apart: is the unit right?")
         return np.linspace(0.0, self.length, max(math.ceil(self.length / step - 1e-9), 1) + 1)
 
     @property

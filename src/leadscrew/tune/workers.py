@@ -17,7 +17,7 @@ from pathlib import Path
 from typing import IO, Any
 
 from leadscrew.kernel.errors import LeadscrewError
-from leadscrew.kernel.system import end_session
+from leadscrew.kernel.system import end_session, safe_path
 
 START_S = 90.0
 """How long workers may take to start, all together."""
@@ -33,7 +33,8 @@ def started(client: Any, address: str, count: int) -> Iterator[None]:
         LeadscrewError: they do not start; the last thing that they said.
     """
     command = [
-        sys.executable, "-m", "distributed.cli.dask_worker", address, "--nworkers", str(count), "--nthreads", "1",
+        sys.executable, *safe_path(), "-m", "distributed.cli.dask_worker", address,
+        "--nworkers", str(count), "--nthreads", "1",
         "--host", "127.0.0.1", "--no-dashboard", "--death-timeout", f"{START_S:g}",
     ]  # fmt: skip
     known = {**os.environ, "PYTHONPATH": os.pathsep.join(p or str(Path.cwd()) for p in sys.path)}

@@ -11,7 +11,7 @@ from typing import NoReturn
 from leadscrew import reading
 from leadscrew.kernel.errors import DataError, NameUnknown, ValueRefused
 
-LARGEST = 32_000_000
+LARGEST, LINES = 2_000_000, 50_000
 """Longer texts are refused: no fuzzy system is that long."""
 
 
@@ -23,6 +23,8 @@ class Source:
         self.text = text
         self.name = name
         self.lines = re.split(r"\r\n|\r|\n", text)
+        if len(self.lines) > LINES * reading.factor():
+            raise DataError(f"{name}: {len(self.lines)} lines; fuzzy systems up to {LINES} lines are read")
 
     def fail(self, line: int, column: int, sentence: str) -> NoReturn:
         """Raises DataError: file, line, column and a sentence."""

@@ -97,7 +97,7 @@ def condition(jacobian: np.ndarray) -> float:
     """Of the columns, each scaled to length one."""
     size = np.linalg.norm(jacobian, axis=0)
     values = np.linalg.svd(np.linalg.qr(jacobian[:, size > 0.0] / size[size > 0.0])[1], compute_uv=False)
-    return float(values[0] / values[-1]) if values[-1] > 0.0 else float("inf")
+    return float(values[0] / values[-1]) if len(values) and values[-1] > 0.0 else float("inf")
 
 
 def slopes(quantity: Callable[[np.ndarray], np.ndarray], at: np.ndarray, spread: np.ndarray) -> np.ndarray:
