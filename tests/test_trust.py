@@ -5,6 +5,7 @@ from __future__ import annotations
 import copy
 import hashlib
 import json
+import os
 import pickle
 import subprocess
 import sys
@@ -27,6 +28,8 @@ from leadscrew.tune.journal import Journal
 from tests.cli import plain_study
 
 PLAIN = f"{plain_study.__file__}:STUDY"
+ROOT = str(Path(__file__).parents[1])
+FINDING_TESTS = {**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, (ROOT, os.environ.get("PYTHONPATH"))))}
 PYTHON = "from pathlib import Path\nfrom tests.cli.plain_study import *\nPath(__file__).with_name('ran').touch()\n"
 EXPERIMENT = 'schema_version = 1\nstudy = "{}:STUDY"\ncontroller = "p"\nscenario = "small"\n'
 CONTROLLER = 'schema_version = 1\nkind = "controller"\nstudy = "{}"\ncontroller = "{}"\n'
@@ -318,12 +321,14 @@ def test_workers_on_this_machine(places: Places) -> None:
 def test_the_panel(places: Places) -> None:
     path = places.put(EXPERIMENT.format("code.py"))
     command = (*LEADSCREW, "panel", str(path), "--no-open", "--port", "0", "--folder", str(places.work / "files"))
-    done = subprocess.run(command, capture_output=True, text=True, timeout=60)
+    done = subprocess.run(command, capture_output=True, text=True, timeout=60, env=FINDING_TESTS)
     assert done.returncode == 2 and done.stderr.startswith(
         f"leadscrew: {path}: names the Python file {places.python}, "
     )
     assert places.ran() == []
-    with subprocess.Popen([*command, "--trust"], stdout=subprocess.DEVNULL, stderr=subprocess.PIPE) as panel:
+    with subprocess.Popen(
+        [*command, "--trust"], stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, env=FINDING_TESTS
+    ) as panel:
         until = time.monotonic() + 60.0
         while not places.ran() and panel.poll() is None and time.monotonic() < until:
             time.sleep(0.1)
@@ -336,6 +341,7 @@ def test_the_report_of_a_session_of_the_panel(places: Places) -> None:
     """The user has named the machine; the session that names it comes from the panel's own process."""
     text = SESSION.format(digest=NO_ROWS, study=f"{places.python}:STUDY")
     done = subprocess.run(
-        (sys.executable, "-m", "leadscrew.panel.reporting"), input=text, capture_output=True, text=True, timeout=60
-    )
+        (sys.executable, "-m", "leadscrew.panel.reporting"), input=text, capture_output=True, text=True, timeout=60,
+        env=FINDING_TESTS,
+    )  # fmt: skip
     assert done.returncode == 0 and "<html" in done.stdout, done.stderr
