@@ -68,9 +68,12 @@ HOSTILE = {
     "LinuxCNC Python": "py, import os) M3 (b",
     "formula": r"a $\undefined{b}$ $c",
 }
+OFTEN = ("end of a C comment", "lines", "trigraph", "quotes", "script", "table", "formula")
+"""What is written in every run where writing takes long; the others in CI."""
 each = pytest.mark.parametrize("text", HOSTILE.values(), ids=HOSTILE)
-IN_C = ("end of a C comment", "lines", "trigraph", "backslash", "quotes", "long")
-"""Whose export is made in every run; the others in CI."""
+some = pytest.mark.parametrize(
+    "text", [pytest.param(t, id=k, marks=[] if k in OFTEN else pytest.mark.slow) for k, t in HOSTILE.items()]
+)
 
 
 # ---- exports
@@ -121,9 +124,7 @@ def tokens(text):
     return ['""' if m["string"] else m[0] for m in found if not m["comment"] and not m[0].isspace()]
 
 
-@pytest.mark.parametrize(
-    "text", [pytest.param(t, id=k, marks=[] if k in IN_C else pytest.mark.slow) for k, t in HOSTILE.items()]
-)
+@some
 def test_c_and_halcompile_read_the_tokens_of_a_benign_export(text):
     benign, found = exported(BENIGN), exported(text)
     assert found.keys() == benign.keys()
@@ -167,7 +168,7 @@ def shape(text):
     return [t.type for t in flat if t.type not in ("text", "text_special", "softbreak", "code_inline", "inline")], words
 
 
-@each
+@some
 def test_a_markdown_parser_reads_the_structure_of_a_benign_readme(text):
     if text == HOSTILE["Markdown"]:  # The marks of a docstring stay; a name has none.
         kinds, words = shape(f"# {escape.markdown(text)}\n\n| {escape.markdown(text)} | b |\n|---|---|\n| c | d |\n")
@@ -261,7 +262,7 @@ def test_a_browser_reads_the_elements_of_a_benign_page_and_the_text(text):
             assert any(text in x for x in [*Events(mine).texts, *Events(mine).values])
 
 
-@each
+@some
 def test_a_figure_is_drawn_with_the_text_and_is_an_svg_that_parses(text):
     from matplotlib.figure import Figure
 
