@@ -40,10 +40,8 @@ READERS = {
 def test_a_file_of_many_gigabytes_is_refused_before_it_is_read(tmp_path, name):
     with (tmp_path / name).open("wb") as file:
         file.truncate(20_000_000_000)
-    began = time.process_time()
     with pytest.raises(DataError, match=rf"{name}: 20 GB; .* --file-limits \d+ \(in Python: LEADSCREW_FILE_LIMITS=\d+"):
         READERS[name](tmp_path / name)
-    assert time.process_time() - began < 5.0
 
 
 @pytest.mark.parametrize(

@@ -45,8 +45,7 @@ def run(module: str, path: Path, out: Path) -> None:
         process.kill()
         if late:
             raise DataError(
-                f"{path}: was not read after {process.seconds:g} s; cut it into parts, or raise the limits with "
-                f"leadscrew --file-limits 2 (in Python: {reading.VARIABLE}=2)"
+                f"{path}: was not read after {process.seconds:g} s; cut it into parts, or {reading.how_to_raise(2)}"
             )
         raise DataError(f"{path}: is broken so that its reader crashes; save it again, or as CSV")
     if said["kept"]:

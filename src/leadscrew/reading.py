@@ -53,6 +53,11 @@ def factor() -> float:
     return found
 
 
+def how_to_raise(needed: int) -> str:
+    """What to do to read ``needed`` times as much."""
+    return f"raise the limits with leadscrew --file-limits {needed} (in Python: {VARIABLE}={needed})"
+
+
 def check(path: Path, size: float, most: float, what: str, instead: str = "") -> None:
     """Passes where ``size`` bytes are within the limit.
 
@@ -62,8 +67,7 @@ def check(path: Path, size: float, most: float, what: str, instead: str = "") ->
     if size > (limit := most * factor()):
         needed = int(-(-size // most))
         raise DataError(
-            f"{path}: {_bytes(size)}; {what} up to {_bytes(limit)} are read: {instead}raise the limits with leadscrew "
-            f"--file-limits {needed} (in Python: {VARIABLE}={needed})"
+            f"{path}: {_bytes(size)}; {what} up to {_bytes(limit)} are read: {instead}{how_to_raise(needed)}"
         )
 
 
@@ -94,8 +98,7 @@ def check_cells(source: str, rows: int, columns: int) -> None:
         needed = int(-(-rows * columns // CELLS))
         raise DataError(
             f"{source}: {rows} rows of {columns} columns are {rows * columns / 1e6:.0f} million cells; up to "
-            f"{most / 1e6:.0f} million are read: cut it into parts, keep fewer columns, or raise the limits with "
-            f"leadscrew --file-limits {needed} (in Python: {VARIABLE}={needed})"
+            f"{most / 1e6:.0f} million are read: cut it into parts, keep fewer columns, or {how_to_raise(needed)}"
         )
 
 
@@ -105,7 +108,7 @@ def check_columns(source: str, columns: int) -> None:
     Raises:
         DataError: more than :data:`COLUMNS` columns.
     """
-    _check_count(source, columns, COLUMNS, "columns", "keep fewer")
+    check_count(source, columns, COLUMNS, "columns", "keep fewer")
 
 
 def check_curves(source: str, curves: int) -> None:
@@ -114,15 +117,19 @@ def check_curves(source: str, curves: int) -> None:
     Raises:
         DataError: more than :data:`CURVES` lines, arcs and curves.
     """
-    _check_count(source, curves, CURVES, "lines", "cut it into parts")
+    check_count(source, curves, CURVES, "lines", "cut it into parts")
 
 
-def _check_count(source: str, count: int, most: int, what: str, instead: str) -> None:
+def check_count(source: str, count: int, most: int, what: str, instead: str) -> None:
+    """Passes where there are no more than ``most`` of something.
+
+    Raises:
+        DataError: there are.
+    """
     if count > (limit := most * factor()):
         needed = -(-count // most)
         raise DataError(
-            f"{source}: more than {limit:,.0f} {what}; no more are read: {instead}, or raise the limits with leadscrew "
-            f"--file-limits {needed} (in Python: {VARIABLE}={needed})"
+            f"{source}: more than {limit:,.0f} {what}; no more are read: {instead}, or {how_to_raise(needed)}"
         )
 
 

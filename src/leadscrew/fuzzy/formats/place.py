@@ -23,8 +23,7 @@ class Source:
         self.text = text
         self.name = name
         self.lines = re.split(r"\r\n|\r|\n", text)
-        if len(self.lines) > LINES * reading.factor():
-            raise DataError(f"{name}: {len(self.lines)} lines; fuzzy systems up to {LINES} lines are read")
+        reading.check_count(name, len(self.lines), LINES, "lines", "leave out what repeats")
 
     def fail(self, line: int, column: int, sentence: str) -> NoReturn:
         """Raises DataError: file, line, column and a sentence."""
