@@ -108,7 +108,10 @@ def _period(table: Table, period: float | None, time: str | None, unit: str | No
                 "the column with --time"
             )
         return table.period
-    seen = clock(units.time_in(unit or table.units.get(name, "s")) * _column(table, name), table.place)
+    try:
+        seen = clock(units.time_in(unit or table.units.get(name, "s")) * _column(table, name), table.place)
+    except DataError as problem:
+        raise DataError(f"{table.source}: {problem}") from None
     wrong = [f for f in seen.findings if f.severity == "refused"]
     if wrong or seen.time is None:
         raise DataError(f"{table.source}, {name}: {wrong[0].sentence if wrong else 'times do not rise evenly'}")
