@@ -1,6 +1,8 @@
 """Shared set-up: a compile cache of the tests' own, examples that are the same in CI, groups for xdist."""
 
+import contextlib
 import gc
+import importlib
 import os
 import signal
 from pathlib import Path
@@ -28,6 +30,23 @@ if os.environ.get("CI"):
     settings.load_profile("ci")
 
 
+# Collecting makes no garbage worth the search for it.
+gc.disable()
+
+
+def pytest_sessionstart(session: pytest.Session) -> None:
+    """Each worker begins its imports at another file, so that on a fresh clone none compiles what another has done."""
+    worker = getattr(session.config, "workerinput", None)
+    if worker is None or session.config.args != session.config.getini("testpaths"):
+        return
+    here = Path(__file__).parent
+    names = [".".join(("tests", *f.relative_to(here).with_suffix("").parts)) for f in sorted(here.rglob("test_*.py"))]
+    first = len(names) * int(worker["workerid"].removeprefix("gw")) // worker["workercount"]
+    for name in names[first:] + names[:first]:
+        with contextlib.suppress(Exception, pytest.skip.Exception):  # collecting says what is wrong
+            importlib.import_module(name)
+
+
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
     """Tests marked ``sweep`` run with ``LEADSCREW_SWEEPS=whole`` only: before a release."""
     if not WHOLE:
@@ -40,3 +59,4 @@ def pytest_collection_finish() -> None:
     """What was imported and collected stays to the end: no garbage collection need go through it again."""
     gc.collect()
     gc.freeze()
+    gc.enable()

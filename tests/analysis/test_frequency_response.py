@@ -104,6 +104,7 @@ def noisy():
     return loop.run(40.0, record=("output", "feedback", "disturbance"))
 
 
+@pytest.mark.slow
 def test_inside_a_noisy_loop_the_direct_estimate_is_wrong_and_the_one_with_the_excitation_right(noisy, l_star):
     log = noisy
     drive, seen = log["output"], log["feedback"]

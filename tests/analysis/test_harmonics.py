@@ -16,6 +16,7 @@ from leadscrew.analysis.harmonics import (
 )
 from leadscrew.analysis.harmonics.measured import measure
 from leadscrew.kernel.errors import DataError, ValueRefused
+from tests.budget import in_every_run
 
 RATE = 2000.0
 HZ = (0.7, 2.1, 3.5, 4.9, 6.3, 7.7)
@@ -79,7 +80,7 @@ def test_many_records_at_once_give_what_each_gives_alone():
         assert getattr(many, name)[1, 2] == pytest.approx(getattr(alone, name), rel=1e-9)
 
 
-@pytest.mark.parametrize("size", [0.03, 0.5])
+@pytest.mark.parametrize("size", in_every_run([0.03, 0.5], [0.5]))
 @pytest.mark.parametrize("made", ["white", "coloured"])
 def test_confidence_intervals_hold_as_often_as_they_say(made, size):
     rng = np.random.default_rng(3)
@@ -219,6 +220,7 @@ def test_bad_readings_are_refused():
 
 
 # ---- fundamental
+@pytest.mark.slow
 def test_the_fitted_fundamental_is_inside_its_interval_as_often_as_it_says():
     rng, t, orders = np.random.default_rng(8), times(2000, rate=200.0), (1, 3, 5)
     inside = []

@@ -9,6 +9,7 @@ from leadscrew.analysis.stability.switching import pattern_radius, worst_switchi
 from leadscrew.kernel.errors import ValueRefused
 
 
+@pytest.mark.slow
 def test_the_pattern_found_makes_a_simulated_loop_grow_and_a_smaller_gain_does_not():
     loop = reference_loops()["L_star"]
     found = worst_switching(loop)

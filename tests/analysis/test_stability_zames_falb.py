@@ -14,6 +14,7 @@ from leadscrew.controllers.npid import npid
 from leadscrew.kernel.errors import ValueRefused
 from tests.analysis.test_stability_criteria import run
 from tests.analysis.test_stability_margins import random_rational
+from tests.budget import in_every_run
 
 LOOP = reference_loops()["L_star"]
 
@@ -54,7 +55,7 @@ def test_the_paper_s_npid_is_proved_at_rest_where_one_tap_is_not_enough_and_dies
         assert np.ptp(errors[-200:]) < 1e-6 * np.ptp(errors[:200])
 
 
-@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("seed", in_every_run(range(3), [0]))
 def test_no_odd_nonlinearity_of_the_certified_sector_makes_the_loop_unstable(seed):
     loop = random_rational(seed, 4e-3)
     slope = 30.0

@@ -43,6 +43,7 @@ def test_the_loop_asks_the_system_at_every_point(form):
     assert live.values()["plant.sum"] == pytest.approx(compiled(system).many(visited(POINTS)).sum(), rel=1e-12)
 
 
+@pytest.mark.slow
 def test_the_systems_are_those_of_the_tests():
     at = np.random.default_rng(0).uniform(-1.0, 1.0, (50, 2))
     for ours, other in ((fuzzy_systems.mamdani("midpoint"), mamdani()), (fuzzy_systems.sugeno(), sugeno())):

@@ -42,6 +42,7 @@ def test_each_form_in_c_errs_as_much_as_its_kind_does(by_hand, form, us, low, hi
     assert low <= apart(by_hand.run(form, us, len(truth)), truth) <= high
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("method", "rtol", "within_nm"), [("LSODA", 1e-9, 0.01), ("Radau", 1e-5, 0.01)])
 def test_scipy_runs_the_same_loop(method, rtol, within_nm):
     truth = angles("sine_fast", TRUTH, 0.02)

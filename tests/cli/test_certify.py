@@ -32,6 +32,7 @@ def test_the_slope_limited_law_is_certified_under_every_load_by_a_verified_inequ
     assert "does not count" in said and "Popov is a criterion for continuous loops" in said
 
 
+@pytest.mark.slow
 def test_the_papers_law_is_not_and_the_reason_is_its_slope(call):
     said = call("certify", STUDY, "-c", "corrected.npid_um", "--no-simulate", code=1).stdout
     assert "slope [1, 5.546]" in said and "it counts the error in um" in said
@@ -81,6 +82,7 @@ def test_a_sector_beyond_the_nyquist_limit_is_refused_in_a_sentence(call):
     assert "reaches beyond the Nyquist limit: with a constant gain of 2.51" in found["autonomous"][0]["statement"]
 
 
+@pytest.mark.slow
 def test_a_grid_that_is_too_coarse_is_refused_in_a_sentence(call):
     found = certified("npid_slope", "--points", 12)
     circle = found["autonomous"][0]
@@ -117,6 +119,7 @@ def test_a_linear_controller_is_certified_at_either_level(call):
     assert 1.0 < limit < margin == pytest.approx(2.51 / 2.265, abs=1e-3)
 
 
+@pytest.mark.slow
 def test_a_reserve_that_is_missed_at_rest_is_one_of_the_gain_and_names_who_proves_most():
     found = certified("corrected.npid_um", "--level", "autonomous", "--reserve", 1.05, code=1)
     most = max(found["autonomous"], key=lambda c: c["limit"] or 0.0)
@@ -203,6 +206,7 @@ def test_undamped_resonators_do_not_stop_it():
     assert found["certified"] and found["grade"] == "certificate"
 
 
+@pytest.mark.slow
 def test_two_paths_are_one_map_beside_a_linear_loop():
     found = certified("npid_split")
     assert found["map"]["slope_sector"] == [0.0, 1.0] and found["driven"]["grade"] == "certificate"
@@ -273,6 +277,7 @@ def test_what_cannot_be_is_refused_with_exit_code_2(refused, args, said):
     assert said in refused("certify", STUDY, "--no-simulate", *args)
 
 
+@pytest.mark.slow
 def test_a_clipped_error_is_refused_for_its_lower_bound_of_zero(call):
     found = certified("corrected.npid_um_clipped", code=1)
     assert found["map"]["sector"][0] == 0.0 and found["driven"]["grade"] == "refused"

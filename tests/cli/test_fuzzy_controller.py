@@ -18,6 +18,7 @@ from leadscrew.kernel.errors import BlockError, ValueRefused
 from leadscrew.kernel.loop import Loop
 from leadscrew.kernel.metrics import rms_error
 from leadscrew.references.sine import sine_motion
+from tests.budget import in_every_run
 from tests.cli.conftest import strict_json
 from tests.cli.plain_study import STUDY, slide
 from tests.fuzzy.systems import mamdani, sugeno, with_block, with_output
@@ -120,7 +121,7 @@ def test_a_file_is_no_study(refused, made):
     assert "expected a study" in refused("simulate", made(), "-c", "p", "-s", "small")
 
 
-@pytest.mark.parametrize("scenario", ["s_curve_m50", "trapezoid_m170"])
+@pytest.mark.parametrize("scenario", in_every_run(["s_curve_m50", "trapezoid_m170"], ["s_curve_m50"]))
 def test_it_follows_the_moves_of_the_lathe(made, scenario):
     scales = {"controller.scale_e": 0.02, "controller.scale_output": -1.0}
     experiment = Experiment("vud_lathe", str(made()), scenario, scales, record=("command", "actual.position"))

@@ -149,6 +149,7 @@ for k in range(100_000):
 """
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(os.name != "posix", reason="posix: no SIGKILL")
 def test_a_killed_save_leaves_nothing_that_passes_for_a_whole_run(tmp_path):
     whole = 0

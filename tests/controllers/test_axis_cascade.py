@@ -34,6 +34,7 @@ def test_with_all_of_the_commanded_speed_it_is_a_pid():
     assert ours == pytest.approx(outputs(same, r, y), rel=1e-9, abs=1e-9)
 
 
+@pytest.mark.slow
 def test_on_a_ramp_it_lags_by_speed_over_position_gain():
     loop = Loop(
         reference=s_curve(distance=100.0, max_velocity=50.0, max_acceleration=500.0, max_jerk=1e4),

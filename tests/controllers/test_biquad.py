@@ -78,6 +78,7 @@ def test_low_pass_and_notch_of_linuxcnc_are_these_with_their_own_names(q):
     assert coefficients(Notch(250.0, 250.0 / q, 0.0), PERIOD) == pytest.approx(notch, abs=1e-13)
 
 
+@pytest.mark.slow
 def test_a_notch_on_a_resonance_gives_the_loop_its_gain_back():
     """A section that peaks tenfold at 200 Hz, inverse of a notch: alone it is fatal, with the notch it does nothing."""
     peak = coefficients(Notch(200.0, 100.0, 0.1), PERIOD)

@@ -53,6 +53,7 @@ def first(rows):
     return rows.argmax(axis=1)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("looks", "most_ms"), [(1, 0), (20, 20)])
 def test_a_hard_spot_that_doubles_the_force_holds_the_feed_within_40_ms_and_the_cut_goes_on(fast, looks, most_ms):
     """At 1 ms resolution, without noise, at every phase of the sampling; the loop is back at its force at the end."""

@@ -256,6 +256,7 @@ def test_without_an_observer_static_friction_is_the_most_that_an_align_holds():
     assert u == pytest.approx(9.36)
 
 
+@pytest.mark.slow
 def test_it_takes_over_in_motion_without_a_kick():
     live = stage_loop(TUNINGS["ours.pd_dob_fixed"], "fast").start()
     before = live.advance(400)["output"]

@@ -208,6 +208,7 @@ NO_FRICTION = pd_learned(
 )
 
 
+@pytest.mark.slow
 def test_a_load_that_the_model_does_not_know_is_found_and_taken_away():
     loop = Loop(reference=sine_motion(amplitude=0.0), controller=NO_FRICTION, plant=screw, period=DT, metrics={},
                 disturbance=step_load(size=0.7, time=0.01))  # fmt: skip
@@ -296,6 +297,7 @@ def test_from_rest_the_first_output_after_an_align_is_the_last_one_before(output
     assert u == pytest.approx(output, abs=1e-9)
 
 
+@pytest.mark.slow
 def test_it_takes_over_in_motion_without_a_kick():
     live = stage_loop(PD_DOB["ours.pd_dob_fixed"], "fast").start()
     before = live.advance(400)["output"]

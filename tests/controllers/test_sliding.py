@@ -261,6 +261,7 @@ def jump():
     return Motion(1.0 / TRAVEL_MM_PER_RAD, 0.0, 0.0)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("name", "left_um"), [("smc", 67.1), ("csmc", 67.1), ("smc_integral", 0.05)])
 def test_a_step_of_1_mm_arrives_as_near_as_the_law_can(name, left_um):
     """Static friction holds 9.36 N m = J lam 4000 1/s 67.1 um / 1.5923 mm; only the integral moves it from there."""

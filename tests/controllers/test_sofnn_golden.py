@@ -24,7 +24,7 @@ def line():
     return tangent_oracle.wave()
 
 
-CASES = [c if c in ("table", "tuned") else pytest.param(c, marks=pytest.mark.slow) for c in GOLDEN]
+CASES = [c if c == "tuned" else pytest.param(c, marks=pytest.mark.slow) for c in GOLDEN]
 
 
 @pytest.mark.slow

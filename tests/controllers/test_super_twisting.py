@@ -90,6 +90,7 @@ def test_from_rest_the_first_output_after_an_align_is_the_last_one_before(output
     assert u == pytest.approx(output, abs=1e-9)
 
 
+@pytest.mark.slow
 def test_it_takes_over_in_motion_without_a_kick():
     live = stage_loop(super_twisting(k1=1.0), "fast").start()
     before = live.advance(400)["output"]

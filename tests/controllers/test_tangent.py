@@ -20,6 +20,7 @@ def output(controller, samples=8, **options):
     return knife(controller, **options).run(samples * T, record=("output",))["output"]
 
 
+@pytest.mark.slow
 def test_a_table_alone_is_sent_sample_by_sample_and_its_end_held():
     assert output(taught_alone(TABLE, samples=3)).tolist() == [1.0, -2.0, 3.0, 3.0, 3.0, 3.0, 3.0, 3.0]
 

@@ -19,6 +19,7 @@ def test_two_periods_worked_by_hand():
     assert u == pytest.approx(100.0 * 3e-4 + 2000.0 * 5e-4 * DT + 0.5 * 1e-4 / DT)
 
 
+@pytest.mark.slow
 def test_without_a_friction_model_reversals_leave_micrometres():
     run = stage_loop(torque_pid, "fast", encoder_mm=1e-5).run(4.0, record="true_error")
     assert 2.0 < errors_um(run)[0] < 40.0

@@ -141,6 +141,7 @@ def test_noise_alone_throws_a_follower_of_200_mm_s2_into_a_cycle():
     assert clean == pytest.approx(5.04, abs=0.01) and noisy == pytest.approx(19.4, rel=0.03)
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings("ignore::leadscrew.kernel.loop.DivergenceWarning")
 def test_a_blow_throws_a_slow_follower_into_a_large_cycle_and_a_fast_one_not():
     """A sine that starts at full speed, 4.4 mm/s: r = 1000 does not come back, r = 5000 does."""

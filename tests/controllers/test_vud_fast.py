@@ -163,6 +163,7 @@ def test_the_gain_is_learned_on_the_way():
     assert run["controller.chain.gain"][100] == pytest.approx(334.0 / 289.0, abs=1e-4)
 
 
+@pytest.mark.slow
 def test_without_learning_a_wrong_gain_costs_a_millimetre_of_overshoot():
     found = lathe_loop(NOMINAL).batch(2.0, {"plant.full_duty_speed_mm_s": [334.0]}).metrics
     assert found["overshoot"][0] > 1.0

@@ -254,6 +254,7 @@ def test_with_lis_factor_the_axis_comes_near_and_hunts():
     assert [round(1e3 * m["end"]) for m in ends] == [20, 47] and all(math.isnan(m["fine"]) for m in ends)
 
 
+@pytest.mark.slow
 def test_a_constant_factor_of_a_half_hunts_less_than_lis():
     settings = {"controller.integral_gain": np.array([0.5, 0.0]), "controller.start": np.array([0.3, 0.5])}
     li, constant = lathe(vud_integral_factor, -170.0).batch(4.0, settings).metrics["end"]

@@ -135,7 +135,7 @@ def test_the_cosh_is_bound_by_its_slope_alone():
     [
         ({"m2": 0.9}, "m2 = 0.9: a margin is a factor from 1 on"),
         ({"gains": Gains(kd=0.03)}, "makes an unstable loop with this axis"),
-        ({"budget_mv": 1.0}, "the PID alone moves the voltage by"),
+        pytest.param({"budget_mv": 1.0}, "the PID alone moves the voltage by", marks=pytest.mark.slow),
         ({"m2": 3.0}, "no gain above 1 is left"),
         ({"retune_ms": 1.0}, "a peak of sensitivity is above 1"),
         ({"axis": TableAxis(dead_time_s=0.01)}, "at most 4 periods"),

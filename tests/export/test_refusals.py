@@ -172,6 +172,7 @@ def test_an_export_that_fails_late_leaves_no_folder_above_either(refused, tmp_pa
     assert not (tmp_path / "a").exists()
 
 
+@pytest.mark.slow
 def test_a_name_that_is_too_long_for_the_simulated_machine_is_refused(refused, nothing):
     asked = ("export", "examples/ballscrew_smc.py:loop", "--duration", 0.1, "--target", "hal", "--out", nothing / "out")
     said = refused(*asked, "--name", "n" * 20)

@@ -138,6 +138,7 @@ def test_numbers_and_plants_that_make_no_experiment_are_refused():
         force_at_speed(ballscrew_stage, [1.0], 0.0, 9.36)
 
 
+@pytest.mark.slow
 def test_the_stage_breaks_away_earlier_the_faster_its_torque_rises():
     digest = [9.284, 9.239, 9.010, 8.809, 8.499, 7.832, 7.052]
     found = force_at_speed(ballscrew_stage, [0.05, 0.1, 0.5, 1.0, 2.0, 5.0, 10.0], faster_than=0.02, highest=9.36)

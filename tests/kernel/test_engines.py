@@ -9,6 +9,7 @@ import pytest
 
 from leadscrew.kernel.loop import Loop
 from leadscrew.kernel.metrics import STANDARD
+from tests.budget import in_every_run
 from tests.kernel import zoo
 
 LOOPS = {
@@ -60,7 +61,7 @@ def test_python_and_machine_code_give_the_same_bits_on_every_signal_and_state(na
     )
 
 
-@pytest.mark.parametrize("name", LOOPS)
+@pytest.mark.parametrize("name", in_every_run(LOOPS, ("pid", "two axes late", "everything", "stiff adaptive")))
 def test_a_single_run_and_its_lane_in_a_batch_give_the_same_bits(name):
     loop = made(name)
     key = next(

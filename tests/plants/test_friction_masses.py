@@ -93,6 +93,7 @@ def test_dahl_is_lugre_without_stribeck_and_bristle_damping():
     assert np.abs(one["plant.force"] - 1e5 * other["plant.bristle"]).max() < 1e-5
 
 
+@pytest.mark.slow
 def test_unequal_lugre_follows_scipy():
     def rates(_, x, u):
         ahead = x[1] >= 0.0

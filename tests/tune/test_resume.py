@@ -106,6 +106,7 @@ def test_random_kills_all_give_the_identical_result(tmp_path, whole, took):
     assert min(kept) < max(kept)
 
 
+@pytest.mark.slow
 def test_ctrl_c_keeps_what_is_done_and_says_how_to_go_on(tmp_path, whole):
     with process(*asked(tmp_path), program=stopped_after(2, signal.SIGINT)) as p:
         _, said = p.communicate(timeout=120)
@@ -116,6 +117,7 @@ def test_ctrl_c_keeps_what_is_done_and_says_how_to_go_on(tmp_path, whole):
     assert finished(tmp_path, "--resume") == whole
 
 
+@pytest.mark.slow
 def test_a_disk_that_takes_no_more_is_one_sentence(tmp_path, whole):
     limited = "import resource\nresource.setrlimit(resource.RLIMIT_FSIZE, (20_000, 20_000))\n" + PROGRAM
     done = subprocess.run(

@@ -54,6 +54,7 @@ def test_diverged_runs_and_runs_without_a_value_are_counted_apart():
     assert statistics.yielded(Tolerance("m", ">=", 2.5).kept(values)).passed == 1
 
 
+@pytest.mark.slow
 def test_the_work_grows_with_the_runs_and_not_with_their_square():
     rng = np.random.default_rng(0)
     took = []

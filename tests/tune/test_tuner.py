@@ -46,6 +46,7 @@ def reference():
         return small(one)
 
 
+@pytest.mark.slow
 def test_finds_for_the_lathe_what_is_accepted():
     """2 um no later than A+ on both steps, overshoot at most 20 um, error after 2 s at most half a count, on 64 plants
     that the search never saw; twice the same, on 1 and 2 threads.
