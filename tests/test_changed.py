@@ -84,7 +84,9 @@ def test_all_are_kept_where_nothing_can_be_said(root, tmp_path, monkeypatch):
     assert choice(root, "HEAD~1") == (None, "all test files: LEADSCREW_SWEEPS is whole")
 
 
-@pytest.mark.parametrize("workers", [(), ("-p", "xdist", "-n", "2")], ids=["alone", "xdist"])
+@pytest.mark.parametrize(
+    "workers", [(), pytest.param(("-p", "xdist", "-n", "2"), marks=pytest.mark.slow)], ids=["alone", "xdist"]
+)
 def test_pytest_runs_what_is_kept_and_says_so(root, workers):
     for name in ("links.py", "closure.py", "changed.py"):
         shutil.copy(HERE / name, root / "tests" / name)

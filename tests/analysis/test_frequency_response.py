@@ -77,6 +77,7 @@ def test_the_loop_gain_from_the_closed_loop_is_the_broken_loop_s(log, l_star):
     assert np.min(found.coherence) > 0.99
 
 
+@pytest.mark.slow
 def test_the_measured_margins_are_those_of_python_control(log, l_star):
     found = loop_gain(log.time, log["error"], log["feedback"], log["command"], segment=2.0).within(5.0, 900.0)
     margins = measured_margins(found)

@@ -265,6 +265,7 @@ def test_a_driven_loop_with_dead_time_is_only_checked_on_a_grid():
     assert driven(late, (1.0, 2.3)).grade == "refused"
 
 
+@pytest.mark.slow
 def test_two_starts_converge_on_a_ramp_where_it_is_proved_and_the_paper_chatters_there(star):
     def apart(block):
         law = lure(block)

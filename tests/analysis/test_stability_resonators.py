@@ -75,6 +75,7 @@ def test_python_control_finds_the_same_margins(box):
     assert found.w_gc == pytest.approx(w_gc[np.argmin(np.abs(pm))], rel=1e-4)
 
 
+@pytest.mark.slow
 def test_the_gain_may_go_from_the_lower_to_the_upper_margin_and_no_further(box):
     """By the closed poles at many gains, which know nothing of frequencies."""
     found = margins(box)
@@ -109,6 +110,7 @@ def test_a_resonator_does_not_change_the_circle_limit_when_it_is_weak(box):
     assert circle(box, 0.9).limit == pytest.approx(circle(inner, 0.9).limit, rel=2e-3)
 
 
+@pytest.mark.slow
 def test_a_given_grid_may_hold_the_pole_itself(box):
     w = np.union1d(np.geomspace(1e-4, box.nyquist, 6000), np.concatenate([LINES + d for d in np.linspace(-2, 2, 81)]))
     found = margins(box, grid=w)

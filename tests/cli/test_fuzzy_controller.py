@@ -183,6 +183,7 @@ def test_unit_and_drive_are_those_of_the_studys_machine(made):
     assert block.from_file(made()).drive == ""
 
 
+@pytest.mark.slow
 def test_a_run_is_replayed_and_a_changed_file_is_noticed(call, refused, study, made, tmp_path, monkeypatch):
     path = made()
     monkeypatch.chdir(tmp_path)

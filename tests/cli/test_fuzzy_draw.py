@@ -58,6 +58,7 @@ def test_surface_refusals_leave_no_file(refused, servo, tmp_path):
     assert left(tmp_path) == ["servo.fll"]
 
 
+@pytest.mark.slow
 def test_a_file_is_never_there_in_part(refused, servo, tmp_path, monkeypatch):
     out = tmp_path / "s.csv"
     out.write_text("before")

@@ -74,6 +74,7 @@ def test_the_fitted_base_and_a_part_of_the_time(call, log):
     assert found["base_low_hz"] < found["base_fitted_hz"] < found["base_high_hz"]
 
 
+@pytest.mark.slow
 def test_picture_and_table_are_files(call, log, tmp_path):
     call("harmonics", log, *ASKED, "--plot", tmp_path / "p.png", "--csv", tmp_path / "t.csv")
     assert (tmp_path / "p.png").read_bytes().startswith(b"\x89PNG")

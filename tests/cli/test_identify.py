@@ -55,7 +55,7 @@ def test_simulate_takes_the_file(call, log, tmp_path):
         (["--torque", "feedback"], "expected three columns"),
         (["--travel-per-rad", 0], "travel_per_rad = 0"),
         (["--inertia", -1], "inertia = -1"),
-        (["-c", "ours.pid"], "believes no LuGre friction|has no controller"),
+        pytest.param(["-c", "ours.pid"], "believes no LuGre friction|has no controller", marks=pytest.mark.slow),
     ],
 )
 def test_what_is_refused_leaves_no_file_and_no_traceback(call, log, tmp_path, more, says):

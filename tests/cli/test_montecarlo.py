@@ -108,6 +108,7 @@ def test_sobol_indices_that_nobody_can_know_are_not_shown(call, tmp_path, monkey
     assert "not known" in done.stdout and "take a larger N than 8" in (tmp_path / "out" / "report.html").read_text()
 
 
+@pytest.mark.slow
 def test_a_worst_run_knows_its_controller_file(call, refused, asked, tmp_path):
     file = tmp_path / "tuned.toml"
     text = f'schema_version = 1\nkind = "controller"\nstudy = "{NAME}"\ncontroller = "p"\n[set]\nkp = 4.5\n'

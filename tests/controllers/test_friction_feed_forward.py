@@ -54,6 +54,7 @@ def test_the_bristles_bend_as_scipys_do():
     assert tried(block, moves, np.zeros(4000)) == pytest.approx(expected, abs=2e-5)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("level", "mv", "um"), [("medium", 20.0, 5.0), pytest.param("high", 150.0, 10.0, marks=pytest.mark.slow)]
 )

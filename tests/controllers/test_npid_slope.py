@@ -90,6 +90,7 @@ def tails_um(block, sizes_um):
     )
 
 
+@pytest.mark.slow
 def test_where_the_cosh_chatters_the_limited_slope_is_quiet():
     """The cosh: 2.3 to 8 um peak to peak at 3 to 10 um (test_npid). What is left is the drift of the slow integral."""
     n = np.arange(1000.0)

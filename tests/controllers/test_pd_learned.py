@@ -217,6 +217,7 @@ def test_a_load_that_the_model_does_not_know_is_found_and_taken_away():
     assert abs(run["true_error"][-1]) < 1e-9
 
 
+@pytest.mark.slow
 def test_at_the_torque_limit_the_observer_does_not_wind_up_and_nothing_is_learned():
     block = NO_FRICTION(max_torque=0.5, learns=True)
     loop = Loop(reference=sine_motion(amplitude=0.0), controller=block, plant=screw.starting(angle=-0.3), period=DT,

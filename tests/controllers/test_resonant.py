@@ -106,6 +106,7 @@ def test_every_line_of_table_ii_goes_below_one_hundredth():
     assert (before > 0.7).all() and (after < 0.01 * before).all()
 
 
+@pytest.mark.slow
 def test_a_line_in_the_wrong_place_keeps_what_the_data_sheet_says():
     d, strength = 2.0 * math.pi * 0.1, 1.0
     plain, off = (

@@ -126,6 +126,7 @@ def test_friction_by_the_letter_of_the_paper_throws_the_torque_about():
     assert torque[1] < 30.0 and torque[3] > 1000.0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["corrected.smc", "paper.csmc"])
 def test_the_printed_gains_fail_at_4_khz(name):
     run = stage_loop(READINGS[name], "fast").run(1.0, record=SIGNALS)

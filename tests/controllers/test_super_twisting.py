@@ -51,6 +51,7 @@ def without_friction(s, u, load):
     return Screw(s.speed, (u + load) / INERTIA)
 
 
+@pytest.mark.slow
 def test_the_integral_follows_a_disturbance_that_changes_more_slowly_than_k2():
     """0.5 N m at 10 rad/s changes by 5 N m/s at most, k2 is 95 N m/s."""
     block = super_twisting(friction_from=0)

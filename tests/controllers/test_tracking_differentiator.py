@@ -111,6 +111,7 @@ def test_it_takes_the_quantisation_noise_out_of_the_rate(h):
     assert better < 0.2 * plain
 
 
+@pytest.mark.slow
 def test_in_the_loop_the_output_is_five_times_calmer_and_the_error_is_the_same():
     found = {}
     for name, block in (("difference", pid), ("followed", tracking_differentiator(pid))):

@@ -189,6 +189,7 @@ def test_the_robust_set_is_quick_on_slow_and_fast_axes_that_the_search_did_not_s
 
 
 # ---- against friction
+@pytest.mark.slow
 @pytest.mark.parametrize(("target", "limit_s"), [(-50.0, 0.75), (-170.0, 1.2)])
 def test_with_integral_and_inverse_a_dead_zone_leaves_less_than_a_count(target, limit_s):
     lost = np.array([0.005, 0.01, 0.02, 0.03, 0.05])

@@ -212,6 +212,7 @@ def test_nan_in_gives_nan_out_and_not_the_default():
     assert math.isnan(table.scalar(math.nan, 0.1))
 
 
+@pytest.mark.slow
 def test_where_no_rule_fires_the_default_is_given():
     for system in (mamdani(default=0.25), sugeno(default=0.25), mamdani(default=0.25, integration="exact")):
         assert compiled(system).scalar(5.0, 0.0) == 0.25

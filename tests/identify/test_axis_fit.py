@@ -95,6 +95,7 @@ def test_a_drive_in_volts_keeps_its_own_unit_unless_its_force_is_known():
     assert known.judged[0].rms == pytest.approx(fit.judged[0].rms, rel=1e-3)
 
 
+@pytest.mark.slow
 def test_without_a_hold_out_everything_trains():
     fit = identify_axis(shoved(), refine="none", model="coulomb", symmetric=True, holdout=0)
     assert [j.what for j in fit.judged] == ["training"] and "all of the log" in fit.method

@@ -84,6 +84,7 @@ def test_columns_are_those_that_the_log_command_tells_by_their_names(tmp_path):
         read_linear(path)
 
 
+@pytest.mark.slow
 def test_a_machine_has_the_counts_and_the_noise_of_the_log_and_its_drive_turned_forwards():
     fit = identify_linear(record(MM_PER_M * move()[2], output_unit="mm"), structure=(2, 0, 1))
     made = machine(fit, "axis")

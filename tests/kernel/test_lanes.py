@@ -206,6 +206,7 @@ def test_a_value_that_one_run_could_not_have_is_refused_for_the_batch(changes, s
         Loop(**FULL, metrics={}).batch(0.01, changes)
 
 
+@pytest.mark.slow
 def test_one_array_for_all_runs_is_one_row():
     loop = Loop(**FULL, metrics={})
     batch = loop.batch(0.01, {"controller.weights": [0.1, 0.2, 0.3, 0.4]}, runs=2, record="output")

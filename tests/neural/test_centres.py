@@ -61,6 +61,7 @@ def test_training_keeps_the_universe_covered():
     assert np.abs(h.sum(axis=1) - 1.0).max() < 1e-12 and (np.diff(found.centres_e) > 0.39).all()
 
 
+@pytest.mark.slow
 def test_ten_passes_give_the_digests_number_for_the_default_rules():
     assert train_centres(reasoning_samples(initial_rules())).rmse == pytest.approx(0.1705, abs=5e-5)
 

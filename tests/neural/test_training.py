@@ -164,6 +164,7 @@ def test_quick_training_gives_a_network_that_goes_the_right_way():
     assert found.history[-1] == pytest.approx(found.searched.rmse)
 
 
+@pytest.mark.slow
 def test_a_search_that_goes_the_wrong_way_is_repaired_and_said_so(monkeypatch):
     """From the network of the smallest RMSE, whose slope is 0.66."""
     wrong = Found(Shape().row(nets()["min_rmse"]), 0.594, np.ones(1), 1)

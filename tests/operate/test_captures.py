@@ -117,6 +117,7 @@ def test_what_json_cannot_hold_is_kept_in_words(tmp_path):
     assert back.about == {"gains": [1.0, 2.5], "n": 3, "worst": "inf", "none": None, "who": "a"}
 
 
+@pytest.mark.slow
 def test_a_capture_without_times_gets_them_in_the_file_only(tmp_path):
     taken = capture(np.ones((4, 2)), ("a", "b"), first_period=100, period_s=0.25, units={})
     for form in FORMATS:

@@ -43,6 +43,7 @@ def test_noise_is_added_before_the_rounding():
     assert noisy(NoisyParams(0.05), 1.0, NOISE) == 1.0 + w
 
 
+@pytest.mark.slow
 @given(st.floats(allow_nan=False))
 def test_no_noise_and_no_stiction_let_every_number_pass(x):
     assert same(noisy(NoisyParams(), x, NOISE), x)

@@ -124,6 +124,7 @@ fields = st.sampled_from(
 )
 
 
+@pytest.mark.slow
 @given(st.sampled_from(sorted(ALL)), st.dictionaries(fields, anything))
 def test_what_is_let_through_has_only_finite_numbers(do, args):
     try:

@@ -63,7 +63,11 @@ def radau(amplitude, dt, periods):
 
 
 @pytest.mark.parametrize(
-    ("options", "within_rad"), [(TIGHT, 1e-11), ({"method": "sdirk3", "substeps": 100}, 2e-8)], ids=["rodas", "sdirk3"]
+    ("options", "within_rad"),
+    [
+        pytest.param(TIGHT, 1e-11, marks=pytest.mark.slow, id="rodas"),
+        pytest.param({"method": "sdirk3", "substeps": 100}, 2e-8, id="sdirk3"),
+    ],
 )
 def test_sliding_and_reversing_it_follows_radau(options, within_rad):
     run = opened(amplitude=20.0, options=options).run(0.06, record="plant")

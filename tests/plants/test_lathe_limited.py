@@ -42,6 +42,7 @@ def test_limits_act_as_scipy_finds_them_act(ampere, within_um):
     assert abs(ours[:, 1]).max() <= ampere * (1 + 1e-12) and abs(ours[:, 2]).max() <= 258.7
 
 
+@pytest.mark.slow
 def test_twice_the_parts_leave_less_than_half_the_error(monkeypatch):
     duties, theirs = across(), solve(across(), 4.0, 258.7)
     errors = []

@@ -50,6 +50,7 @@ def test_out_of_the_cut_there_is_no_force():
     assert cut(S45C, 0.0, 1e-5, 0.1).force == 0.0
 
 
+@pytest.mark.slow
 def test_the_surface_is_that_of_one_revolution_ago_at_any_speed():
     """Against linear interpolation in the record of all steps."""
     ring, turns, surface = blank(), 0.0, 0.0

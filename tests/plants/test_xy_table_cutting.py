@@ -32,6 +32,7 @@ def test_its_dead_time_is_that_of_a_delay_line_in_small_steps(late_us):
     assert mine["actual"] == pytest.approx(stepped.run(0.4, record="actual")["actual"], abs=1e-11)
 
 
+@pytest.mark.slow
 def test_its_lines_are_those_of_the_differential_equation():
     from scipy.integrate import solve_ivp
 

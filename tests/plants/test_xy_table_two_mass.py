@@ -68,6 +68,7 @@ def test_the_modes_are_those_of_two_masses_on_a_spring():
     assert np.abs(zeros) / (2.0 * math.pi) == pytest.approx([72.0, 72.0], rel=1e-6)
 
 
+@pytest.mark.slow
 def test_a_constant_load_on_the_table_moves_both_sides_as_a_voltage_does():
     """At rest 10 mV of load is 10 mV of voltage, but for what the screw gives."""
     load = np.full(200_000, 0.01)

@@ -269,6 +269,7 @@ def test_what_cannot_be_drawn_is_refused_by_name():
 
 
 # ---- activity
+@pytest.mark.slow
 def test_the_rows_of_the_map_are_the_rules_that_fire():
     system, t = with_units(sugeno()), np.linspace(0.0, 2.0, 201)
     x = np.column_stack([np.exp(-t), -0.3 * np.exp(-t)])

@@ -45,6 +45,7 @@ def test_the_filtered_force_is_the_recursion_of_the_raw_one():
     assert y[-1] == pytest.approx(150.0, abs=3.0)
 
 
+@pytest.mark.slow
 def test_both_sensors_read_the_same_noise():
     alone = at_rest(load_cell, cutting).run(1.0)["feedback"]
     whole = at_rest(lathe_reading, cutting).run(1.0)["feedback.force"]
