@@ -17,5 +17,4 @@ def some(cases: Sequence[T], every: int) -> Sequence[T]:
 
 def in_every_run(cases: Iterable[Any], quick: Collection[Any]) -> list[Any]:
     """The cases of a parametrised test, of which `make test` runs the ``quick`` ones and CI all."""
-    slow = pytest.mark.slow
-    return [c if c in quick else pytest.param(*(c if isinstance(c, tuple) else (c,)), marks=slow) for c in cases]
+    return [case if case in quick else pytest.param(case, marks=pytest.mark.slow) for case in cases]

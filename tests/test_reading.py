@@ -82,6 +82,7 @@ def test_the_limits_are_raised_by_a_factor_and_a_wrong_one_is_refused(tmp_path, 
             controller_file.table_of(path)
 
 
+@pytest.mark.slow
 def test_a_small_parquet_file_that_stands_for_gigabytes_is_refused(tmp_path):
     """Lists are left out unread; a word of a megabyte that stands in every row is counted before it is written out."""
     rows = 20_000

@@ -76,6 +76,7 @@ def test_ctrl_c_is_quiet(tmp_path):
 TITLE, COVER = "\x1b]0;owned\x07", "\x1b[2J\u202e"
 
 
+@pytest.mark.slow
 def test_names_in_files_do_not_command_the_terminal(tmp_path):
     rows = "\n".join(f"{k / 1000},{k * k},{k}" for k in range(200))
     (tmp_path / "log.csv").write_text(f"time,position{TITLE},drive{COVER}\n{rows}\n", encoding="utf-8")

@@ -40,7 +40,7 @@ BITS = {f"seed {s}": generator.system(s) for s in range(2000, 2010)} | {
 }  # fmt: skip
 
 
-MORE = {f"seed {s}" for s in range(2002, 2010)}
+MORE = {f"seed {s}" for s in range(2001, 2010)}
 NAMES = [pytest.param(name, marks=pytest.mark.slow if name in MORE else ()) for name in BITS]
 
 
@@ -103,6 +103,7 @@ def test_the_exact_centroid_is_what_finer_and_finer_sums_tend_to(implication):
     assert errors[0] < 1e-3 and errors[1] < errors[0] / 20 and errors[2] < 3e-8
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("implication", ["minimum", "algebraic_product"])
 def test_both_ways_to_the_exact_centroid_agree(implication):
     fast = with_block(mamdani(integration="exact"), implication=implication)
@@ -112,7 +113,7 @@ def test_both_ways_to_the_exact_centroid_agree(implication):
     np.testing.assert_allclose(compiled(slow).many(POINTS), compiled(fast).many(POINTS), atol=2e-15)
 
 
-@pytest.mark.parametrize("seed", in_every_run(range(24), range(6)))
+@pytest.mark.parametrize("seed", in_every_run(range(24), range(2)))
 def test_the_exact_centroid_of_any_straight_sets(seed):
     rng = np.random.default_rng(seed)
     shapes = ("triangle", "trapezoid", "ramp", "rectangle", "binary", "discrete")

@@ -9,7 +9,7 @@ from leadscrew.fuzzy.rules_text import parse, rule_text
 from tests.budget import WHOLE
 from tests.fuzzy.formats_systems import systems
 
-MANY = settings(max_examples=100 if WHOLE else 10, deadline=None, suppress_health_check=list(HealthCheck))
+MANY = settings(max_examples=100 if WHOLE else 5, deadline=None, suppress_health_check=list(HealthCheck))
 
 
 @pytest.mark.parametrize("format", formats.WRITTEN)

@@ -46,7 +46,7 @@ def same(a: np.ndarray, b: np.ndarray) -> bool:
     return np.array_equal(a.view(np.int64), b.view(np.int64))
 
 
-@pytest.mark.parametrize("name", LOOPS)
+@pytest.mark.parametrize("name", in_every_run(LOOPS, set(LOOPS) - {"stiff fixed", "two axes", "pid"}))
 def test_python_and_machine_code_give_the_same_bits_on_every_signal_and_state(name):
     loop = made(name)
     every_column = loop.program.plan.columns

@@ -224,6 +224,7 @@ def with_log(tmp_path):
     return tmp_path / "emps.toml"
 
 
+@pytest.mark.slow
 def test_the_command_of_the_log_is_asked_for_again(with_log):
     study = catalogue.study(str(with_log))
     assert study.scenarios["log"].duration_s == 2.0

@@ -20,6 +20,7 @@ from leadscrew.report.fuzzy.membership import curve, rows_of
 from leadscrew.report.fuzzy.rules import brief, gathered
 from leadscrew.report.fuzzy.surfaces import label_places
 from leadscrew.report.fuzzy.words import ends, formula, number
+from tests.budget import in_every_run
 from tests.fuzzy.formats_systems import shared
 from tests.fuzzy.systems import LABELS, mamdani, sugeno, triangles, with_output
 from tests.fuzzy.test_activity import FEEDER
@@ -104,6 +105,7 @@ def test_labels_that_would_touch_go_to_rows_of_their_own():
     assert rows_of([(0.0, 1.0, 1.0)] * 4) is None
 
 
+@pytest.mark.slow
 def test_many_terms_get_a_legend_and_very_many_are_counted():
     many = tuple(Term(f"a_long_name_{i}", "triangle", (i - 1.0, float(i), i + 1.0)) for i in range(14))
     lots = tuple(Term(f"c{i}", "constant", (i / 7.0,)) for i in range(30))
@@ -133,6 +135,7 @@ def test_linear_consequents_are_said_as_text():
     assert "NB = −1" in text and "and 2 more" in text
 
 
+@pytest.mark.slow
 def test_odd_variables_are_drawn_too():
     endless = Input(
         "endless", -math.inf, math.inf, (Term("low", "gaussian", (0.0, 1.0)), Term("hi", "sigmoid", (3.0, 4.0)))
@@ -163,6 +166,7 @@ def test_the_surface_is_what_the_system_computes():
     assert f(a=rows[9, 0], b=0.5, c=rows[9, 2])["v"] == rows[9, 4]
 
 
+@pytest.mark.slow
 def test_the_table_of_two_inputs_is_the_reference_table_of_the_files():
     system, f = mamdani(), compiled(mamdani())
     wanted = fld.dumps(system, lambda p: (f.scalar(*p),), 5, each=True).splitlines()
@@ -308,6 +312,7 @@ def test_a_long_run_is_put_together_without_losing_a_spike():
     assert edges[at] <= t[54_321] < edges[at + 1]
 
 
+@pytest.mark.slow
 def test_many_rules_have_their_numbers_only():
     system = mamdani()
     t = np.linspace(0.0, 1.0, 400)
@@ -330,7 +335,7 @@ def test_numbers_have_a_true_minus_sign():
     assert [number(x) for x in (-0.25, 1e-7, -math.inf)] == ["−0.25", "1e−07", "−∞"]
 
 
-@pytest.mark.parametrize("name", ["tipper.fis", "tipper.xml", "container_crane.fcl"])
+@pytest.mark.parametrize("name", in_every_run(["tipper.fis", "tipper.xml", "container_crane.fcl"], ["tipper.xml"]))
 def test_files_of_others_are_drawn(name):
     system = formats.read(shared(f"data/fuzzy/{name}"), leave_out_unknown=True)
     drawn(pictures.membership_figure(system))

@@ -89,6 +89,7 @@ def test_how_to_replay_is_told(page):
     assert "leadscrew replay runs/small__p" in page and "leadscrew run plain" in page
 
 
+@pytest.mark.slow
 def test_a_figure_with_many_points_becomes_a_picture():
     figure = Figure()
     figure.subplots().scatter(*np.random.default_rng(0).normal(size=(2, 20_000)))
