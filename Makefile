@@ -2,7 +2,7 @@
 SHELL := /bin/sh
 unexport PYTHONDONTWRITEBYTECODE # without bytecode every worker of the tests would compile all modules again
 .DEFAULT_GOAL := help
-.PHONY: help demo test same mutants faults fuzz outdated bench peers lint docs clean
+.PHONY: help demo test same mutants faults fuzz differential outdated bench peers lint docs clean
 
 BIN := .venv/bin
 INSTALL = $(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt
@@ -19,6 +19,7 @@ help:
 	@echo "make mutants changes of src that no test notices: FILES=\"src/...\" or what differs from BASE=COMMIT, MAX=30"
 	@echo "make faults  forty known faults, each with the test that notices it: ONLY=PATTERN"
 	@echo "make fuzz    changed files before every reader: INPUTS=2000, FIRST=0 for the number of the first"
+	@echo "make differential random programs on every engine, needs gcc: INPUTS=2000, FIRST=0 for the seed of the first ten"
 	@echo "make outdated newer releases of what is installed, and the advisories that the index knows"
 	@echo "make bench   speed, beside C, plain Python and other libraries"
 	@echo "make peers   other fuzzy toolboxes to be measured against, in an environment of their own, .peers"
@@ -44,6 +45,9 @@ faults: .venv/.dev
 
 fuzz: .venv/.dev
 	$(BIN)/python -m tests.fuzz --inputs $(INPUTS) --first $(FIRST)
+
+differential: .venv/.dev
+	$(BIN)/python -m tests.kernel.differential --programs $(INPUTS) --first $(FIRST)
 
 outdated: .venv/.dev .audit/.made
 	$(BIN)/python -m pip list --outdated

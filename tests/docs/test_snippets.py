@@ -14,6 +14,7 @@ import pytest
 from leadscrew.export.folder import compiler_path
 from tests.docs.sessions import assert_shown, steps_of
 from tests.docs.snippets import PAGES, ROOT, blocks, commands_of, python_of
+from tests.notebook import executed
 from tests.tools import missing
 
 matplotlib.use("Agg")
@@ -76,24 +77,8 @@ def test_links_between_pages_lead_somewhere() -> None:
 
 @pytest.mark.slow
 def test_notebook_runs(tmp_path: Path) -> None:
-    nbclient = pytest.importorskip("nbclient", reason="nbclient is missing: pip install leadscrew[dev]")
     nbformat = pytest.importorskip("nbformat", reason="nbformat is missing: pip install leadscrew[dev]")
-    pytest.importorskip("ipykernel", reason="ipykernel is missing: pip install leadscrew[dev]")
-    from jupyter_client.kernelspec import KernelSpec
-    from jupyter_client.manager import AsyncKernelManager
-
-    class ThisPython(AsyncKernelManager):
-        """A kernel of the Python that runs the tests, whatever kernels are installed for the user."""
-
-        @property
-        def kernel_spec(self) -> KernelSpec:
-            argv = [sys.executable, "-m", "ipykernel_launcher", "-f", "{connection_file}"]
-            return KernelSpec(argv=argv, display_name="Python", language="python")
-
     notebook = nbformat.read(ROOT / "docs" / "notebooks" / "first_loop.ipynb", as_version=4)
-    client = nbclient.NotebookClient(
-        notebook, timeout=180, kernel_manager_class=ThisPython, resources={"metadata": {"path": str(tmp_path)}}
-    )
-    client.execute()
+    executed(notebook, tmp_path)
     shown = [out for cell in notebook.cells if cell.cell_type == "code" for out in cell.outputs]
     assert any("text/html" in out.get("data", {}) for out in shown), "a run shows a table"

@@ -69,10 +69,21 @@ def shifted(s, x):
 
 def turned(v, x):
     return V(v.x - x, v.k % 7, not v.on)
+
+
+def seen(x):
+    return x if abs(x) < 1e100 else math.copysign(3.0, x) if x == x else 7.0
+
+
+def shown(x, y, z, w):
+    # a number that the signs of all four decide, also those of zeros and NaN
+    signs = math.copysign(1.0, x) + math.copysign(2.0, y) + math.copysign(4.0, z) + math.copysign(8.0, w)
+    total = seen(x) + seen(y) + seen(z) + seen(w)
+    return signs if total == 0.0 else total * (16.5 + signs)
 """
-FLOATS = ("0.0", "1.0", "-0.5", "0.1", "3.0", "1e308", "5e-324", "1e16", "2.0**53", "-1e-3", "np.inf", "1e39")
+FLOATS = ("0.0", "-0.0", "np.nan", "1.0", "-0.5", "0.1", "3.0", "1e308", "5e-324", "1e16", "2.0**53", "-1e-3")
+BEYOND = ("np.inf", "1e39")
 INTS = (0, 1, 2, 3, 7, 10, 255, 1000, 65537)
-LARGE = 2**50
 
 
 class Step:
@@ -82,7 +93,7 @@ class Step:
         self.random, self.seed = random.Random(seed), seed
         self.effects = effects
         self.floats = ["x", "y", "z", "command", "feedback", "p.gain", "s.x", "p.inner.x", "v.x"]
-        self.ints = {"k": 2**20, "m": 2**20, "p.many": 8, "v.k": 2**20}
+        self.ints = ["k", "m", "p.many", "v.k", "s.k"]
         self.bools = ["b", "c", "s.on", "p.inner.on", "v.on"]
         self.lines: list[str] = []
         self.calls = False
@@ -94,16 +105,16 @@ class Step:
         """A float."""
         r = self.random
         if depth <= 0:
-            return self.pick(r.choice(self.floats), r.choice(self.floats), r.choice(FLOATS), self.element())
+            return self.pick(r.choice(self.floats), r.choice(self.floats), r.choice(FLOATS + BEYOND), self.element())
         a = self.real(depth - 1)
-        kind = r.randrange(14)
+        kind = r.randrange(18)
         if kind < 5:
-            other = self.real(depth - 1) if r.random() < 0.7 else self.whole(depth - 1)[0]
+            other = self.real(depth - 1) if r.random() < 0.7 else self.whole(depth - 1)
             return f"({a} {self.pick('+', '-', '*', '/', '//', '%')} {other})"
         if kind == 5:
             return f"({a} if {self.truth(depth - 1)} else {self.real(depth - 1)})"
         if kind == 6:
-            return f"{self.pick('min', 'max')}({a}, {self.pick(self.real(depth - 1), self.whole(0)[0])})"
+            return f"{self.pick('min', 'max')}({a}, {self.pick(self.real(depth - 1), self.whole(0))})"
         if kind == 7:
             return (
                 f"{self.pick('abs', 'math.floor', 'math.ceil', 'math.trunc', 'np.sign', 'math.sqrt', 'math.sin')}({a})"
@@ -111,13 +122,19 @@ class Step:
         if kind == 8:
             return f"(-{a})"
         if kind == 9:
-            return f"({self.whole(depth - 1)[0]} / {self.whole(depth - 1)[0]})"
+            return f"({self.whole(depth - 1)} / {self.whole(depth - 1)})"
         if kind == 10:
             return f"({a}){self.pick('**2', '**3', '**-1', '**0.5')}"
         if kind == 11 and self.calls:
             return f"poke({self.pick('s.a', 'w')}, {r.randrange(-1, 4)}, {a})"
         if kind == 12:
-            return f"early({a}, {self.whole(0)[0]})"
+            return f"early({a}, {self.whole(0)})"
+        if kind in (13, 14):
+            return f"math.copysign({a}, {self.real(depth - 1)})"
+        if kind == 15:
+            return f"math.atan2({self.pick('int', 'round', 'float')}({a}), {self.real(depth - 1)})"
+        if kind == 16:
+            return f"(1.0 * {self.whole(depth - 1)})"
         return f"(1.0 * {self.truth(depth - 1)} + {a})"
 
     def element(self) -> str:
@@ -127,38 +144,32 @@ class Step:
         return self.pick(f"s.a[{at}]", f"w[{at}]", f"t[{at}]", f"TABLE[{at}]", f"COUNTS[{by}]", f"s.a[{by}]",
                          f"GRID[1, {self.pick('0', '-1', 'k % 3')}]")  # fmt: skip
 
-    def whole(self, depth: int) -> tuple[str, int]:
-        """An integer, and how large it may be."""
+    def whole(self, depth: int) -> str:
+        """An integer of 64 bits, which wraps."""
         r = self.random
         if depth <= 0 or r.random() < 0.2:
             if r.random() < 0.4:
-                n = r.choice(INTS)
-                return str(n), n
-            return self.pick(
-                *self.ints.items(), ("COUNTS[0]", 3), ("int(COUNTS[m % 4])", 3), ("len(TABLE)", 4), ("s.a.shape[0]", 3)
-            )
-        a, big = self.whole(depth - 1)
-        b, other = self.whole(depth - 1)
-        kind = r.randrange(11)
-        if kind == 0 and big * other < LARGE:
-            return f"({a} * {b})", big * other
-        if kind in (1, 2) and big + other < LARGE:
-            return f"({a} {self.pick('+', '-')} {b})", big + other
-        if kind == 3:
-            return f"({a} // {b})", big + 1
-        if kind == 4:
-            return f"({a} % {b})", other
+                return str(r.choice(INTS))
+            return self.pick(*self.ints, "COUNTS[0]", "int(COUNTS[m % 4])", "len(TABLE)", "s.a.shape[0]")
+        a, b = self.whole(depth - 1), self.whole(depth - 1)
+        kind = r.randrange(13)
+        if kind < 3:
+            return f"({a} {'*+-'[kind]} {b})"
+        if kind in (3, 4):
+            return f"({a} {self.pick('//', '%')} {b})"
         if kind == 5:
-            return f"({a} {self.pick('&', '|', '^')} {b})", 2 * (big + other + 1)
-        if kind == 6 and big < 2**40:
-            return f"({a} {self.pick('<< 3', '>> 2', '<< 9', '>> 40')})", big * 512
+            return f"({a} {self.pick('&', '|', '^')} {b})"
+        if kind == 6:
+            return f"({a} {self.pick('<< 3', '>> 2', '<< 9', '>> 40')})"
         if kind == 7:
-            return f"({self.pick('-', '~', '+')}{a})", big + 1
+            return f"({self.pick('-', '~', '+')}{a})"
         if kind == 8:
-            return f"({a} if {self.truth(depth - 1)} else {b})", max(big, other)
+            return f"({a} if {self.truth(depth - 1)} else {b})"
         if kind == 9:
-            return f"({self.truth(depth - 1)} {self.pick('+', '-', '*', '^', '&')} {self.truth(depth - 1)})", 2
-        return f"abs({a})", big
+            return f"({self.truth(depth - 1)} {self.pick('+', '-', '*', '^', '&')} {self.truth(depth - 1)})"
+        if kind in (10, 11):
+            return f"{self.pick('int', 'round')}({self.real(depth - 1)})"
+        return f"{self.pick('abs', 'int')}({a})"
 
     def truth(self, depth: int) -> str:
         """A truth value."""
@@ -170,12 +181,12 @@ class Step:
         if kind == 0:
             return f"({self.real(depth - 1)} {sign} {self.real(depth - 1)})"
         if kind == 1:
-            return f"({self.whole(depth - 1)[0]} {sign} {self.whole(depth - 1)[0]})"
+            return f"({self.whole(depth - 1)} {sign} {self.whole(depth - 1)})"
         if kind == 2:
             return f"(not {self.truth(depth - 1)})"
         if kind == 3:
             other = self.pick("<", "!=", ">=")
-            return f"({self.real(0)} {sign} {self.whole(0)[0]} {other} {self.real(depth - 1)})"
+            return f"({self.real(0)} {sign} {self.whole(0)} {other} {self.real(depth - 1)})"
         if kind == 4:
             return f"({self.truth(depth - 1)} {sign} {self.truth(depth - 1)})"
         joined = self.pick("and", "or")
@@ -197,7 +208,7 @@ class Step:
             self.put(depth, f"{self.pick('x', 'y', 'z')} {self.pick('=', '=', '+=', '*=', '-=')} {self.plain_real(3)}")
         elif kind == 3:
             self.put(
-                depth, f"{self.pick('k', 'm')} = {self.plain(lambda: self.whole(3)[0])} % {self.pick(7, 1000, 65537)}"
+                depth, f"{self.pick('k', 'm')} = {self.plain(lambda: self.whole(3))} % {self.pick(7, 1000, 65537)}"
             )
         elif kind == 4:
             self.put(depth, f"{self.pick('b', 'c')} = {self.plain(lambda: self.truth(3))}")
@@ -236,7 +247,7 @@ class Step:
     def chosen(self) -> str:
         kind = self.random.randrange(3)
         if kind == 0:
-            return f"V({self.real(2)}, {self.whole(1)[0]} % 1000, {self.truth(2)})"
+            return f"V({self.real(2)}, {self.whole(1)} % 1000, {self.truth(2)})"
         if kind == 1:
             return f"turned(v if {self.truth(1)} else p.inner, {self.real(1)})"
         return f"v._replace(x={self.real(1)}, on={self.truth(1)})"
@@ -269,8 +280,8 @@ class Step:
         top = ["x = command", "y = s.x", "z = feedback", "k = s.k", "m = p.many", "b = s.on", "c = command > 0.0",
                "v = s.v", "w = np.zeros(3)", "t = s.a", "i = 0", "j = 1", "n = 2",
                "for i in range(3):", "    if not abs(s.a[i]) < 1e300:", "        s.a[i] = 0.5 * i"]  # fmt: skip
-        state = "S(x - y if abs(x - y) < 1e300 else 0.75, (k + i + m) % 1000, b, v, s.a)"
-        end = f"return {state}, z + (1 if c else 0) + v.x + s.a[1] + w[0] + j + n"
+        state = f"S(x - y if abs(x - y) < 1e300 else 0.75, (k + i + m) % {self.pick(1000, 2**40)}, b, v, s.a)"
+        end = f"return {state}, shown(x, y + (1 if c else 0) + k * 1e-3, z + s.a[1] + w[0] + j + n, v.x)"
         return f"def {name}(p, s, command, feedback):\n" + "\n".join(f"    {x}" for x in top) + "\n" + "\n".join(
             [*self.lines, f"    {end}"]
         )  # fmt: skip

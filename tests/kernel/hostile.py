@@ -91,6 +91,18 @@ def ranges_to_the_end(p, s, command):
     return s, total
 
 
+def one_array_in_each_branch(p, s, command):
+    t = s.a
+    if command > 0.5:
+        t = s.b
+        t[1] = command
+    else:
+        x = t[0]
+        t = s.b
+        t[2] = x
+    return s, t[1] + t[2] + s.a[0]
+
+
 def rebinds_in_a_row(p, s, command):
     t = s.a
     x = t[0]
@@ -199,6 +211,6 @@ def ints_and_floats(p, s, command):
 SAME = [
     comparisons_are_counted, truth_kept_in_a_local, whole_tables, float_from_a_table, index_made_whole,
     tables_by_a_helper, wraps, wraps_before_a_shift, least_by_minus_one, large_whole_numbers, ranges_to_the_end,
-    rebinds_in_a_row, each_in_its_branch, state_through_a_helper, both_through_a_helper, two_rooms,
-    names_of_the_fuser, ints_and_floats, pairs_by_condition, indexed_by_truth,
+    rebinds_in_a_row, each_in_its_branch, one_array_in_each_branch, state_through_a_helper, both_through_a_helper,
+    two_rooms, names_of_the_fuser, ints_and_floats, pairs_by_condition, indexed_by_truth,
 ]  # fmt: skip

@@ -17,6 +17,7 @@ from leadscrew.kernel.frame import SLOTS
 from leadscrew.kernel.linker import LARGEST
 from leadscrew.kernel.loop import DivergenceWarning, warn_diverged
 from leadscrew.kernel.native import Entry
+from leadscrew.kernel.plan import LIMITS
 from leadscrew.kernel.run import Divergence, Metrics, Run
 
 if TYPE_CHECKING:
@@ -142,10 +143,13 @@ class Live:
 
     def _divergence(self) -> Divergence:
         plan = self.program.plan
-        name, value = "", float("nan")
+        name, value, bound = "", float("nan"), None
         for leaf in plan.state.scalars:
-            if leaf.kind == "float" and leaf.key.split(".")[0] in SLOTS and not abs(self.state[0][leaf.at]) <= LARGEST:
-                name, value = leaf.key, float(self.state[0][leaf.at])
+            number = float(self.state[0][leaf.at])
+            limit = LIMITS.get(leaf.kind)
+            if limit is not None and leaf.key.split(".")[0] in SLOTS and not abs(number) <= limit:
+                name, value = leaf.key, number
+                bound = limit if leaf.kind == "int" else None
                 break
         else:
             for leaf in plan.state.arrays:
@@ -155,12 +159,12 @@ class Live:
                     break
             else:
                 name = "actual" if self.loop.bound < LARGEST else "output"
+                bound = self.loop.bound if name == "actual" else None
         place = (
             f"{ieee.lost['file']}:{ieee.lost['line']} ({ieee.lost['what']})"
             if self.engine == "python" and ieee.lost
             else ""
         )
-        bound = self.loop.bound if name == "actual" else None
         return Divergence(
             time=self.period * self.loop.period,
             period=self.period - 1,

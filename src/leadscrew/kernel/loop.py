@@ -5,7 +5,8 @@ from __future__ import annotations
 import platform
 import time
 import warnings
-from collections.abc import Callable, Hashable, Mapping, Sequence
+from collections.abc import Callable, Hashable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
@@ -223,12 +224,26 @@ class Loop:
     @treework()
     def signals(self) -> dict[str, Any]:
         """An example of each signal, computed by running the steps once."""
-        return example_signals(self)
+        with self._undone_if_refused():
+            return example_signals(self)
 
     @cached_property
     @treework()
     def program(self) -> Program:
         """The generated module of this loop; shared with the loops that differ from it in values alone."""
+        with self._undone_if_refused():
+            return self._linked()
+
+    @contextmanager
+    def _undone_if_refused(self) -> Iterator[None]:
+        """Drops a half-filled module, so that the next attempt checks everything again."""
+        try:
+            yield
+        except BaseException:
+            self.__dict__.pop("module", None)
+            raise
+
+    def _linked(self) -> Program:
         params, state = self.values()
         plan = Plan(
             blocks=dict(self.blocks), metrics=dict(self.metrics), params=Layout(params), state=Layout(state),

@@ -89,19 +89,39 @@ class Lowering(Values):
             return
         yes, no = self.builder.append_basic_block(), self.builder.append_basic_block()
         self.builder.cbranch(test, yes, no)
-        ends = []
+        before, ends = self.arrays, []
         for start, body in ((yes, node.body), (no, node.orelse)):
             self.builder.position_at_end(start)
+            self.arrays = dict(before)
             self.block(body)
             if not self.builder.block.is_terminated:
-                ends.append(self.builder.block)
+                ends.append((self.builder.block, self.arrays))
         if not ends:
             return
         after = self.builder.append_basic_block()
-        for end in ends:
+        for end, _ in ends:
             self.builder.position_at_end(end)
             self.builder.branch(after)
         self.builder.position_at_end(after)
+        self.arrays = self.met(ends)
+
+    def met(self, ends: list[tuple[Any, dict[str, Array]]]) -> dict[str, Array]:
+        """Which array each name means where branches meet: the one of the branch that was taken."""
+        (one, mine), (other, theirs) = ends[0], ends[-1]
+        found = {}
+        for name, a in mine.items():
+            b = theirs.get(name)
+            if b is None:
+                continue
+            if a.base is not b.base and (a.shape, a.element) == (b.shape, b.element):
+                base = self.builder.phi(a.base.type)
+                base.add_incoming(a.base, one)
+                base.add_incoming(b.base, other)
+                a = Array(base, a.shape, a.element)
+            elif a.base is not b.base:
+                continue
+            found[name] = a
+        return found
 
     def do_while(self, node: ast.While) -> None:
         test, body, after = (self.builder.append_basic_block() for _ in range(3))
@@ -114,7 +134,9 @@ class Lowering(Values):
         """A loop's body; ``on`` is where ``continue`` goes."""
         self.builder.position_at_end(body)
         self.loops.append((on, after))
+        before, self.arrays = self.arrays, dict(self.arrays)
         self.block(statements)
+        self.arrays = before
         self.loops.pop()
         if not self.builder.block.is_terminated:
             self.builder.branch(back)

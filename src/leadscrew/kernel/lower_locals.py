@@ -40,6 +40,8 @@ class Locals:
         self.arguments = signature(node, ranks)
         self.module = ir.Module(name=node.name)
         self.arrays: dict[str, Array] = {}
+        self.tables: dict[str, Array] = {}
+        """Frozen arrays of the module."""
         self.slots: dict[str, Any] = {}
         self.types: dict[str, Any] = {}
         self.loops: list[tuple[Any, Any]] = []

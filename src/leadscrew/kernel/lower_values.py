@@ -24,7 +24,7 @@ class Values(Locals):
             if node.id in self.arrays:
                 return self.arrays[node.id]
             if node.id in self.constants:
-                return self.constant_array(node.id)
+                return self.tables.get(node.id) or self.constant_array(node.id)
         if isinstance(node, ast.Call):
             text = ast.unparse(node.func)
             if text.endswith(".reshape") and isinstance(node.func, ast.Attribute):
@@ -69,8 +69,8 @@ class Values(Locals):
         place.global_constant, place.linkage = True, "internal"
         place.initializer = ir.Constant(holder, [x.item() for x in value.ravel()])
         base = place.gep([ir.Constant(ir.IntType(32), 0), ir.Constant(ir.IntType(32), 0)])
-        self.arrays[name] = Array(base, list(value.shape), kind)
-        return self.arrays[name]
+        self.tables[name] = Array(base, list(value.shape), kind)
+        return self.tables[name]
 
     def integer(self, node: ast.expr) -> int:
         """A constant integer."""

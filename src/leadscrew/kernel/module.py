@@ -143,8 +143,8 @@ class Module:
         trusted = trusted or (found.__module__ or "").startswith("leadscrew.kernel.portable")
         name = self.function(found, trusted)
         if not (trusted or self._working or name in self._followed or hasattr(found, "unguarded")):
-            self._followed.add(name)
             self._flow.root(name)
+            self._followed.add(name)  # not before: a refused step is refused each time
         return name
 
     def function(self, function: Any, trusted: bool | None = None, kind: str = "leaf") -> str:

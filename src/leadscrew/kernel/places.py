@@ -11,7 +11,7 @@ from leadscrew.kernel import portable
 from leadscrew.kernel.drivers import arrays, holes
 from leadscrew.kernel.frame import SLOTS, Pair, bundle, under
 from leadscrew.kernel.layout import Branch, Layout, Leaf, leaves
-from leadscrew.kernel.plan import LANES, LARGEST, TAIL, Linking, body_of, is_absent, scalar_leaves
+from leadscrew.kernel.plan import LANES, LARGEST, LIMITS, TAIL, Linking, body_of, is_absent, scalar_leaves
 from leadscrew.kernel.syntax import both, call, do, give, item, minus, name, put, times, within
 
 
@@ -145,8 +145,8 @@ class Places(Linking):
         for slot in (*TAIL, "plant"):
             node = self.state_parts[slot]
             for x in leaves(node) if isinstance(node, Branch) else []:
-                if x.kind == "float":
-                    parts.append(within(name(f"s.{x.key}"), largest))
+                if x.kind in LIMITS:
+                    parts.append(within(name(f"s.{x.key}"), ast.Constant(LIMITS[x.kind])))
                 elif x.kind == "array":
                     whole: ast.expr = name(f"s.{x.key}")
                     if len(x.shape) > 1:  # one long loop: LLVM unrolls short rows before it could make vectors of them

@@ -14,6 +14,8 @@ from leadscrew.kernel.module import Module
 from leadscrew.kernel.syntax import call
 
 LARGEST = 1.7976931348623157e308
+LIMITS: dict[str, float | int] = {"float": LARGEST, "int": 2**53 - 1}
+"""Of the numbers of a state, by kind; a whole one is kept from period to period as a double."""
 LANES = 16
 TAIL = ("reference", "disturbance", "output_disturbance", "sensor", "controller", "actuator")
 """Slots whose state the sampling stage writes."""

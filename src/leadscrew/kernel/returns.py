@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import ast
-import copy
 
-from leadscrew.kernel.trees import names
+from leadscrew.kernel.trees import copied, names
 
 
 def _has(node: ast.AST | list[ast.stmt], kind: type) -> bool:
@@ -50,7 +49,7 @@ class _Exit:
                 assert node.value is not None
                 return out + self.result(node.value)
             if isinstance(node, ast.If) and _has(node, ast.Return):
-                yes = node.body if _ends(node.body) else node.body + copy.deepcopy(rest)
+                yes = node.body if _ends(node.body) else node.body + [copied(n) for n in rest]
                 no = node.orelse if _ends(node.orelse) else node.orelse + rest
                 out.append(ast.If(node.test, self.convert(yes) or [ast.Pass()], self.convert(no)))
                 return out
@@ -94,7 +93,7 @@ def single_exit(node: ast.FunctionDef) -> ast.FunctionDef:
     count = sum(isinstance(n, ast.Return) for n in ast.walk(node))
     if count == 0 or (count == 1 and isinstance(node.body[-1], ast.Return)):
         return node
-    new = copy.deepcopy(node)
+    new = copied(node)
     sizes = {len(n.value.elts) for n in ast.walk(new) if isinstance(n, ast.Return) and isinstance(n.value, ast.Tuple)}
     taken = {n.id for n in names(new)} | {a.arg for a in new.args.args}
     exit_ = _Exit(sizes.pop() if sizes else 0, taken)

@@ -12,6 +12,7 @@ import numpy as np
 from leadscrew.escape import html
 from leadscrew.kernel.errors import DataError, Diverged, NameUnknown
 from leadscrew.kernel.layout import is_branch
+from leadscrew.kernel.plan import LIMITS
 from leadscrew.kernel.sheet import nearest
 from leadscrew.newfolder import appearing
 
@@ -44,7 +45,11 @@ class Divergence:
     """File, line and division that lost it, where the Python engine saw one."""
 
     def __str__(self) -> str:
-        what = f"left its bound of {self.bound:g}" if self.bound is not None else "is not finite"
+        what = "is not finite"
+        if self.bound is not None:
+            what = f"left its bound of {self.bound:g}"
+        if self.bound == LIMITS["int"]:
+            what = "is beyond 2^53, up to which a state keeps whole numbers exactly"
         place = f"; first lost at {self.place}" if self.place else ""
         return f"diverged at t = {self.time:g} s (period {self.period}): {self.state} {what}{place}"
 

@@ -20,6 +20,7 @@ from leadscrew.kernel.c99.types import (
     as_local,
     sizes_of,
 )  # fmt: skip
+from leadscrew.kernel.portable.basic import LARGEST_INT, to_int
 
 
 class Calls(Expressions):
@@ -83,7 +84,8 @@ class Calls(Expressions):
         pairs = zip(args, made.arguments, strict=True)
         given = [[self.assigned(a, t), *sizes_of(a.type)] for a, t in pairs]
         result = as_local(made.result) if any(x.local for a in args for x in arrays_of(a.type)) else made.result
-        found = Value(f"{made.name}({', '.join(x for group in given for x in group)})", result)
+        size = LARGEST_INT if self.unit.module.items[name].value is to_int else 2**63
+        found = Value(f"{made.name}({', '.join(x for group in given for x in group)})", result, size=size)
         return self.cast(found, self.real) if made.result is DOUBLE else found
 
     def call_len(self, node: ast.Call) -> Value:

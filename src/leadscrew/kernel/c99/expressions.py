@@ -23,6 +23,7 @@ from leadscrew.kernel.c99.types import (
     joined,
 )
 from leadscrew.kernel.errors import SubsetError
+from leadscrew.kernel.portable.basic import LARGEST_INT
 
 if TYPE_CHECKING:
     from leadscrew.kernel.c99.translation import Translation
@@ -36,6 +37,7 @@ LITERALLY: dict[type, Any] = {
     ast.GtE: operator.ge, ast.Eq: operator.eq, ast.NotEq: operator.ne,
 }  # fmt: skip
 """What operators give of two literals."""
+WRAPPING: dict[type, str] = {ast.Add: "int_add", ast.Sub: "int_sub", ast.Mult: "int_mul"}
 
 
 class Value(NamedTuple):
@@ -47,6 +49,13 @@ class Value(NamedTuple):
     literal: float | int | None = None
     narrow: bool = False
     """Whether C computes this integer with fewer than 64 bits."""
+    size: int = 2**63
+    """What an integer does not exceed in magnitude."""
+
+    @property
+    def reach(self) -> int:
+        """``size``, known of literals and truth values too."""
+        return 1 if self.type is BOOL else self.size if self.literal is None else abs(int(self.literal))
 
 
 class Unknown(Exception):
@@ -68,6 +77,8 @@ class Expressions:
     place: str
     top: ast.expr | None = None
     """The expression of which nobody wants the value."""
+    sizes: dict[str, int]
+    """Magnitudes that whole locals do not exceed, of those that are set once."""
     uses: set[str]
     """The functions and tables of the file that are used."""
 
@@ -126,7 +137,7 @@ class Expressions:
         """An integer with all its 64 bits, where C would compute with fewer."""
         if value.type is not BOOL and not value.narrow:
             return value
-        return Value(f"(int64_t){self.inside(value, UNARY)}", INT, UNARY, value.literal)
+        return Value(f"(int64_t){self.inside(value, UNARY)}", INT, UNARY, value.literal, size=value.size)
 
     def cast(self, value: Value, kind: Type) -> Value:
         """A number as another type, where C would not do it by itself; a literal is written anew."""
@@ -174,7 +185,7 @@ class Expressions:
         if node.id in self.names:
             if node.id not in self.types:
                 raise Unknown
-            return Value(self.names[node.id], self.types[node.id])
+            return Value(self.names[node.id], self.types[node.id], size=self.sizes.get(node.id, 2**63))
         found = self.unit.table(node.id)
         if found is None:
             self.refuse(node, f"the value {node.id!r}")
@@ -189,7 +200,7 @@ class Expressions:
         if not isinstance(base.type, Struct):
             self.refuse(node, "a field of what is not a NamedTuple")
         field = self.unit.field(base.type, node.attr)
-        return Value(f"{self.inside(base, PRIMARY)}.{field}", base.type.field(node.attr))
+        return Value(f"{self.inside(base, PRIMARY)}.{field}", base.type.field(node.attr), size=LARGEST_INT)
 
     # ---- arrays
     def on_subscript(self, node: ast.Subscript) -> Value:
@@ -266,6 +277,9 @@ class Expressions:
             return Value(f"-{value.text}", kind, UNARY) if signed_zero else self.number(-value.literal, kind)
         if isinstance(node.op, ast.Invert) and value.literal is not None:
             return self.whole(~int(value.literal))
+        if isinstance(node.op, ast.USub) and kind is INT and self.wraps(node, value.reach):
+            self.unit.help("int_sub")
+            return Value(f"int_sub(0, {value.text})", INT)
         sign = "~" if isinstance(node.op, ast.Invert) else "-"
         return Value(f"{sign}{self.inside(self.wide(value), PRIMARY)}", kind, UNARY)
 
@@ -357,17 +371,30 @@ class Expressions:
         a, b, kind = self.met(left, right)
         if kind is INT and a.literal is not None and b.literal is not None and op in (ast.Add, ast.Sub, ast.Mult):
             return self.whole(LITERALLY[op](int(a.literal), int(b.literal)))
+        size = 2**63
+        if kind is INT and op in WRAPPING:
+            size = a.reach * b.reach if op is ast.Mult else a.reach + b.reach
+            if self.wraps(node, size):
+                self.unit.help(WRAPPING[op])
+                return Value(f"{WRAPPING[op]}({a.text}, {b.text})", INT)
         if kind is INT and all(v.narrow or v.type is BOOL for v in (a, b)):
             a = self.wide(a)
         if op in (ast.Mod, ast.FloorDiv):
             name = f"{'int' if kind is INT else 'float'}_{'mod' if op is ast.Mod else 'floordiv'}"
             self.unit.help(name)
-            return Value(f"{name}({a.text}, {b.text})", kind)
+            size = 2**63 if kind is not INT else b.reach if op is ast.Mod else a.reach
+            return Value(f"{name}({a.text}, {b.text})", kind, size=size)
         if op is ast.Mult:
-            return Value(f"{self.inside(a, PRODUCT)} * {self.inside(b, UNARY)}", kind, PRODUCT)
+            return Value(f"{self.inside(a, PRODUCT)} * {self.inside(b, UNARY)}", kind, PRODUCT, size=size)
         if op not in (ast.Add, ast.Sub):
             self.refuse(node, "this operator")
-        return Value(f"{self.inside(a, SUM)} {'+' if op is ast.Add else '-'} {self.inside(b, PRODUCT)}", kind, SUM)
+        sign = "+" if op is ast.Add else "-"
+        return Value(f"{self.inside(a, SUM)} {sign} {self.inside(b, PRODUCT)}", kind, SUM, size=size)
+
+    @staticmethod
+    def wraps(node: ast.expr, size: int) -> bool:
+        """Whether whole-number arithmetic of a step may leave 64 bits, where C says nothing of the result."""
+        return size >= 2**63 and hasattr(node, "wraps")
 
     # ---- tuples
     def on_tuple(self, node: ast.Tuple) -> Value:

@@ -40,6 +40,7 @@ class Function(Calls):
         self.loops: list[tuple[str, ast.expr]] = []
         self.printing = False
         self.uses: set[str] = set()
+        self.sizes: dict[str, int] = {}
         found = list(dict.fromkeys([*arguments, *(n.id for n in each(node) if isinstance(n, ast.Name)
                                                   and isinstance(n.ctx, ast.Store))]))  # fmt: skip
         self.names = dict.fromkeys(found, "")
@@ -262,7 +263,10 @@ class Function(Calls):
                     self.unit.include("string.h")
                     self.put(f"memset({room}, 0, sizeof {room});")
                 return
-            self.store(target, self.assigned(self.value(node.value), self.types[target.id]), node)
+            value = self.value(node.value)
+            if self.printing and self.places.once(target.id):
+                self.sizes[target.id] = value.reach
+            self.store(target, self.assigned(value, self.types[target.id]), node)
         elif isinstance(target, ast.Tuple):
             self.unpack(target, node)
 
@@ -363,6 +367,8 @@ class Function(Calls):
         name = self.names[node.target.id]
         plain = self.places.is_counter(node.target.id)
         counter = name if plain else self.local("k")
+        if plain and self.printing:
+            self.sizes[node.target.id] = max(low.reach, high.reach)
         if high.literal is None:
             end = self.local("end")
             self.put(f"const int64_t {end} = {high.text};")

@@ -57,6 +57,36 @@ static inline int64_t whole(int64_t x)
 }
 """,
     ),
+    "int_add": (
+        (),
+        """\
+/* a + b in 64 bits, which wrap. */
+static inline int64_t int_add(int64_t a, int64_t b)
+{
+    return (int64_t)((uint64_t)a + (uint64_t)b);
+}
+""",
+    ),
+    "int_sub": (
+        (),
+        """\
+/* a - b in 64 bits, which wrap. */
+static inline int64_t int_sub(int64_t a, int64_t b)
+{
+    return (int64_t)((uint64_t)a - (uint64_t)b);
+}
+""",
+    ),
+    "int_mul": (
+        (),
+        """\
+/* a * b in 64 bits, which wrap. */
+static inline int64_t int_mul(int64_t a, int64_t b)
+{
+    return (int64_t)((uint64_t)a * (uint64_t)b);
+}
+""",
+    ),
     "range_next": (
         (),
         """\

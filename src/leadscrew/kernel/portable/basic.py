@@ -14,8 +14,8 @@ UPPER_HALF = -134217728
 """Keeps 26 of the 53 significant bits, so that the product of two such numbers is exact."""
 INTEGERS_FROM = 4503599627370496.0
 """2**52: a double of this size or more is an integer."""
-LARGEST_INT = 9007199254740992.0
-"""2**53."""
+LARGEST_INT = 9223371487098961920
+"""2**63 - 2**39, the largest number of 64 bits that a single-precision float holds too."""
 QUOTIENT_LIMIT = 2251799813685248.0
 """2**51."""
 STAGE = 67108864.0
@@ -30,9 +30,12 @@ def fabs(x: float) -> float:
 
 
 def copysign(x: float, y: float) -> float:
-    """Size of ``x`` with the sign bit of ``y``, also of -0.0. Exact."""
+    """Size of ``x`` with the sign bit of ``y``, also of -0.0; a NaN ``y`` counts as positive. Exact.
+
+    Compilers and processors differ in the sign bit of the NaN that 0/0 gives.
+    """
     size = fabs(x)
-    return -size if float_to_bits(y) < 0 else size
+    return -size if (float_to_bits(y) < 0) & (y == y) else size
 
 
 def sign(x: float) -> float:
@@ -102,10 +105,13 @@ def trunc(x: float) -> float:
     return copysign(floor(fabs(x)), x)
 
 
-def to_int(x: float) -> int:
-    """The integer part of ``x``: 0 of NaN, at most 2**53 in size."""
+def to_int(x):
+    """The integer part of ``x``: 0 of NaN, at most 2**63 - 2**39 in size.
+
+    Numbers in (-1, 1) are set to 0 first: ``(double)(int64_t)x`` gives -0.0 of -0.5 with GCC's -fno-trapping-math.
+    """
     held = minimum(maximum(x, -LARGEST_INT), LARGEST_INT)
-    return int(held if x == x else 0.0)
+    return int(held if fabs(x) >= 1.0 else 0)
 
 
 def _upper_half(x: float) -> float:
