@@ -62,10 +62,11 @@ def test_twenty_kinds_of_error_in_a_notebook_leave_loops_as_they_were(tmp_path):
 
 def test_what_a_debugger_notes_on_the_nodes_that_all_syntax_trees_share_is_not_followed():
     """``executing``, with which IPython prints tracebacks, gives every node its parent; ``Load()`` is one for all."""
-    foreign = ast.parse("[" * 90 + "x" + "]" * 90)
-    shared = {n for n in ast.walk(ast.parse("-x + x * x / x < x and not x")) if not n._fields}
-    for node in shared:
-        node.parent, foreign.inner = foreign, node
+    foreign = ast.parse("-x + x * x / x < x and not x")
+    shared = {child for node in ast.walk(foreign) for child in ast.iter_child_nodes(node) if not child._fields}
+    for node in ast.walk(foreign):
+        for child in ast.iter_child_nodes(node):
+            child.parent = node
 
     def early(p, s, command):
         if command > 0.5:
