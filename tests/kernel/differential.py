@@ -21,6 +21,7 @@ from leadscrew.export.single import replay
 from leadscrew.kernel import compiler, native
 from leadscrew.kernel.c99.entry import entry_text
 from leadscrew.kernel.native import Entry
+from leadscrew.kernel.treework import treework
 from tests.kernel import printed
 from tests.kernel.generated import module_of, module_text
 from tests.kernel.printed import rows, same
@@ -61,6 +62,7 @@ def fused(found: Any, steps: list[Any], folder: Path, engines: Sequence[str]) ->
         yield engine, got
 
 
+@treework()
 def differences(
     seed: int, count: int, folder: Path, levels: Sequence[str] = ("-O2",), reals: Sequence[str] = ("double",),
     engines: Sequence[str] = ("llvm", "c", "c unfused"),

@@ -26,6 +26,7 @@ class Places:
         self.starts: dict[int, list[str]] = {}
         self.first: dict[str, int] = {}
         self.loops: dict[str, list[ast.For]] = {}
+        self.counters: dict[str, bool] = {}
         self.walk(node.body, ())
         for name in self.seen:
             if name not in arguments:
@@ -91,9 +92,12 @@ class Places:
 
     def is_counter(self, name: str) -> bool:
         """Whether a local is only ever the counter of loops, set by them alone and used inside them alone."""
-        loops = self.loops.get(name, [])
-        if not loops or self.sets.get(name, 0) != len(loops):
-            return False
-        counts = [sum(isinstance(n, ast.Name) and n.id == name for n in each(loop)) for loop in loops]
-        nested = any(a is not b and any(n is b for n in each(a)) for a in loops for b in loops)
-        return not nested and sum(counts) == len(self.seen.get(name, []))
+        if name not in self.counters:
+            loops = self.loops.get(name, [])
+            inside = [n for loop in loops for n in each(loop)]
+            uses = sum(isinstance(n, ast.Name) and n.id == name for n in inside)
+            ours = {id(loop) for loop in loops}
+            nested = sum(id(n) in ours for n in inside) > len(loops)
+            alone = bool(loops) and self.sets.get(name, 0) == len(loops) and uses == len(self.seen.get(name, []))
+            self.counters[name] = alone and not nested
+        return self.counters[name]
