@@ -29,3 +29,22 @@ def test_the_command_of_the_page_prints_what_is_shown(tmp_path, monkeypatch):
         return [line for line in lines if line]
 
     assert sorted(rows(shown)) == sorted(rows(done.output))
+
+
+def test_the_best_errors_on_the_page_are_those_of_the_kept_trainings():
+    """A network of a smaller error than the page's best, safe or not, would be missing on it."""
+    from leadscrew.studies.sofnn_tangent.performance_runs import trainings
+
+    text = " ".join(PAGE.split())
+    rows = [r for r in trainings() if r.reading == "18"]
+
+    def best(method, safe):
+        return min((r for r in rows if r.method == method and (not safe or -1.5 <= r.slope <= -0.4)), key=lambda r: r.rmse)
+
+    assert f"has an RMSE of {best('lm', False).rmse:.3f} levels and the wrong slope" in text
+    assert best("lm", False).slope > 0.0
+    assert f"the best safe one {best('lm', True).rmse:.3f}" in text
+    free = best("lm_free", True)
+    assert free.rmse == min(r.rmse for r in rows)
+    count = sum(r.rmse < free.rmse + 1e-3 for r in rows if r.method == "lm_free")
+    assert f"{count} of 20 starts end at {free.rmse:.3f} with a safe slope of {free.slope:.2f}" in text
