@@ -39,7 +39,9 @@ def test_the_best_errors_on_the_page_are_those_of_the_kept_trainings():
     rows = [r for r in trainings() if r.reading == "18"]
 
     def best(method, safe):
-        return min((r for r in rows if r.method == method and (not safe or -1.5 <= r.slope <= -0.4)), key=lambda r: r.rmse)
+        return min(
+            (r for r in rows if r.method == method and (not safe or -1.5 <= r.slope <= -0.4)), key=lambda r: r.rmse
+        )
 
     assert f"has an RMSE of {best('lm', False).rmse:.3f} levels and the wrong slope" in text
     assert best("lm", False).slope > 0.0
