@@ -113,11 +113,21 @@ def test_a_loop_that_starts_away_from_a_target_of_zero_is_judged():
         {"controller": proportional(k=0.0)},
         {"controller": proportional(k=250.0), "seconds": 0.5},
         {"plant": first_the_wrong_way, "controller": proportional(k=2.0), "seconds": 2.0},
+        {"plant": first_the_wrong_way, "controller": proportional(k=100.0), "seconds": 0.3},
         {"disturbance": heavy},
         {"reference": nowhere, "disturbance": heavy},
         {"reference": nowhere},
     ],
-    ids=["follows", "rests", "gain too high", "undershoot", "weak under a load", "only a load", "nothing to do"],
+    ids=[
+        "follows",
+        "rests",
+        "gain too high",
+        "undershoot",
+        "undershoot, unstable",
+        "weak under a load",
+        "only a load",
+        "nothing to do",
+    ],
 )
 def test_no_loop_is_called_reversed_that_is_not(parts):
     run = run_of(**parts)

@@ -63,9 +63,9 @@ def _moved_away(run: Run, pair: Pair) -> tuple[Note, float] | None:
     """A note where the axis left its start against the command, and the largest error that it would have at rest.
 
     With ``c`` the command and ``x`` the true output, both less the true output at the start, and ``e = c - x``: the
-    first ``|x|`` above 1 % of ``max |c|`` has the sign of ``-c``; ``|e| >= 0.99 |c|`` in every period; at the end
-    ``|e|`` is at least ``1.1 max |c|`` and 0.9 of its maximum. Not judged: a run under a disturbance, and one whose
-    command stays where the axis is.
+    first ``|x|`` above 1 % of ``max |c|`` has the sign of ``-c``, and ``x`` keeps that sign within 1 %; in every period
+    ``|e| >= 0.99 |c|``; at the end ``|e|`` is at least ``1.1 max |c|`` and 0.9 of its maximum. Not judged: a run under
+    a disturbance, and one whose command stays where the axis is.
     """
     names = [under("command", pair.command), under("actual", pair.other), f"true_error{pair.suffix}"]
     if any(n not in run.signals for n in names):
@@ -81,6 +81,8 @@ def _moved_away(run: Run, pair: Pair) -> tuple[Note, float] | None:
         return None
     left = np.flatnonzero(np.abs(moved) > WRONG_WAY * reach)
     if not len(left) or moved[left[0]] * at_rest[left[0]] >= 0.0:
+        return None
+    if np.any(moved * np.sign(moved[left[0]]) < -WRONG_WAY * reach):  # to and fro: unstable, not reversed
         return None
     if np.any(size < (1.0 - WRONG_WAY) * np.abs(at_rest)):
         return None
