@@ -23,7 +23,7 @@ METRICS: dict[str, Block] = {"rms": rms_error, "iae": iae, "max": max_error}
 """The same three on every side of a comparison."""
 
 
-@plant(LatheServoParams(), LatheServoState(), output=show, unit="mm")
+@plant(LatheServoParams(), LatheServoState(), output=show, unit="mm", sense=-1)
 def lathe_servo_rates(p, s, u):
     """The lathe's chain as a derivative, for integrators."""
     drive = -p.full_duty_speed_mm_s * min(1.0, max(-1.0, u))

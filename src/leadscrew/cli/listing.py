@@ -141,6 +141,8 @@ def _block(name: str, block: Block, as_json: bool) -> None:
     typer.echo(f"{name}: {block.kind}{unit}; takes {', '.join(block.signals) or 'nothing'}\n\n{plain(block.doc)}\n")
     if block.drive:
         typer.echo(f"{drive(block)}\n")
+    if block.kind == "plant" and block.sense < 0:
+        typer.echo("sense: a positive input moves its output towards negative values\n")
     if sheet:
         _settings(sheet, "parameter")
     else:
@@ -164,10 +166,14 @@ def _study(study: Study, as_json: bool) -> None:
     scenarios = [{"name": s.name, "duration_s": s.duration_s, "doc": s.doc} for s in study.scenarios.values()]
     metrics = [{"name": n, "unit": metric_unit(loop, m), "doc": first_line(m.doc)} for n, m in loop.metrics.items()]
     found = settings(study)
+    first = next(iter(study.controllers))
+    all_plants = (study.loop(first, s).blocks["plant"] for s in study.scenarios)
+    plants = {b.name: b for b in all_plants if b is not None}
     if as_json:
         emit(
             {
                 "study": study.name, "title": study.title, "paper": study.paper, "controllers": controllers,
+                "plants": [{"name": b.name, "unit": b.unit, "sense": b.sense} for b in plants.values()],
                 "scenarios": scenarios, "settings": [s.as_dict() for s in found], "metrics": metrics,
             }
         )  # fmt: skip
@@ -178,6 +184,12 @@ def _study(study: Study, as_json: bool) -> None:
     rows = [(s.name, f"{s.duration_s:g} s", s.doc) for s in study.scenarios.values()]
     print_table(["scenario", "runs for", "what is asked"], rows, right=("runs for",))
     typer.echo()
+    reversed_ = [b.name for b in plants.values() if b.sense < 0]
+    if reversed_:
+        typer.echo(
+            f"sense of the drive: a positive input moves {', '.join(reversed_)} towards negative values; a controller "
+            "must give a negative output for a positive error\n"
+        )
     _settings(found, "--set")
     typer.echo()
     print_table(["metric", "unit", "what it is"], [(r["name"], r["unit"], r["doc"]) for r in metrics])

@@ -19,6 +19,8 @@ if TYPE_CHECKING:
     from leadscrew.kernel.run import Run
 
 SCHEMA_VERSION = 1
+MOST_ROWS = 1_000_000
+"""Rows from which the notes are made where no signal is kept."""
 
 
 def simulate(
@@ -90,17 +92,20 @@ def simulate(
 
 
 def executed(experiment: Experiment, keep: bool) -> Run:
-    """The run of an experiment; signals are recorded only to be kept."""
+    """The run of an experiment, with its notes; signals are in it only to be kept."""
     from leadscrew.kernel.loop import DivergenceWarning
+    from leadscrew.kernel.notes import RunWarning, needed
 
     loop = experiment.loop()
     seconds = experiment.seconds()
-    if experiment.record is not None:
-        loop.columns(experiment.record)
+    wanted = loop.columns(experiment.record)
+    every = experiment.every if keep else -(-loop.periods(seconds) // MOST_ROWS)
+    record = list(dict.fromkeys([*(wanted if keep else ()), *loop.columns(needed(loop))]))
     with warnings.catch_warnings(), busy(f"{loop.name}, {seconds:g} s"):
         warnings.simplefilter("ignore", DivergenceWarning)
-        every = experiment.every if keep else 0
-        return loop.run(seconds, experiment.record, every, engine=experiment.engine, run=experiment.run)
+        warnings.simplefilter("ignore", RunWarning)
+        run = loop.run(seconds, record, every, engine=experiment.engine, run=experiment.run)
+    return replace(run, signals={k: run.signals[k] for k in wanted if k in run.signals} if keep else {})
 
 
 def as_object(experiment: Experiment, run: Run, out: Path | None) -> dict[str, Any]:
@@ -120,6 +125,7 @@ def as_object(experiment: Experiment, run: Run, out: Path | None) -> dict[str, A
         "metrics": {r.name: r.value for r in rows},
         "units": {r.name: r.unit for r in rows},
         "diverged": lost,
+        "notes": [n._asdict() for n in run.notes],
         "out": None if out is None else str(out),
     }
 
@@ -131,5 +137,7 @@ def print_run(run: Run, out: Path | None) -> None:
     typer.echo(f"{run.loop.name}: {run.duration:g} s on {run.engine}, {1e3 * run.wall_s:.3g} ms\n")
     rows = [(r.name, number(r.value), r.unit, r.doc) for r in metric_rows(run.loop, run.metrics)]
     print_table(["metric", "value", "unit", ""], rows, right=("value",))
+    for note in run.notes:
+        typer.echo(f"\nnote: {note.message}")
     if out is not None:
         typer.echo(f"\n{out}: {len(run.time)} rows of {', '.join(n for n in run.signals if n != 'time')}")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from leadscrew.escape import c_format
 from leadscrew.export.core import Core, Port
-from leadscrew.export.machine import LICENCE
+from leadscrew.export.machine import LICENCE, number
 from leadscrew.export.templates import render
 
 FLAGS = ("-std=c99", "-Wall", "-Wextra", "-pedantic", "-Werror", "-ffp-contract=off")
@@ -29,7 +29,7 @@ def files(core: Core) -> dict[str, str]:
     example = core.knobs[0].places[0] if core.knobs else "period"
     main = render(
         "c99_main.c.j2", n=core.name, core=core, real=core.real, period=repr(core.period), example=example,
-        unit=shown_unit(core.outputs[0]), way=shown_unit(core.inputs[0]),
+        unit=shown_unit(core.outputs[0]), way=shown_unit(core.inputs[0]), number=lambda x: number(x, core.real),
     )  # fmt: skip
     return {"check.c": check_program(core), "main.c": main}
 
@@ -37,6 +37,10 @@ def files(core: Core) -> dict[str, str]:
 def readme(core: Core) -> str:
     """The part of the README that is about C."""
     n = core.name
+    start = f"""
+`{n}_machine_init` sets `m.bumpless = 1`: when enabled, the controller goes on from an output of zero. With
+`m.bumpless = 0` it starts from its start state, as in the simulation and in `golden.csv`.
+"""
     return f"""\
 ## Calling it from C
 
@@ -48,7 +52,7 @@ def readme(core: Core) -> str:
 {n}_machine_step(&m, enable, 0, {", ".join(i.name for i in core.inputs)});   /* every {core.period!r} s */
 use(m.{core.outputs[0].name});
 ```
-
+{start if core.bumpless else ""}
 `{n}_step()` in `{n}.h` is the controller alone, in its own signs, without limits and faults.
 Numbers are `{core.real}`. No memory is allocated and there are no globals: every instance has its own struct.
 

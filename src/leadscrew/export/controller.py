@@ -96,6 +96,16 @@ def _annotated(signal: str, example: Any) -> list[Entry]:
     return list(entries(example, f"{signal}.")) if is_branch(example) else []
 
 
+def _start(loop: Loop, key: str) -> float:
+    """The default of a signal's number in its NamedTuple; 0 where it has none."""
+    signal, *path = key.split(".")
+    node = loop.signals[signal]
+    for field in path[:-1]:
+        node = getattr(node, field)
+    value = type(node)._field_defaults.get(path[-1], 0.0) if path and is_branch(node) else 0.0
+    return float(value) if math.isfinite(value) else 0.0
+
+
 def ports(loop: Loop, block: Block, source: Source) -> tuple[tuple[Port, ...], tuple[Port, ...]]:
     """Inputs and outputs of a controller in a loop."""
     pair = pairs(source.tree("command"), source.tree("feedback"))[0]
@@ -108,9 +118,11 @@ def ports(loop: Loop, block: Block, source: Source) -> tuple[tuple[Port, ...], t
 
     def port(argument: Any, role: str) -> Port:
         told = said.get(argument.key)
-        unit = told.unit if told and told.unit else _unit(loop, block, role)
+        described = told is not None and bool(told.doc)  # then no unit means a pure number
+        unit = told.unit if told and (told.unit or (role == "other" and described)) else _unit(loop, block, role)
         doc = DOCS.get(role, told.doc if told and told.doc else argument.key)
-        return Port(argument.key, argument.name, role, one_line(unit), doc)
+        start = 0.0 if role in DOCS else _start(loop, argument.key)
+        return Port(argument.key, argument.name, role, one_line(unit), doc, start)
 
     inputs = tuple(port(a, _role(a.key, first)) for a in source.inputs)
     return inputs, tuple(port(o, "output") for o in source.outputs)
@@ -196,8 +208,8 @@ def export_controller(
         ValueRefused: a bad name, drive or number type; a loop that diverges.
         BlockError: a loop without a control period.
     """
-    block = loop.blocks["controller"]
-    assert block is not None
+    block, plant = loop.blocks["controller"], loop.blocks["plant"]
+    assert block is not None and plant is not None
     if real not in REALS:
         raise ValueRefused(f"real = {real!r}: there are {', '.join(REALS)}")
     if loop.continuous or block.continuous:
@@ -221,8 +233,8 @@ def export_controller(
         record = Record(held, replay(source, held))
     core = Core(
         name=name, title=title, doc=block.doc, real=real, period=loop.period, inputs=inputs, outputs=outputs,
-        knobs=knobs, baked=baked, limits=Limits(), sense=block.sense, drive=drive, full_scale=block.full_scale,
-        bumpless=block.align is not None, files=files,
+        knobs=knobs, baked=baked, limits=Limits(), sense=min(block.sense, plant.sense), drive=drive,
+        full_scale=block.full_scale, bumpless=block.align is not None, files=files,
     )  # fmt: skip
     core = replace(core, limits=limits_of(core, record))
     core = replace(core, files={**files, **machine_files(core)})

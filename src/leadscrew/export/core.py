@@ -32,6 +32,8 @@ class Port:
     """``command``, ``command-deriv``, ``command-accel``, ``feedback``, ``output`` or ``other``."""
     unit: str = ""
     doc: str = ""
+    start: float = 0.0
+    """What an input holds while nothing is connected to it."""
 
 
 @dataclass(frozen=True)

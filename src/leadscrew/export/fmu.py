@@ -15,7 +15,7 @@ from leadscrew import escape
 from leadscrew.export.core import Core, Record
 from leadscrew.export.fmu_variables import Variable, variables
 from leadscrew.export.fmu_xml import build_description, model_description
-from leadscrew.export.machine import LICENCE
+from leadscrew.export.machine import LICENCE, number
 from leadscrew.export.templates import render
 from leadscrew.export.verdict import GOLDEN, golden_text
 from leadscrew.kernel.errors import LeadscrewError, ValueRefused
@@ -83,6 +83,7 @@ def sources(core: Core, version: int, shown: tuple[Variable, ...], token: str) -
         "variables": shown,
         "bound": bound,
         "infinite": math.inf,
+        "number": lambda x: number(x, "double"),
     }
     files = dict(core.files)
     for end in ("h", "c"):

@@ -63,7 +63,7 @@ def _all(core: Core) -> Iterator[tuple[str, dict[str, Any]]]:
     command = next((p for p in core.inputs if p.role == "command"), core.inputs[0])
     for p in core.inputs:
         place = (f"in.{p.name}",)
-        yield p.name, {"kind": "real", "causality": "input", "places": place, "start": 0.0, **_said(p)}
+        yield p.name, {"kind": "real", "causality": "input", "places": place, "start": p.start, **_said(p)}
     for name, start, doc in (
         ("enable", True, "run the controller, or hold the outputs at zero; taking it away clears a fault"),
         ("index_enable", False, "as LinuxCNC has it: when it falls, the coordinates jump and the controller sees none"),
@@ -92,8 +92,8 @@ def _all(core: Core) -> Iterator[tuple[str, dict[str, Any]]]:
         rest = {"kind": "real", "places": (f"machine.{name}",), "unit": unit, "doc": doc, "low": 0.0}
         yield f"limits.{name}", {**tuned, **rest, "start": _rounded(getattr(core.limits, name), core.real)}
     if core.bumpless:
-        doc = "when enabled, go on from an output of zero without a jump; false: from the start state"
-        yield "bumpless", {**tuned, "kind": "bool", "places": ("machine.bumpless",), "start": True, "doc": doc}
+        doc = "when enabled, go on from an output of zero without a jump; false: from the start state, as simulated"
+        yield "bumpless", {**tuned, "kind": "bool", "places": ("machine.bumpless",), "start": False, "doc": doc}
     for role in ("command-deriv", "command-accel"):
         for p in [p for p in core.inputs if p.role == role][:1]:
             rest = {"kind": "bool", "places": (f"machine.derive_{p.name}",), "start": False}

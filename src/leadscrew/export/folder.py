@@ -164,7 +164,7 @@ def contents(
         about = c99.readme(core)
     found["README.md"] = render(
         "readme.md.j2", core=core, manifest=manifest, target=TARGETS[target], about=about, licence=BSD,
-        limits=LIMITS[target.rstrip("23")],
+        limits=LIMITS[target.rstrip("23")], fmu=target.startswith("fmu"),
     )  # fmt: skip
     found["manifest.json"] = json.dumps(manifest, indent=1, allow_nan=False) + "\n"
     return found

@@ -31,6 +31,8 @@ class Pin:
     doc: str
     about: str
     """What it is, with its unit."""
+    start: float = 0.0
+    """What an input holds while nothing is connected to it."""
 
 
 @dataclass(frozen=True)
@@ -128,6 +130,7 @@ def _pins(ports: tuple[Port, ...]) -> list[Pin]:
             _unit(p.unit),
             hal_string(p.doc or p.key),
             _about(p.doc or p.key, p.unit),
+            p.start,
         )
         for hal, p in zip(names, ports, strict=True)
     ]

@@ -25,7 +25,7 @@ from leadscrew.fuzzy.engine import Engine, engine, execute
 from leadscrew.fuzzy.system import System
 from leadscrew.fuzzy.tables import Tables
 from leadscrew.fuzzy.text import identifiers
-from leadscrew.kernel.block import Block, make
+from leadscrew.kernel.block import Block, InputRange, make
 from leadscrew.kernel.errors import NameUnknown, ValueRefused
 from leadscrew.kernel.sheet import Doc, nearest
 
@@ -162,7 +162,14 @@ def controller(
 
     more.setdefault("name", step.__name__)
     more.setdefault("doc", system.doc or f"The fuzzy system {system.name}.")
-    return make("controller", step, params(**values, tables=made.numbers), Memory(), prepare=prepare, **more)
+    fields = (f"command.{command}".rstrip("."), f"feedback.{feedback}".rstrip("."))
+    ranges = tuple(
+        InputRange(v.name, sources[v.name].source, f"scale_{made.writer.names[v.name]}", v.low, v.high, *fields)
+        for v in system.inputs
+        if v.enabled
+    )
+    start = params(**values, tables=made.numbers)
+    return make("controller", step, start, Memory(), prepare=prepare, input_ranges=ranges, **more)
 
 
 def from_file(path: str | Path, output: str | None = None, *, command: str = "", feedback: str = "") -> Block:

@@ -28,7 +28,7 @@ from __future__ import annotations
 import inspect
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
-from typing import Any
+from typing import Any, NamedTuple
 
 from leadscrew.escape import checked_line
 from leadscrew.kernel.errors import BlockError
@@ -48,6 +48,21 @@ KINDS: dict[str, tuple[str, ...]] = {
 
 DRIVES = ("torque", "velocity", "voltage", "duty", "position")
 """What a controller's output may command."""
+
+
+class InputRange(NamedTuple):
+    """A range for which a controller's input is made: the universe of a fuzzy system."""
+
+    name: str
+    source: str
+    """``error``, ``change``, ``rate``, ``command``, ``feedback`` or ``integral``: the input is this times a scale."""
+    scale: str
+    """The parameter that holds the scale."""
+    low: float
+    high: float
+    command: str = "command"
+    """The number of the command that counts, as it is recorded."""
+    feedback: str = "feedback"
 
 
 @dataclass(frozen=True)
@@ -83,7 +98,11 @@ class Block:
     full_scale: float = 0.0
     """Controller: size of the output at full drive; 0 where it has none of its own."""
     sense: int = 1
-    """Controller: -1 where a positive output moves the axis towards negative feedback, as some papers have it."""
+    """Controller: -1 where a positive output moves the axis towards negative feedback, as some papers have it.
+
+    Plant: -1 where a positive input moves its output towards negative values."""
+    input_ranges: tuple[InputRange, ...] = ()
+    """Controller: the ranges for which its inputs are made."""
     doc: str = field(default="", repr=False)
 
     def __call__(self, *args: Any, **changes: Any) -> Any:

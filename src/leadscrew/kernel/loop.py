@@ -22,6 +22,7 @@ from leadscrew.kernel.frame import SLOTS, Clock, as_floats, bundle
 from leadscrew.kernel.layout import Layout
 from leadscrew.kernel.linker import LARGEST, METHODS, Plan
 from leadscrew.kernel.module import Module
+from leadscrew.kernel.notes import RunWarning, notes
 from leadscrew.kernel.probe import example_signals
 from leadscrew.kernel.program import Program, programs
 from leadscrew.kernel.sheet import Entry, entries, nearest
@@ -321,9 +322,17 @@ class Loop:
 
         A loop that diverges stops: the run then holds the signals up to there, ``run.diverged`` says at what time and
         in what, its metrics are NaN, and a DivergenceWarning is issued. ``every=0`` records nothing.
+
+        A loop that moves away from its target from the start, and a fuzzy controller whose inputs leave their
+        universes, give a note in ``run.notes`` and a RunWarning, where command, true output, true error and
+        disturbance (for a fuzzy controller the feedback too) are recorded.
         """
         live = self.start(engine=engine, run=run)
-        return live.advance(self.periods(duration), record=record, every=every)
+        done = live.advance(self.periods(duration), record=record, every=every)
+        found = notes(done)
+        for note in found:
+            warnings.warn(f"{self.name}: {note.message}", RunWarning, stacklevel=2)
+        return replace(done, notes=found) if found else done
 
     def start(self, *, engine: str | None = None, run: int = 0) -> Live:
         """A live loop, to be advanced a number of periods at a time."""
@@ -399,4 +408,4 @@ def warn_diverged(text: str) -> None:
     warnings.warn(text, DivergenceWarning, stacklevel=4)
 
 
-__all__ = ["RECORDED", "DivergenceWarning", "Loop", "warn_diverged"]
+__all__ = ["RECORDED", "DivergenceWarning", "Loop", "RunWarning", "warn_diverged"]

@@ -12,6 +12,7 @@ import numpy as np
 from leadscrew.escape import html
 from leadscrew.kernel.errors import DataError, Diverged, NameUnknown
 from leadscrew.kernel.layout import is_branch
+from leadscrew.kernel.notes import Note
 from leadscrew.kernel.plan import LIMITS
 from leadscrew.kernel.sheet import nearest
 from leadscrew.newfolder import appearing
@@ -82,6 +83,8 @@ class Run:
     start: float = 0.0
     run_number: int = 0
     every: int = 1
+    notes: tuple[Note, ...] = ()
+    """What the metrics do not show: a loop that moves away from its target, fuzzy inputs outside of their universes."""
 
     @property
     def time(self) -> np.ndarray:
@@ -123,6 +126,7 @@ class Run:
             if self.diverged is None
             else {**self.diverged.__dict__, "value": repr(self.diverged.value)},
             "metrics": {k: v if np.isfinite(v) else None for k, v in self.metrics.items()},
+            "notes": [n._asdict() for n in self.notes],
         }
 
     def save(self, folder: str | Path) -> Path:
@@ -151,7 +155,8 @@ class Run:
     def _repr_html_(self) -> str:
         rows = "".join(f"<tr><td>{html(k)}</td><td>{v:.6g}</td></tr>" for k, v in self.metrics.items())
         state = f"<p><b>{html(str(self.diverged))}</b></p>" if self.diverged else ""
-        return f"<h4>{html(self.loop.name)}: {self.duration:g} s</h4>{state}<table>{rows}</table>"
+        notes = "".join(f"<p>{html(n.message)}</p>" for n in self.notes)
+        return f"<h4>{html(self.loop.name)}: {self.duration:g} s</h4>{state}<table>{rows}</table>{notes}"
 
     def __repr__(self) -> str:
         metrics = ", ".join(f"{k}={v:.4g}" for k, v in self.metrics.items())

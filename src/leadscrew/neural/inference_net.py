@@ -7,7 +7,7 @@
 at the ends; they sum to one, so the denominator is one, four rules fire at most, and the output is the bilinear
 interpolation of the consequents.
 
-Equation (2) of the paper of the study sofnn_tangent, H. Deng, Y. Liu, C. Wu, Y. Zhang. The paper shows neither the
+Equation (2) of the paper of the study sofnn_tangent, Y. Deng, X. Liu, L. Wu, Q. Zhang. The paper shows neither the
 memberships (its figure 3 is missing) nor the rules: centres and rules here are a reconstruction.
 """
 

@@ -6,7 +6,7 @@ Then every element of the diagonal of ``P`` above ``cap`` is brought down to it 
 the consequents are held between ``-clamp`` and ``clamp``. There is no forgetting: without excitation it makes ``P``
 grow without end. The random walk ``Q`` keeps the network learning, ``cap`` keeps ``P`` where it is.
 
-Training step of the paper of the study sofnn_tangent, H. Deng, Y. Liu, C. Wu, Y. Zhang, made safe; the paper gives no
+Training step of the paper of the study sofnn_tangent, Y. Deng, X. Liu, L. Wu, Q. Zhang, made safe; the paper gives no
 equation of its filter.
 """
 

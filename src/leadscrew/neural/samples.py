@@ -5,7 +5,7 @@ the 13 x 13 whole levels of E and EC: 169 samples of a level D. The network is l
 a Kalman filter without random walk ends at the least-squares solution (but for the prior variance), and more passes
 find nothing. What is left over is the difference between Mamdani's inference and interpolation.
 
-Step (2) of the training in the paper of the study sofnn_tangent, H. Deng, Y. Liu, C. Wu, Y. Zhang, which gives neither
+Step (2) of the training in the paper of the study sofnn_tangent, Y. Deng, X. Liu, L. Wu, Q. Zhang, which gives neither
 the rules nor the samples.
 """
 
