@@ -136,7 +136,7 @@ def _arrays(
     if "time" not in found:
         if period is None:
             raise DataError(f"{table.source}: has no column of times and names no period; say --period SECONDS")
-        arrays["time"] = period * np.arange(table.rows)
+        arrays["time"] = table.evenly(period)
     return arrays
 
 
