@@ -45,8 +45,6 @@ class Job:
     both_ways: bool
     given: dict[str, float]
     say: Progress
-    start: tuple[float, float] | None = None
-    """Position and speed at the first sample where a refinement found them (``open``)."""
     follows: bool = False
     """Whether the simulated windows leave no more than the sensor's noise."""
     dwell: Backlash | None = None

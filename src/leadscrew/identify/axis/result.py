@@ -99,6 +99,8 @@ class AxisFit:
     """What to measure next, in sentences, most useful first."""
     missing: tuple[str, ...] = ()
     """Keys that the log does not tell; ``leadscrew excite`` proposes a move for them."""
+    cascade_left_percent: float | None = None
+    """Of the logged drive, what the cascade leaves; None where none was given, or the log has no command."""
     compared: list[dict[str, Any]] = field(default_factory=list)
     """Models that were tried: name, hold-out error, what speaks against them."""
 
@@ -128,4 +130,5 @@ class AxisFit:
             "top_acceleration": self.top_acceleration, "travel": list(self.travel), "top_drive": self.top_drive,
             "faults": self.faults,
             "notes": self.notes, "advice": self.advice, "missing": list(self.missing), "compared": self.compared,
+            "cascade_left_percent": self.cascade_left_percent,
         }  # fmt: skip
