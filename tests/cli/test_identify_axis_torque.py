@@ -72,7 +72,9 @@ def test_a_motor_constant_and_a_lead_make_the_force_of_an_ampere(log):
 
 
 def test_a_torque_with_a_length_or_a_force_with_an_angle_is_refused_with_the_option_that_decides(log, call, refused):
-    assert "give the lead of the screw, --lead MM (and --gear), or --force-per-drive" in refused("identify", "axis", log)
+    assert "give the lead of the screw, --lead MM (and --gear), or --force-per-drive" in refused(
+        "identify", "axis", log
+    )
     said = refused("identify", "axis", log, "--unit", "drive=N", "--unit", "position=rad")
     assert "the drive is a force in N, the position an angle: give --force-per-drive, N m for 1 N" in said
     assert "warning: the drive is a torque in N m, the position a length" in call("log", log).stdout

@@ -115,8 +115,15 @@ def axis(
         from leadscrew.logs import read_axis_log
 
         read = read_axis_log(
-            log, columns=columns, units=units, start=start, end=end, force_per_drive=force_per_drive, period=period,
-            lead_mm=lead, gear=gear,
+            log,
+            columns=columns,
+            units=units,
+            start=start,
+            end=end,
+            force_per_drive=force_per_drive,
+            period=period,
+            lead_mm=lead,
+            gear=gear,
         )
     with progress() as bar:
         from leadscrew.identify.axis.fit import identify_axis

@@ -79,7 +79,9 @@ def sentences(seen: Seen) -> list[str]:
     command = ", command" if log.command is not None else ""
     velocity = ", velocity" if log.velocity is not None else ""
     step = f"steps of {log.encoder_step:.3g} {unit}" if log.encoder_step else "no steps"
-    rounding = "" if not log.encoder_step or beyond_step(log.noise, log.encoder_step) else " (the rounding to steps alone)"
+    rounding = (
+        "" if not log.encoder_step or beyond_step(log.noise, log.encoder_step) else " (the rounding to steps alone)"
+    )
     own = "" if log.unit.drive in ("N", "N m") else ", its own unit in place of a force"
     return [
         f"{len(log.time)} samples every {log.period:.6g} s ({1.0 / log.period:.6g} Hz), from {log.time[0]:g} to "
