@@ -149,8 +149,8 @@ def screw_force(
         raise ValueRefused(f"{source}: lead = {lead_mm:g} mm: {why}, so no torque is converted; leave --lead out")
     if unit.drive != "N m" and force_per_drive is None:
         raise ValueRefused(
-            f"{source}: lead = {lead_mm:g} mm: the drive is in {'no unit' if unit.drive == '1' else unit.drive}; if it is "
-            "a torque, say --unit 'drive=N m', else give --force-per-drive, the motor's N m for one unit of it"
+            f"{source}: lead = {lead_mm:g} mm: the drive is in {'no unit' if unit.drive == '1' else unit.drive}; if it "
+            "is a torque, say --unit 'drive=N m', else give --force-per-drive, the motor's N m for one unit of it"
         )
     return (1.0 if force_per_drive is None else force_per_drive) * 2.0 * math.pi * gear / lead
 

@@ -102,8 +102,8 @@ def look_at(
     unit = LogUnits(sized("position", taken["position"])[0], sized("drive", taken["drive"])[0])  # type: ignore[arg-type]
     force_per_drive = screw_force(unit, force_per_drive, lead_mm, gear, str(path))
     if lead_mm is not None:
-        said = f"1 {unit.drive} of the drive is {force_per_drive:.6g} N, by a lead of {lead_mm:g} mm and a gear of {gear:g}"
-        findings.append(Finding("unit", "note", f"{said}, without losses"))
+        said = f"1 {unit.drive} of the drive is {force_per_drive:.6g} N, by a lead of {lead_mm:g} mm and a gear of "
+        findings.append(Finding("unit", "note", f"{said}{gear:g}, without losses"))
     elif force_per_drive is None and (said := unlike(unit)):
         findings.append(Finding("unit", "warning", said))
     log, more = checked(

@@ -215,8 +215,8 @@ class _Door:
             pair = length_in(said["position_unit"])[0], drive_in(said["drive_unit"])[0]
             if said["model"] != "linear" and pair == ("m", "N m") and parameters.get("force_per_drive", 1.0) == 1.0:
                 raise DataError(
-                    f"{self.where}: drive_unit = {said['drive_unit']!r} with position_unit = {said['position_unit']!r}: "
-                    "set.force_per_drive must be the N of 1 N m, 2 pi times the gear over the lead in m"
+                    f"{self.where}: drive_unit = {said['drive_unit']!r} with position_unit = {said['position_unit']!r}"
+                    ": set.force_per_drive must be the N of 1 N m, 2 pi times the gear over the lead in m"
                 )
 
     def log(self, table: Mapping[str, Any]) -> Mapping[str, Any]:

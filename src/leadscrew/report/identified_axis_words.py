@@ -157,8 +157,8 @@ def _judged(fit: AxisFit) -> list[str]:
         left = fit.cascade_left_percent
         if left is not None and left > OBEYS:
             said.append(
-                f"the known controller leaves {num(left, 3)} % of the logged drive (allowed are {OBEYS:g} %): it did not "
-                "make this log, so its score says nothing; check kp, kv, ki, over and the unit of the command"
+                f"the known controller leaves {num(left, 3)} % of the logged drive (allowed are {OBEYS:g} %): it did "
+                "not make this log, so its score says nothing; check kp, kv, ki, over and the unit of the command"
             )
     return said
 

@@ -91,7 +91,7 @@ def prepared(
         known.setdefault("force_per_drive", float(log.force_per_drive))
         if known["force_per_drive"] != log.force_per_drive:
             raise ValueRefused(
-                f"given.force_per_drive = {known['force_per_drive']:g}: the log has {log.force_per_drive:g}; expected one"
+                f"given.force_per_drive = {known['force_per_drive']:g}: the log has {log.force_per_drive:g}; give one"
             )
     if "force_per_drive" not in known and (missing := unlike_units(log.unit)):
         raise ValueRefused(f"{log.source}: {missing}")
