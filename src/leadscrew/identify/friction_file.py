@@ -41,8 +41,8 @@ def identify_file(
     """Friction from a CSV or Parquet file, or the folder of ``leadscrew simulate --out``.
 
     ``time``, ``torque`` and ``position`` name columns; their headers' units count (without one: s, N m, rad). The
-    position is divided by ``travel_per_rad`` to be an angle. Unless given it is the one of the controller that a folder's
-    run had, and 1 for a file.
+    position is divided by ``travel_per_rad`` to be an angle: that of the controller of a folder's run, 1 for a file,
+    unless given.
 
     Raises:
         DataError: the file cannot be read, or the log does not tell; names the file.

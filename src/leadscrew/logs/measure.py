@@ -103,5 +103,5 @@ def noise(position: np.ndarray, step: float) -> float:
 
 
 def beyond_step(noise: float, step: float) -> float:
-    """Noise besides the rounding to steps, root mean square; 0 where the rounding is all of it up to its last digits."""
+    """Noise besides the rounding to steps, root mean square; 0 where the rounding is all of it."""
     return float(np.sqrt(noise**2 - step**2 / 12.0)) if noise > (1.0 + 1e-6) * step / np.sqrt(12.0) else 0.0
