@@ -17,9 +17,11 @@ drawing 100,000 lines and arcs, a program 100,000 lines of text; a fuzzy system 
 
 from __future__ import annotations
 
+import codecs
 import json
 import os
 import re
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -32,6 +34,7 @@ LOG, LOG_TEXT, CELLS, COLUMNS, CURVES = 2_000_000_000, 300_000_000, 50_000_000, 
 DEEPEST = 64
 """Tables inside tables, lists inside lists."""
 
+_DECLARED = re.compile(rb"""(?:\xef\xbb\xbf)?<\?xml\s[^>]{0,80}?encoding\s*=\s*["']([\w.:-]{1,40})["']""", re.ASCII)
 _DOTTED = re.compile(
     rf"""(?<![\w-])(?:(?:"[^"\n]*+"|'[^'\n]*+'|[\w-]++)[ \t]*+\.[ \t]*+){{{DEEPEST}}}"""  # keys of a TOML file
 )
@@ -156,6 +159,27 @@ def data(path: Path, most: float, what: str) -> bytes:
         raise DataError(f"{str(path)!r}: is no name of a file ({problem})") from None
     check(path, len(held), most, what)
     return held
+
+
+def decoded(held: bytes) -> tuple[str, str]:
+    """A text, and a sentence where it is Latin-1 by guess alone.
+
+    The encoding is UTF-16 by its byte order mark, else the one that an XML declaration names and that fits, else UTF-8,
+    else Latin-1.
+
+    Raises:
+        UnicodeDecodeError: UTF-16 that is broken.
+    """
+    if held.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
+        return held.decode("utf-16"), ""
+    declared = _DECLARED.match(held)
+    with suppress(LookupError, UnicodeError):
+        if declared and declared[0].decode(declared[1].decode()) == declared[0].decode():
+            return held.decode(declared[1].decode()).removeprefix("\ufeff"), ""
+    try:
+        return held.decode("utf-8-sig"), ""
+    except UnicodeDecodeError:
+        return held.decode("latin-1"), "is not UTF-8: read as Latin-1"
 
 
 def text(path: Path, most: float, what: str) -> str:

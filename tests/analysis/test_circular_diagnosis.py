@@ -196,3 +196,30 @@ def test_a_peak_of_one_point_has_a_size_with_a_sound_uncertainty():
     found = diagnose(CircularTest(5.0, turn("ccw", 1.0), turn("cw", -1.0)))["stick motion Y"]
     assert found.um is not None and abs(found.um) > 0.03
     assert found.uncertainty_um < 0.02
+
+
+@pytest.mark.slow
+def test_the_last_digits_of_a_diagnosis_do_not_change_with_the_threads_of_the_linear_algebra():
+    import scipy.linalg  # noqa: F401  its BLAS has threads of its own
+    from threadpoolctl import threadpool_limits
+
+    test = circle_with(ALL, 100.0, feed_mm_min=FEED)
+    found = []
+    for threads in (1, 4):
+        with threadpool_limits(threads):
+            found.append([(f.um, f.uncertainty_um) for f in diagnose(test, (10.005, 5.0)).faults])
+    assert found[0] == found[1]
+
+
+def test_a_diagnosis_computes_on_one_thread_whatever_the_machine_has(monkeypatch):
+    from threadpoolctl import threadpool_info
+
+    class Seen(Exception):
+        pass
+
+    def searched(*_, **__):
+        raise Seen({p["num_threads"] for p in threadpool_info() if p["user_api"] == "blas"})
+
+    monkeypatch.setattr("leadscrew.analysis.circular.diagnosis.searched", searched)
+    with pytest.raises(Seen, match=r"^\{1\}$"):
+        diagnose(circle_with(only(x=("backlash_plus_um",)), 100.0))

@@ -135,6 +135,24 @@ def test_the_loop_gain_of_a_log_has_its_margins(call, swept):
     assert found["margins"]["sensitivity"] < 1.2 and found["method"] == "joint"
 
 
+def test_times_in_ms_are_not_taken_for_seconds(call, refused, log, swept, tmp_path):
+    for path, out in ((log, tmp_path / "log.csv"), (swept, tmp_path / "swept.csv")):
+        lines = path.read_text().splitlines()
+        rows = [f"{1000.0 * float(t):.3f},{rest}" for t, _, rest in (line.partition(",") for line in lines[1:])]
+        out.write_text("\n".join([lines[0].replace("time", "time [ms]"), *rows]) + "\n")
+    asked = (*ASKED[:4], "--lines", "16.9,33.8", "--from", 1, "--to", 7, "--json")
+    found = strict_json(call("harmonics", tmp_path / "log.csv", *asked).stdout)
+    assert found["amplitude"] == pytest.approx([1e-3 * a for a in SIZES.values()], rel=0.02)
+    found = strict_json(call("frequency-response", tmp_path / "swept.csv", "--segment", 2, "--json").stdout)
+    # Half the sampling rate of 1 kHz, and the known integrator at 3 Hz.
+    assert max(found["frequency_hz"]) == pytest.approx(500.0, rel=0.01)
+    at = min(range(len(found["gain"])), key=lambda k: abs(found["frequency_hz"][k] - 3.0))
+    assert found["gain"][at] == pytest.approx(abs(integrator(found["frequency_hz"][at], False)), rel=0.05)
+    (tmp_path / "odd.csv").write_text("time [mm],error\n" + "\n".join(f"{k},{k % 3}" for k in range(99)))
+    said = refused("harmonics", tmp_path / "odd.csv", "--lines", 0.1)
+    assert "odd.csv, column 'time [mm]': 'mm' is no unit of time" in said
+
+
 @pytest.mark.slow
 def test_response_files_hold_every_frequency(call, swept, tmp_path):
     call("frequency-response", swept, "--plot", tmp_path / "b.svg", "--csv", tmp_path / "b.csv", "--segment", 1)

@@ -1,9 +1,12 @@
 """``leadscrew identify friction``: what it prints and writes, and what it refuses with nothing written."""
 
+import math
+
 import pytest
 
 from leadscrew import controller_file
 from leadscrew.friction.lugre import LuGre
+from leadscrew.identify import friction_file
 from tests.cli.conftest import strict_json
 from tests.identify.friction_records import record, write_csv
 
@@ -83,3 +86,27 @@ def test_the_folder_of_a_run_brings_its_own_unit(call, tmp_path):
     found = strict_json(call("identify", "friction", folder, "--json").stdout)["parameters"]
     assert found["stiffness"]["value"] == pytest.approx(1e5, rel=0.01)
     assert found["static"]["value"] == pytest.approx(9.36, rel=0.01)
+
+
+def test_times_torques_and_angles_are_read_in_the_units_of_their_headers(tmp_path, monkeypatch):
+    taken = {}
+    monkeypatch.setattr(friction_file, "fit_friction", lambda t, u, q, **more: taken.update(t=t, u=u, q=q))
+    rows = "\n".join(f"{k},{100 * k},{90 * k}" for k in range(5))
+    (tmp_path / "log.csv").write_text("time [ms],torque [N mm],angle [deg]\n" + rows)
+    friction_file.identify_file(tmp_path / "log.csv", torque="torque", position="angle")
+    for name, step in (("t", 1e-3), ("u", 0.1), ("q", math.pi / 2)):
+        assert taken[name].tolist() == pytest.approx([step * k for k in range(5)])
+
+
+@pytest.mark.parametrize(
+    ("header", "says"),
+    [
+        ("time,output [N],feedback [rad]", "'output [N]': is in N; expected a torque in N m; for a force use"),
+        ("time,output [A],feedback [rad]", "'output [A]': is in A; expected a torque in N m"),
+        ("time,output [Nm],feedback [mm]", "'feedback [mm]': is in mm; expected an angle, or --travel-per-rad, mm for"),
+        ("time [mm],output,feedback", "'time [mm]': 'mm' is no unit of time"),
+    ],
+)
+def test_a_force_or_a_length_is_not_taken_for_a_torque_or_an_angle(refused, tmp_path, header, says):
+    (tmp_path / "log.csv").write_text(header + "\n" + "\n".join(f"{k / 1000},{k % 7},{k % 5}" for k in range(99)))
+    assert says in refused("identify", "friction", tmp_path / "log.csv")

@@ -118,6 +118,24 @@ def test_signals_are_taken_every_interval_and_the_largest_change_between_any_two
     assert half.rows == 40 and half.peak_change == pytest.approx(80.0 * (1.0 - math.exp(-0.2)))
 
 
+def test_times_in_ms_and_positions_in_m_give_the_same_moves_as_in_s_and_mm(tmp_path):
+    si = read_moves(write(tmp_path / "a.csv", glide(-80.0), SIGNALS)).moves[0]
+    size = {"time": 1e3, "feedback [m]": 1e-3, "command": 1.0, "output [%]": 1e2}
+    names = ("time [ms]", "feedback [m]", "command", "output [%]")
+    told = [{n: r[n.split()[0]] * size.get(n, size.get(n.split()[0], 1.0)) for n in names} for r in glide(-80.0)]
+    (move,) = read_moves(write(tmp_path / "b.csv", told, names)).moves
+    assert move.error == pytest.approx(si.error) and move.change == pytest.approx(si.change)
+    assert move.duty == pytest.approx(si.duty)
+    with pytest.raises(DataError, match=r"column 'feedback \[deg\]': is in deg; expected mm"):
+        read_moves(
+            write(
+                tmp_path / "c.csv",
+                [{"feedback [deg]": 1.0, **r} for r in told],
+                ("feedback [deg]", *names[:1], *names[2:]),
+            )
+        )
+
+
 def test_the_largest_change_may_lie_between_the_samples(tmp_path):
     rest, way = glide(-80.0, seconds=0.5), glide(-80.0)
     late = [{**r, "command": 0.0, "feedback": 0.0, "output": 0.0} for r in rest[:6]]

@@ -2,6 +2,7 @@
 
 import dataclasses
 import math
+from xml.etree import ElementTree
 
 import pytest
 
@@ -10,6 +11,7 @@ from leadscrew.fuzzy.formats import fcl, fis, fll, fml
 from leadscrew.fuzzy.system import And, Input, Is, Or, Output, Rule, RuleBlock, System, Term
 from leadscrew.kernel.errors import DataError
 from tests.fuzzy.formats_systems import shared
+from tests.fuzzy.test_formats_broken import FML
 
 A, B = Term("a", "triangle", (0.0, 0.0, 1.0)), Term("b", "triangle", (0.0, 1.0, 1.0))
 X, Y = Input("x", 0.0, 1.0, (A, B)), Output("y", 0.0, 1.0, (A, B))
@@ -104,6 +106,26 @@ def test_a_latin_1_file_is_read_and_said_to_be_one(tmp_path):
     found = formats.read(path)
     assert found.name == "Größe"
     assert found.notes[0] == "the file is not UTF-8: read as Latin-1"
+
+
+@pytest.mark.parametrize(
+    ("declared", "written"),
+    [
+        ("windows-1251", "cp1251"),
+        ("ISO-8859-15", "iso8859-15"),
+        ("UTF-16", "utf-16"),
+        ("UTF-8", "utf-8-sig"),
+        ("", "utf-8"),
+    ],
+)
+def test_names_of_an_xml_file_are_read_in_the_encoding_that_it_declares(tmp_path, declared, written):
+    name = "Шаг" if "1251" in declared else "Größe €"
+    first = f'<?xml version="1.0" encoding="{declared}"?>\n' if declared else ""
+    (tmp_path / "a.xml").write_bytes((first + FML.replace('name="s"', f'name="{name}"', 1)).encode(written))
+    found = formats.read(tmp_path / "a.xml")
+    # The XML parser of Python is the independent reader.
+    assert found.name == name == ElementTree.parse(tmp_path / "a.xml").getroot().get("name")
+    assert not any("Latin-1" in note for note in found.notes)
 
 
 def test_upper_case_comments_weights_not_or_and_several_blocks_of_fcl():

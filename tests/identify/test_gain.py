@@ -66,3 +66,16 @@ def test_logs_that_cannot_tell_a_gain_are_refused_by_name():
         fit_gain({"run": Record(TIME, DUTY, TIME)}, LAGS, "guess")
     with pytest.raises(ValueRefused, match="above 0 s"):
         fit_gain({"run": Record(TIME, DUTY, TIME)}, (0.0,))
+
+
+def test_the_last_digits_of_a_gain_do_not_change_with_the_threads_of_the_linear_algebra():
+    import scipy.linalg  # noqa: F401  its BLAS has threads of its own
+    from threadpoolctl import threadpool_limits
+
+    u = np.random.default_rng(0).normal(size=11_000)
+    record, found = Record(np.arange(11_000) / 2000.0, u, np.cumsum(u) / 2000.0), []
+    for threads in (1, 4):
+        with threadpool_limits(threads):
+            fit = fit_gain({"run": record}, (), "linear")
+            found.append((fit.gain, fit.nrmse_percent["run"]))
+    assert len(set(found)) == 1

@@ -221,3 +221,11 @@ def test_the_command_writes_a_report_and_a_machine_and_says_what_it_found(tmp_pa
             app, ["identify", "linear", "log.csv", "--input", "u", "--output", "y", *wrong.split()]
         )
         assert refused.exit_code == 2, refused.output
+
+
+def test_files_whose_units_differ_are_refused_not_fitted_as_one(tmp_path):
+    rows = "\n".join(f"{k / 10},{k % 2},{k * 0.1}" for k in range(30))
+    for name, unit in (("a.csv", "mm"), ("b.csv", "um")):
+        (tmp_path / name).write_text(f"time,u,x [{unit}]\n{rows}\n")
+    with pytest.raises(DataError, match=r"b\.csv: 'u' is in 1 and 'x' in um, in the files before it in 1 and mm"):
+        servo_gain([tmp_path / "a.csv", tmp_path / "b.csv"], "u", "x")

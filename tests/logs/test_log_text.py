@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from leadscrew import reading
 from leadscrew.kernel.errors import DataError
-from leadscrew.logs import read_table
+from leadscrew.logs import read_axis_log, read_table
 from leadscrew.logs.text import table_of
 
 BODY = [[0.0, -1.25, 3e-7], [0.001, 2.5, -4e-7], [0.002, 1e6, 5.0], [0.003, 0.1, 7.0]]
@@ -179,3 +179,56 @@ def test_first_rows_of_missing_values_are_rows_and_no_header(none, between, head
     assert list(table.columns) == (head or ["c1", "c2", "c3", "c4"])
     first, second = list(table.columns.values())[:2]
     assert first.tolist() == list(range(25)) and np.isnan(second).tolist() == [True] * 5 + [False] * 20
+
+
+@pytest.mark.parametrize(
+    ("text", "columns"),
+    [
+        ("1,5\n2,5\n", [[1.5, 2.5]]),
+        ("x\n1,5\n2,7\n", [[1.5, 2.7]]),
+        ("0,125\n0,025\n-0,5\n", [[0.125, 0.025, -0.5]]),
+        ("1,5\n2\n2,5\n", [[1.5, 2.0, 2.5]]),
+        ("a,b\n1,5\n2,7\n", [[1.0, 2.0], [5.0, 7.0]]),
+        ("1,-5\n2,7\n", [[1.0, 2.0], [-5.0, 7.0]]),
+        ("1,7\n2,10\n", [[1.0, 2.0], [7.0, 10.0]]),
+        ("".join(f"{k},{k % 7}\n" for k in range(30)), [list(range(30)), [k % 7 for k in range(30)]]),
+    ],
+)
+def test_one_column_of_decimal_commas_is_not_split_into_two_columns_of_whole_numbers(text, columns):
+    assert [c.tolist() for c in table_of(text, "x").columns.values()] == columns
+
+
+@pytest.mark.parametrize(
+    ("text", "says"),
+    [
+        (
+            "1,5\n2,7\n",
+            "'1,5' may be one number with a decimal comma or two whole numbers: write a header line with one",
+        ),
+        (
+            "t,x\n0,001,1,5\n0,002,1,7\n",
+            "the header 't,x' has 2 names, the rows have 4 cells; decimal commas need semi",
+        ),
+    ],
+)
+def test_a_comma_that_may_be_a_decimal_sign_or_a_separator_is_asked_about(text, says):
+    with pytest.raises(DataError, match=says):
+        table_of(text, "x")
+
+
+def test_an_empty_line_among_the_values_of_one_column_is_a_missing_sample_and_shifts_no_later_one():
+    table = table_of("x [mm]\n\n1.5\n2.5\n\n\n4.5\n\n\n", "x")
+    np.testing.assert_array_equal(table.columns["x [mm]"], [1.5, 2.5, math.nan, math.nan, 4.5])
+    np.testing.assert_array_equal(table.file_rows, [3, 4, 5, 6, 7])
+    assert table_of("1.5\r\r\n2.5\r\r\n", "x").rows == 2
+
+
+def test_an_empty_line_between_rows_without_times_is_refused_not_skipped(tmp_path):
+    rows = [f"{math.sin(k / 50):.4f},{math.cos(k / 50):.4f}" for k in range(400)]
+    rows[200:200] = [""]
+    (tmp_path / "a.csv").write_text("drive,pos\n" + "\n".join(rows) + "\n\n\n")
+    with pytest.raises(DataError, match="the line above row 203 is empty, and times are counted by rows: delete"):
+        read_axis_log(tmp_path / "a.csv", period=1e-3)
+    timed = "\n\n".join(f"{k / 1000},{row}" for k, row in enumerate(r for r in rows if r))
+    (tmp_path / "b.csv").write_text("time,drive,pos\n" + timed)
+    assert len(read_axis_log(tmp_path / "b.csv").time) == 400

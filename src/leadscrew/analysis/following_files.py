@@ -95,21 +95,22 @@ def read_logs(
 
 
 def _period(table: Table, period: float | None, time: str | None, unit: str | None) -> float:
-    from leadscrew.logs import units
     from leadscrew.logs.sampling import clock
 
-    if period is not None:
-        return period
     name = _time_of(table, time)
+    if period is not None:
+        table.evenly(period)
+        return period
     if name is None:
         if table.period is None:
             raise DataError(
                 f"{table.source}: has no column of times; say how far apart its rows are, as in --period 0.1, or name "
                 "the column with --time"
             )
+        table.evenly(table.period)
         return table.period
     try:
-        seen = clock(units.time_in(unit or table.units.get(name, "s")) * _column(table, name), table.place)
+        seen = clock(table.seconds(name, unit), table.place)
     except DataError as problem:
         raise DataError(f"{table.source}: {problem}") from None
     wrong = [f for f in seen.findings if f.severity == "refused"]
@@ -128,16 +129,12 @@ def _part(
     table: Table, period: float | None, time: str | None, unit: str | None, start: float | None, end: float | None
 ) -> Table:
     """The rows from ``start`` to ``end``, s."""
-    from leadscrew.logs import units
-
     if start is None and end is None:
         return table
     name, step = _time_of(table, time), period or table.period
     if name is None and step is None:
         raise DataError(f"{table.source}: has no column of times; say how far apart its rows are, as in --period 0.1")
-    at: np.ndarray = float(step or 0.0) * np.arange(table.rows)
-    if name is not None and period is None:
-        at = units.time_in(unit or table.units.get(name, "s")) * _column(table, name)
+    at = table.evenly(step) if step and (name is None or period is not None) else table.seconds(name or "", unit)
     low, high = -np.inf if start is None else start, np.inf if end is None else end
     kept = (at >= low - 1e-9) & (at <= high + 1e-9)
     if not kept.any():

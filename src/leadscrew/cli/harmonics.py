@@ -13,7 +13,7 @@ from leadscrew.kernel.errors import DataError, ValueRefused
 Log = Annotated[
     Path, typer.Argument(metavar="LOG", help="CSV, Parquet, or a folder of simulate --out; evenly sampled.")
 ]
-Time = Annotated[str, typer.Option(metavar="COLUMN", help="Seconds.")]
+Time = Annotated[str, typer.Option(metavar="COLUMN", help="Times; in s unless the header names a unit.")]
 Start = Annotated[float | None, typer.Option("--from", metavar="S", help="Leave out what comes before.")]
 End = Annotated[float | None, typer.Option("--to", metavar="S", help="Leave out what comes after.")]
 Plot = Annotated[Path | None, typer.Option(metavar="FILE", help="Also draw it: .png, .svg or .pdf.")]

@@ -43,7 +43,7 @@ def friction(
         ),
     ],
     out: Annotated[Path | None, typer.Option("--out", "-o", metavar="FILE.toml", help="Controller file.")] = None,
-    time: Annotated[str, typer.Option(metavar="COLUMN", help="Seconds.")] = "time",
+    time: Annotated[str, typer.Option(metavar="COLUMN", help="Times; in s unless the header names a unit.")] = "time",
     torque: Annotated[str, typer.Option(metavar="COLUMN", help="Commanded torque in N m.")] = "output",
     position: Annotated[str, typer.Option(metavar="COLUMN", help="Measured position.")] = "feedback",
     travel_per_rad: Annotated[

@@ -48,6 +48,17 @@ def axis(
         float | None,
         typer.Option(metavar="X", help="Force of one unit of the drive: N/V, N m/A; negative if turned."),
     ] = None,
+    lead: Annotated[
+        float | None,
+        typer.Option(
+            metavar="MM",
+            help="Travel of one screw revolution: a drive in N m becomes a force, without losses; --force-per-drive is "
+            "then the motor's N m for one unit of the drive.",
+        ),
+    ] = None,
+    gear: Annotated[
+        float, typer.Option(metavar="N", help="With --lead: motor revolutions for one of the screw.")
+    ] = 1.0,
     symmetric: Annotated[
         bool | None,
         typer.Option(
@@ -104,7 +115,15 @@ def axis(
         from leadscrew.logs import read_axis_log
 
         read = read_axis_log(
-            log, columns=columns, units=units, start=start, end=end, force_per_drive=force_per_drive, period=period
+            log,
+            columns=columns,
+            units=units,
+            start=start,
+            end=end,
+            force_per_drive=force_per_drive,
+            period=period,
+            lead_mm=lead,
+            gear=gear,
         )
     with progress() as bar:
         from leadscrew.identify.axis.fit import identify_axis

@@ -50,6 +50,12 @@ def log(
         float | None,
         typer.Option(metavar="N", help="N or N m for one unit of the drive; for the plausibility of units."),
     ] = None,
+    lead: Annotated[
+        float | None, typer.Option(metavar="MM", help="Travel of one screw revolution: a torque becomes a force.")
+    ] = None,
+    gear: Annotated[
+        float, typer.Option(metavar="N", help="With --lead: motor revolutions for one of the screw.")
+    ] = 1.0,
     as_json: Json = False,
 ) -> None:
     """Show what a log of an axis holds: columns, units, sampling, and what is wrong with it.
@@ -68,7 +74,7 @@ def log(
         table = read_table(file)
         seen: Seen | None = None
         try:
-            seen = look_at(file, told, units, start, end, force_per_drive, period, table)
+            seen = look_at(file, told, units, start, end, force_per_drive, period, table, lead, gear)
             findings = seen.findings
         except DataError as error:
             # What the file holds is shown all the same: it tells which column to name.

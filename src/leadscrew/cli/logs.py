@@ -15,18 +15,18 @@ if TYPE_CHECKING:
 def part_of(
     log: Path, time: str, names: Sequence[str], start: float | None = None, end: float | None = None
 ) -> tuple[np.ndarray, dict[str, np.ndarray]]:
-    """Times and the named columns of a log, or of a folder of ``simulate --out``, from start to end.
+    """Times in s and the named columns of a log, or of a folder of ``simulate --out``, from start to end.
 
     Raises:
         DataError: the file cannot be read, or nothing lies between ``start`` and ``end``.
-        ValueRefused: the column of times asked for as a signal.
+        ValueRefused: the column of times asked for as a signal, or a unit in its header that is not one of time.
     """
-    from leadscrew.identify.log import read_columns
+    from leadscrew.logs import read_table
 
     if time in names:
         raise ValueRefused(f"{time!r} is the column of times: expected another one as a signal")
-    read = read_columns(log, [time, *dict.fromkeys(names)])
-    t = read[time]
+    table = read_table(log)
+    t, read = table.seconds(time), {name: table.numbers(name) for name in names}
     kept = (t >= (t[0] if start is None else start)) & (t <= (t[-1] if end is None else end))
     if not kept.any():
         raise DataError(

@@ -37,8 +37,9 @@ def predict(
     """
     from leadscrew.grey.predictors import KINDS
     from leadscrew.grey.score import BESIDE, compare
-    from leadscrew.identify.log import read_columns
     from leadscrew.kernel.sheet import nearest
+    from leadscrew.logs import read_table
+    from leadscrew.logs.roles import candidates
 
     if model not in KINDS:
         raise NameUnknown(f"--model {model!r}: there is no such predictor{nearest(model, list(KINDS))}")
@@ -48,7 +49,10 @@ def predict(
 
         suffix_of(csv, (".csv",), "--csv")
     column = column or ("feedback" if log.is_dir() else "force")
-    y = read_columns(log, [column])[column]
+    table = read_table(log)
+    y = table.numbers(column)
+    if not candidates(list(table.columns), "time"):
+        table.evenly(1.0)
     rows = len(y)
     final = rows if final is None else final
     if not 1 <= first < final <= rows:

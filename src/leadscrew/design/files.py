@@ -149,7 +149,21 @@ def _in_range(path: Path, output: np.ndarray) -> np.ndarray:
 
 
 def _columns(path: Path) -> list[np.ndarray]:
-    from leadscrew.identify.log import read_columns
+    """The signals in s, mm and shares of the full duty; without a unit in its header a column is in that."""
+    from leadscrew.logs import read_table
+    from leadscrew.logs.role_units import named_unit, sized
 
-    found = read_columns(path, SIGNALS)
-    return [found[name] for name in SIGNALS]
+    table = read_table(path)
+    found = [table.seconds("time")]
+    for wanted, role, kind, own in (
+        ("command", "position", "m", 1e-3), ("feedback", "position", "m", 1e-3), ("output", "drive", "1", 1.0)
+    ):  # fmt: skip
+        name = table.name(wanted)
+        unit = named_unit(table, name, role)
+        seen, size = sized(role, unit) if unit else (kind, own)
+        if seen != kind:
+            raise DataError(
+                f"{path}, column {name!r}: is in {unit}; expected {'mm' if kind == 'm' else 'a duty, 1 or %'}"
+            )
+        found.append(table.numbers(name) * (size / own))
+    return found

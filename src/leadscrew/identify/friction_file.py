@@ -7,12 +7,17 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from leadscrew.identify.friction import FrictionFit, fit_friction
-from leadscrew.identify.log import read_columns
 from leadscrew.kernel import door
 from leadscrew.kernel.errors import DataError, ValueRefused
+from leadscrew.logs import read_table
+from leadscrew.logs.role_units import named_unit
+from leadscrew.logs.units import drive_in, length_in, plain
 
 if TYPE_CHECKING:
+    import numpy as np
+
     from leadscrew.controller_file import ControllerFile
+    from leadscrew.logs.table import Table
 
 MADE_BY = "leadscrew identify friction"
 NAMES = {
@@ -35,24 +40,50 @@ def identify_file(
 ) -> FrictionFit:
     """Friction from a CSV or Parquet file, or the folder of ``leadscrew simulate --out``.
 
-    ``time``, ``torque`` and ``position`` name columns; the position is divided by ``travel_per_rad`` to be an angle.
-    Unless given it is the one of the controller that a folder's run had, and 1 for a file.
+    ``time``, ``torque`` and ``position`` name columns; their headers' units count (without one: s, N m, rad). The
+    position is divided by ``travel_per_rad`` to be an angle: that of the controller of a folder's run, 1 for a file,
+    unless given.
 
     Raises:
         DataError: the file cannot be read, or the log does not tell; names the file.
-        ValueRefused: a travel or an inertia that is not positive.
+        ValueRefused: a travel or an inertia that is not positive, a column that is no torque, or a length without a
+            travel.
     """
     where = Path(path)
     travel = door.positive("travel_per_rad", travel_of(where) if travel_per_rad is None else travel_per_rad, "per rad")
     if len({time, torque, position}) < 3:
         raise ValueRefused(f"time = {time!r}, torque = {torque!r}, position = {position!r}: expected three columns")
-    columns = read_columns(where, [time, torque, position])
+    table = read_table(where)
+    seconds, drive = table.seconds(time), _torque(table, torque)
+    angle = _angle(table, position, known=travel_per_rad is not None or where.is_dir()) / travel
     try:
-        return fit_friction(
-            columns[time], columns[torque], columns[position] / travel, inertia=inertia, delay=delay, progress=progress
-        )
+        return fit_friction(seconds, drive, angle, inertia=inertia, delay=delay, progress=progress)
     except DataError as error:
         raise DataError(f"{path}: {error}") from None
+
+
+def _torque(table: Table, column: str) -> np.ndarray:
+    """N m."""
+    name = table.name(column)
+    unit = named_unit(table, name, "drive")
+    kept, size = drive_in(unit or "N m")
+    if kept == "N m" or plain(unit) == "1":
+        return size * table.numbers(name)
+    other = "; for a force use leadscrew identify axis" if kept == "N" else ""
+    raise ValueRefused(f"{table.source}, column {name!r}: is in {unit}; expected a torque in N m{other}")
+
+
+def _angle(table: Table, column: str, known: bool) -> np.ndarray:
+    """rad, or the column's own unit of length where its travel per radian is ``known``."""
+    name = table.name(column)
+    unit = named_unit(table, name, "position")
+    kind, size = length_in(unit or "rad")
+    if kind == "m" and not known:
+        raise ValueRefused(
+            f"{table.source}, column {name!r}: is in {unit}; expected an angle, or --travel-per-rad, "
+            f"{unit} for each radian"
+        )
+    return table.numbers(name) * (size if kind == "rad" else 1.0)
 
 
 def travel_of(folder: Path) -> float:

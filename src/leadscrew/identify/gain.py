@@ -17,6 +17,7 @@ from typing import Literal, NamedTuple
 import numpy as np
 
 from leadscrew.kernel.errors import DataError, ValueRefused
+from leadscrew.kernel.one_thread import one_thread
 
 Hold = Literal["linear", "previous", "current"]
 """Between two samples the input runs in a straight line, keeps the earlier value, or has the later one already."""
@@ -64,6 +65,7 @@ def unit_travel(record: Record, lags_s: Sequence[float], hold: Hold = "linear") 
     return signal.lsim(([1.0], denominator), u, record.time_s, interp=hold == "linear")[1]
 
 
+@one_thread()
 def fit_gain(records: Mapping[str, Record], lags_s: Sequence[float], hold: Hold = "linear") -> GainFit:
     """The gain that fits all records best in position.
 

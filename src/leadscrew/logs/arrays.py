@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
-from leadscrew.kernel.errors import DataError
+from leadscrew.kernel import door
+from leadscrew.kernel.errors import DataError, ValueRefused
 from leadscrew.logs import plausible, signals
 from leadscrew.logs.finding import Finding, refuse
 from leadscrew.logs.jumps import check_jumps
@@ -92,10 +94,13 @@ def axis_log(
     drive_unit: str = "N",
     source: str = "arrays",
     force_per_drive: float | None = None,
+    lead_mm: float | None = None,
+    gear: float = 1.0,
 ) -> AxisLog:
     """The log of one axis from arrays of equal length; they are copied, never changed.
 
     ``time`` in seconds. ``position_unit`` (m, mm, um, in, rad, deg, rev) holds for command and velocity too.
+    ``lead_mm`` and ``gear`` make a force of a torque: :func:`screw_force`.
 
     Raises:
         DataError: what is wrong with the log, with its place: unequal lengths, too few samples, values that are no
@@ -114,10 +119,52 @@ def axis_log(
         raise DataError(
             f"{source}: expected arrays of one length, not {', '.join(f'{r} {n}' for r, n in lengths.items())}"
         )
-    log, findings = checked(arrays, LogUnits(kind, kept), source, force_per_drive)  # type: ignore[arg-type]
+    unit = LogUnits(kind, kept)  # type: ignore[arg-type]
+    log, findings = checked(arrays, unit, source, screw_force(unit, force_per_drive, lead_mm, gear, source))
     refuse(source, findings)
     assert log is not None
     return log
+
+
+def screw_force(
+    unit: LogUnits, force_per_drive: float | None, lead_mm: float | None, gear: float, source: str
+) -> float | None:
+    """N for one unit of the drive, of a motor that turns a screw without losses: ``2 pi gear / lead`` for 1 N m.
+
+    ``lead_mm``: travel of one revolution of the screw; None: ``force_per_drive`` is N for one unit as it is. With it,
+    ``force_per_drive`` is the motor's N m for one unit, 1 of a drive in N m. ``gear``: revolutions of the motor for one
+    of the screw.
+
+    Raises:
+        ValueRefused: a lead or gear that is not above 0, a gear without a lead, or a lead where nothing is to convert.
+    """
+    gear = door.positive("gear", gear, "")
+    if lead_mm is None:
+        if gear != 1.0:
+            raise ValueRefused(f"gear = {gear:g}: needs the lead of the screw too, --lead in mm")
+        return force_per_drive
+    lead = 1e-3 * door.positive("lead", lead_mm, "mm")
+    if unit.position != "m" or unit.drive == "N":
+        why = "the drive is a force" if unit.drive == "N" else "the position is an angle"
+        raise ValueRefused(f"{source}: lead = {lead_mm:g} mm: {why}, so no torque is converted; leave --lead out")
+    if unit.drive != "N m" and force_per_drive is None:
+        raise ValueRefused(
+            f"{source}: lead = {lead_mm:g} mm: the drive is in {'no unit' if unit.drive == '1' else unit.drive}; if it "
+            "is a torque, say --unit 'drive=N m', else give --force-per-drive, the motor's N m for one unit of it"
+        )
+    return (1.0 if force_per_drive is None else force_per_drive) * 2.0 * math.pi * gear / lead
+
+
+def unlike(unit: LogUnits) -> str:
+    """What is missing where a torque moves a length, or a force an angle; empty where the two go together."""
+    if unit == ("m", "N m"):
+        return (
+            "the drive is a torque in N m, the position a length: give the lead of the screw, --lead MM (and --gear), "
+            "or --force-per-drive, N for 1 N m"
+        )
+    if unit == ("rad", "N"):
+        return "the drive is a force in N, the position an angle: give --force-per-drive, N m for 1 N"
+    return ""
 
 
 def checked(

@@ -11,7 +11,7 @@ import numpy as np
 
 from leadscrew.kernel import door
 from leadscrew.kernel.errors import DataError, ValueRefused
-from leadscrew.logs.arrays import AxisLog, LogUnits, checked
+from leadscrew.logs.arrays import AxisLog, LogUnits, checked, screw_force, unlike
 from leadscrew.logs.finding import Finding, refuse
 from leadscrew.logs.read import read_table
 from leadscrew.logs.role_units import sized, taken_units
@@ -41,6 +41,8 @@ def read_axis_log(
     end: float | None = None,
     force_per_drive: float | None = None,
     period: float | None = None,
+    lead_mm: float | None = None,
+    gear: float = 1.0,
 ) -> AxisLog:
     """The log of one axis from a file, in SI units and evenly sampled.
 
@@ -48,14 +50,16 @@ def read_axis_log(
     guessed from their names. ``units`` gives the unit by role where the file names none or a wrong one; ``5e-8 m`` is
     that of counts. ``start`` and ``end`` are times of the log in seconds, ``period`` the seconds from row to row of a
     file without times. ``force_per_drive`` is N (N m) for one unit of the drive: it is kept with the log and used to
-    check plausibility; the drive itself stays in its own unit.
+    check plausibility; the drive itself stays in its own unit. ``lead_mm`` (travel of one revolution of the screw) and
+    ``gear`` (revolutions of the motor for one of the screw) make a force of a torque without losses:
+    :func:`leadscrew.logs.arrays.screw_force`.
 
     Raises:
         DataError: the file cannot be read, a column cannot be told, or the log is refused: the first reason.
         ValueRefused: a unit that is not known, or one that does not fit its role.
         NameUnknown: no such column.
     """
-    seen = look_at(path, columns, units, start, end, force_per_drive, period)
+    seen = look_at(path, columns, units, start, end, force_per_drive, period, lead_mm=lead_mm, gear=gear)
     refuse(str(path), seen.findings)
     assert seen.log is not None
     return seen.log
@@ -70,6 +74,8 @@ def look_at(
     force_per_drive: float | None = None,
     period: float | None = None,
     table: Table | None = None,
+    lead_mm: float | None = None,
+    gear: float = 1.0,
 ) -> Seen:
     """As :func:`read_axis_log`, with everything that was found; what is refused is among the findings.
 
@@ -94,6 +100,12 @@ def look_at(
     source = str(path) if kept.all() else f"{path} from {arrays['time'][rows[0]]:g} to {arrays['time'][rows[-1]]:g} s"
     lost = [int(np.searchsorted(rows, k)) for k in table.lost if k in rows]
     unit = LogUnits(sized("position", taken["position"])[0], sized("drive", taken["drive"])[0])  # type: ignore[arg-type]
+    force_per_drive = screw_force(unit, force_per_drive, lead_mm, gear, str(path))
+    if lead_mm is not None:
+        said = f"1 {unit.drive} of the drive is {force_per_drive:.6g} N, by a lead of {lead_mm:g} mm and a gear of "
+        findings.append(Finding("unit", "note", f"{said}{gear:g}, without losses"))
+    elif force_per_drive is None and (said := unlike(unit)):
+        findings.append(Finding("unit", "warning", said))
     log, more = checked(
         {role: values[kept] for role, values in arrays.items()}, unit, source, force_per_drive,
         lambda k: table.place(int(rows[k])), lost,
@@ -136,7 +148,7 @@ def _arrays(
     if "time" not in found:
         if period is None:
             raise DataError(f"{table.source}: has no column of times and names no period; say --period SECONDS")
-        arrays["time"] = period * np.arange(table.rows)
+        arrays["time"] = table.evenly(period)
     return arrays
 
 

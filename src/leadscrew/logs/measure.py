@@ -100,3 +100,8 @@ def noise(position: np.ndarray, step: float) -> float:
     third = np.diff(position, 3)
     sigma = 1.4826 * float(np.median(np.abs(third))) / np.sqrt(20.0) if len(third) else 0.0
     return float(max(sigma, step / np.sqrt(12.0)))
+
+
+def beyond_step(noise: float, step: float) -> float:
+    """Noise besides the rounding to steps, root mean square; 0 where the rounding is all of it."""
+    return float(np.sqrt(noise**2 - step**2 / 12.0)) if noise > (1.0 + 1e-6) * step / np.sqrt(12.0) else 0.0

@@ -32,10 +32,9 @@ def taken_units(
             if role in told:
                 raise ValueRefused(f"--unit {role}={told[role]}: the log has no {role}")
             continue
-        named = table.units.get(found[role], "")
         if role in told:
             taken[role] = told[role]
-        elif named and (_fits(role, named) or not by_its_tail(found[role]) or _counted(role, named)):
+        elif named := named_unit(table, found[role], role):
             taken[role] = named
         else:
             taken[role] = _assumed(role, taken, found[role], findings)
@@ -57,6 +56,12 @@ def _assumed(role: str, taken: Mapping[str, str], column: str, findings: list[Fi
         Finding("unit", "note", f"column {column!r} names no unit: taken as {said}; if not, say --unit {role}=UNIT")
     )
     return SI[role]
+
+
+def named_unit(table: Table, column: str, role: str) -> str:
+    """The unit that a header names; empty for none, and where the end of a name (``tau_m``) is no unit of the role."""
+    named = table.units.get(column, "")
+    return named if named and (_fits(role, named) or not by_its_tail(column) or _counted(role, named)) else ""
 
 
 def _counted(role: str, unit: str) -> bool:

@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from leadscrew.logs.axis_file import Seen
-from leadscrew.logs.measure import encoder_step
+from leadscrew.logs.measure import beyond_step, encoder_step
 from leadscrew.logs.table import Table
 
 
@@ -79,11 +79,14 @@ def sentences(seen: Seen) -> list[str]:
     command = ", command" if log.command is not None else ""
     velocity = ", velocity" if log.velocity is not None else ""
     step = f"steps of {log.encoder_step:.3g} {unit}" if log.encoder_step else "no steps"
+    rounding = (
+        "" if not log.encoder_step or beyond_step(log.noise, log.encoder_step) else " (the rounding to steps alone)"
+    )
     own = "" if log.unit.drive in ("N", "N m") else ", its own unit in place of a force"
     return [
         f"{len(log.time)} samples every {log.period:.6g} s ({1.0 / log.period:.6g} Hz), from {log.time[0]:g} to "
         f"{log.time[-1]:g} s; position{command}{velocity} in {unit}, drive in {_drive(log.unit.drive)}{own}",
-        f"position: {step}, noise {log.noise:.2g} {unit} rms, travel {np.ptp(log.position):.4g} {unit}",
+        f"position: {step}, noise {log.noise:.2g} {unit} rms{rounding}, travel {np.ptp(log.position):.4g} {unit}",
     ]
 
 
@@ -109,6 +112,7 @@ def as_dict(table: Table, seen: Seen | None) -> dict[str, Any]:
             "samples": len(log.time), "period_s": log.period, "start_s": float(log.time[0]),
             "end_s": float(log.time[-1]), "position_unit": log.unit.position, "drive_unit": log.unit.drive,
             "encoder_step": log.encoder_step, "noise": log.noise,
+            "noise_beyond_step": beyond_step(log.noise, log.encoder_step),
             "travel": [float(log.position.min()), float(log.position.max())],
         },
         "findings": [] if seen is None else [f._asdict() for f in seen.findings],

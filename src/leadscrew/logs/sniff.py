@@ -6,6 +6,7 @@ import csv
 import re
 from collections import Counter
 from collections.abc import Iterator, Sequence
+from itertools import pairwise
 from typing import NamedTuple
 
 from leadscrew.logs.cells import is_number, number
@@ -21,6 +22,9 @@ WHITE = " "
 
 _DELIMITERS = (",", ";", "\t", "|", WHITE)
 _LOOKED_AT = 200
+_PAIR = re.compile(r"([-+]?\d+),(\d+)")
+_COUNTED = 20
+"""Rows from which on a first number that rises evenly counts them."""
 _GLUED = re.compile(r"\S+(?:[ \t]*[\[(][^\])]{0,60}[\])])?")
 
 
@@ -57,17 +61,37 @@ def rows(lines: Sequence[str], delimiter: str) -> Iterator[list[str]]:
     return csv.reader(lines, delimiter=delimiter, strict=True, skipinitialspace=True)
 
 
-def sniff(lines: Sequence[Line], comments: Sequence[str]) -> Form | None:
+def sniff(lines: Sequence[Line], comments: Sequence[str], delimiters: Sequence[str] = _DELIMITERS) -> Form | None:
     """The form of a table; None where the lines are no table with at least one column of numbers."""
     looked = [text for _, text in lines[:_LOOKED_AT]]
     tail = [text for _, text in lines[-_LOOKED_AT // 4 :]]
     best: tuple[float, str, str, int] | None = None
-    for delimiter in _DELIMITERS:
+    for delimiter in delimiters:
         for decimal in (".", ",") if delimiter != "," else (".",):
             score, width = _score(looked + tail, delimiter, decimal)
             if score > 0.0 and (best is None or score > best[0] * (1.0 + 1e-9)):
                 best = score, delimiter, decimal, width
     return None if best is None else _form(looked, comments, *best[1:])
+
+
+def decimal_commas(lines: Sequence[str], form: Form) -> tuple[str, bool] | None:
+    """Whether rows such as ``1,5`` are numbers with a decimal comma: one of them, and whether that is certain.
+
+    None where they are two columns: a header with two names, a line of another form, a second number that no decimal
+    places look like (``2,10`` beside ``2,7``), or a first one that counts the rows.
+    """
+    pairs = [_PAIR.fullmatch(line.strip()) for line in lines[form.first :]]
+    if form.header or not all(pairs):
+        return None
+    whole, places = [p[1] for p in pairs if p], [p[2] for p in pairs if p]
+    sure = next((k for k, (w, d) in enumerate(zip(whole, places, strict=True)) if d[0] == "0" != d or w == "-0"), None)
+    if sure is not None:
+        return lines[form.first + sure].strip(), True
+    if len({*map(len, places)}) > 1 and any(d.endswith("0") for d in places):
+        return None
+    if len(set(places)) > 1 and len(pairs) >= _COUNTED and len({int(b) - int(a) for a, b in pairwise(whole)}) == 1:
+        return None
+    return lines[form.first].strip(), len(set(places)) == 1 or bool(form.above)
 
 
 def _score(lines: Sequence[str], delimiter: str, decimal: str) -> tuple[float, int]:

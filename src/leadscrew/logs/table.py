@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from leadscrew.kernel.errors import DataError, NameUnknown
+from leadscrew.kernel.errors import DataError, NameUnknown, ValueRefused
 from leadscrew.kernel.sheet import nearest
 
 SMALLEST, LARGEST = 1e-100, 1e100
@@ -36,6 +36,8 @@ class Table:
     """Row of the file, as an editor counts, of every row of the table; None where the file has no lines."""
     lost: tuple[int, ...] = ()
     """Rows of the table before which the recorder lost samples, by its own word."""
+    blank: tuple[int, ...] = ()
+    """Rows of the table before which the file has empty lines."""
     guess: dict[str, str] = field(default_factory=dict)
     """Column by role (time, drive, ...), where the form of the file settles it."""
 
@@ -89,3 +91,34 @@ class Table:
                 f"{self.source}, column {name!r}: its largest value is {largest:g}: is it the right column?"
             )
         return values
+
+    def evenly(self, period: float) -> np.ndarray:
+        """Times in s of rows that are ``period`` seconds apart.
+
+        Raises:
+            DataError: an empty line between two rows: a missing sample would shift all later times.
+        """
+        if self.blank:
+            raise DataError(
+                f"{self.source}: the line above {self.place(self.blank[0])} is empty, and times are counted by rows: "
+                "delete the line if no sample is missing there, or take the times from a column"
+            )
+        return period * np.arange(self.rows)
+
+    def seconds(self, wanted: str, unit: str | None = None, kept: np.ndarray | None = None) -> np.ndarray:
+        """A column of times in seconds: its header's unit counts, ``unit`` replaces it, without one it is in seconds.
+
+        Raises:
+            NameUnknown: there is no such column, or there are several.
+            ValueRefused: the unit is not one of time.
+            DataError: as :meth:`numbers`.
+        """
+        from leadscrew.logs.role_units import named_unit
+        from leadscrew.logs.units import time_in
+
+        name = self.name(wanted)
+        try:
+            size = time_in(unit or named_unit(self, name, "time") or "s")
+        except ValueRefused as error:
+            raise ValueRefused(f"{self.source}, column {name!r}: {error}") from None
+        return size * self.numbers(name, kept)

@@ -6,7 +6,6 @@ period that one of them names is used. Without a header the columns are called c
 
 from __future__ import annotations
 
-import codecs
 import csv
 import re
 from collections.abc import Sequence
@@ -19,7 +18,7 @@ from leadscrew.kernel.errors import DataError
 from leadscrew.logs import cells as cell
 from leadscrew.logs.hal import recorder
 from leadscrew.logs.header import named
-from leadscrew.logs.sniff import COMMENTS, WHITE, Form, Line, rows, sniff
+from leadscrew.logs.sniff import COMMENTS, WHITE, Form, Line, decimal_commas, rows, sniff
 from leadscrew.logs.table import Table
 from leadscrew.reading import LOG_TEXT, check_cells, check_log
 
@@ -48,7 +47,7 @@ def table_of(text: str, source: str, notes: Sequence[str] = ()) -> Table:
     Raises:
         DataError: as :func:`read_text`.
     """
-    comments, lines = _lines(text)
+    comments, lines, blank = _lines(text)
     said = list(notes)
     if not lines:
         raise DataError(f"{source}: is empty; expected a table of numbers")
@@ -56,7 +55,11 @@ def table_of(text: str, source: str, notes: Sequence[str] = ()) -> Table:
     form = sniff(lines, comments)
     if form is None:
         raise DataError(f"{source}: is no table of numbers: no delimiter makes rows of equal length of its lines")
+    if form.delimiter == ",":
+        form = _with_commas(form, lines, comments, source, said)
     body = lines[form.first :]
+    if form.cells == 1:
+        body, blank = _with_blanks(body, blank, source), []
     reading.check_columns(source, form.cells)
     check_cells(source, len(body), form.cells)
     body = _whole(body, form, source, said)
@@ -71,38 +74,71 @@ def table_of(text: str, source: str, notes: Sequence[str] = ()) -> Table:
     return Table(
         columns, kept, texts, source, said, period=period, form=form_name or _form_name(form), file_rows=file_rows,
         lost=tuple(int(np.searchsorted(file_rows, row)) for row in lost_after),
+        blank=tuple(sorted({int(np.searchsorted(file_rows, rows.start)) for rows in blank} - {0, len(file_rows)})),
     )  # fmt: skip
 
 
 def _decoded(path: Path) -> tuple[str, list[str]]:
-    try:
-        with path.open("rb") as file:
-            head = file.read(4096)
-        if head.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
-            return path.read_bytes().decode("utf-16"), []
-        if b"\0" in head:
-            raise DataError(f"{path}: is no text (byte {head.index(0)} is 0) and no kind of file that is known by it")
-    except OSError as problem:
-        raise DataError(f"{path}: cannot be read ({problem.strerror or problem})") from None
-    except UnicodeDecodeError as problem:
-        raise DataError(f"{path}: is not UTF-16 text (byte {problem.start})") from None
     held = reading.data(path, LOG_TEXT, "logs of text")
     try:
-        return held.decode("utf-8-sig"), []
-    except UnicodeDecodeError:
-        return held.decode("latin-1"), ["is not UTF-8: read as Latin-1"]
+        text, note = reading.decoded(held)
+    except UnicodeDecodeError as problem:
+        raise DataError(f"{path}: is not UTF-16 text (byte {problem.start})") from None
+    if (at := text.find("\0", 0, 4096)) >= 0:
+        raise DataError(f"{path}: is no text (byte {at} is 0) and no kind of file that is known by it")
+    return text, [note] if note else []
 
 
-def _lines(text: str) -> tuple[list[str], list[Line]]:
-    """Comments without their sign, and the lines that are neither comments nor empty."""
-    comments, lines = [], []
-    for row, line in enumerate(text.replace("\r\n", "\n").replace("\r", "\n").split("\n"), start=1):
+def _with_commas(form: Form, lines: Sequence[Line], comments: Sequence[str], source: str, said: list[str]) -> Form:
+    """The form of lines with commas, which may be decimal signs.
+
+    Raises:
+        DataError: a comma may be either, or is both.
+    """
+    if form.above and 2 * (form.above[-1].count(",") + 1) == form.cells > 2:
+        raise DataError(
+            f"{source}: the header {form.above[-1][:60]!r} has {form.cells // 2} names, the rows have {form.cells} "
+            "cells; decimal commas need semicolons or tabs between the cells"
+        )
+    if form.cells != 2 or (shown := decimal_commas([text for _, text in lines], form)) is None:
+        return form
+    line, sure = shown
+    if not sure:
+        raise DataError(
+            f"{source}: {line!r} may be one number with a decimal comma or two whole numbers: write a header line with "
+            "one name, or with two names and a comma between them"
+        )
+    said.append(f"{line!r} is read as one number with a decimal comma; two columns need a header with two names")
+    one = sniff(lines, comments, (";",))
+    assert one is not None
+    return one
+
+
+def _with_blanks(body: Sequence[Line], blank: Sequence[range], source: str) -> list[Line]:
+    """The rows of one column, with the empty lines between them, each a missing value."""
+    between = [rows for rows in blank if rows.start > body[0][0]]
+    check_cells(source, len(body) + sum(map(len, between)), 1)
+    return sorted([*body, *((row, "nan") for rows in between for row in rows)])
+
+
+def _lines(text: str) -> tuple[list[str], list[Line], list[range]]:
+    """Comments without their sign, the lines that are neither comments nor empty, and the empty ones between others."""
+    comments, lines, blank = [], [], []
+    last = 0
+    for row, line in enumerate(
+        text.replace("\r\r\n", "\n").replace("\r\n", "\n").replace("\r", "\n").split("\n"), start=1
+    ):
         stripped = line.strip()
+        if not stripped:
+            continue
         if stripped.startswith(COMMENTS):
             comments.append(stripped.lstrip("#%/").strip())
-        elif stripped:
+        else:
             lines.append((row, line))
-    return comments, lines
+        if row > last + 1:
+            blank.append(range(last + 1, row))
+        last = row
+    return comments, lines, blank
 
 
 def _period(comment: str) -> float | None:
@@ -191,4 +227,6 @@ def _shown(text: str) -> str:
 
 def _form_name(form: Form) -> str:
     between = {",": "commas", ";": "semicolons", "\t": "tabs", "|": "bars", WHITE: "white space"}[form.delimiter]
+    if form.cells == 1:
+        between = "one column"
     return f"text, {between}" + (", decimal comma" if form.decimal == "," else "")

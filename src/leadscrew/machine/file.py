@@ -43,6 +43,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -167,6 +168,8 @@ def validated(table: Mapping[str, Any], where: Path) -> MachineFile:
     door.known(limits, (*LIMITS, "travel"), "limits.")
     bounds = {key: door.number(limits, key, 1e-12, 1e12, prefix="limits.") for key in LIMITS}
     travel = door.pair(limits, "travel", "limits.")
+    parameters = dict(flat(door.table(table, "set")))
+    door.force(said, parameters)
     cascade = door.table(table, "cascade")
     door.known(cascade, CASCADE, "cascade.")
     intervals = dict(flat(door.table(table, "interval")))
@@ -174,7 +177,7 @@ def validated(table: Mapping[str, Any], where: Path) -> MachineFile:
         name=said["name"], model=said["model"], position_unit=said["position_unit"], drive_unit=said["drive_unit"],
         period=numbers["period"], delay_s=numbers["delay_s"], resolution=numbers["resolution"],
         noise=numbers["noise"], drive=bounds["drive"], speed=bounds["speed"], acceleration=bounds["acceleration"],
-        travel=travel, parameters=dict(flat(door.table(table, "set"))),
+        travel=travel, parameters=parameters,
         intervals={key: door.pair(intervals, key, "interval.") for key in intervals},
         cascade={key: door.number(cascade, key, 0.0, 1e12, prefix="cascade.") for key in cascade},
         identified=door.table(table, "identified"), log=door.log(table), folder=where.resolve().parent,
@@ -203,6 +206,18 @@ class _Door:
         if not isinstance(value, Mapping):
             raise DataError(f"{self.where}: {key} = {value!r}: expected a table")
         return value
+
+    def force(self, said: Mapping[str, str], parameters: Mapping[str, Any]) -> None:
+        """A torque that moves a length needs its force: 1 N for 1 N m would be a lead of 6.28 m."""
+        from leadscrew.logs.units import drive_in, length_in
+
+        with suppress(ValueRefused):
+            pair = length_in(said["position_unit"])[0], drive_in(said["drive_unit"])[0]
+            if said["model"] != "linear" and pair == ("m", "N m") and parameters.get("force_per_drive", 1.0) == 1.0:
+                raise DataError(
+                    f"{self.where}: drive_unit = {said['drive_unit']!r} with position_unit = {said['position_unit']!r}"
+                    ": set.force_per_drive must be the N of 1 N m, 2 pi times the gear over the lead in m"
+                )
 
     def log(self, table: Mapping[str, Any]) -> Mapping[str, Any]:
         log = self.table(table, "log")

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from leadscrew.kernel.errors import ValueRefused
+from leadscrew.logs.measure import beyond_step
 from leadscrew.machine.file import MachineFile
 
 if TYPE_CHECKING:
@@ -49,6 +50,9 @@ def from_axis(
         told[judged.what.replace(", ", "_").replace(" ", "_").replace("-", "_")] = {
             f"rms_{unit}": scale * judged.rms, "nrmse_percent": judged.nrmse_percent, "rms_force": judged.rms_force,
         }  # fmt: skip
+    beyond = beyond_step(fit.noise, fit.encoder_step)
+    if fit.encoder_step and not beyond:
+        told["noise"] = f"none beyond the rounding to steps of {scale * fit.encoder_step:.6g} {unit}"
     told["fixed"] = {key: p.note or p.how for key, p in fit.parameters.items() if p.how != "fitted"}
     gains = {k: v for k, v in (cascade or {}).items() if k in ("kp", "kv", "ki")}
     gains |= {k: abs(gains[k]) / scale for k in ("kv", "ki") if k in gains}
@@ -56,15 +60,10 @@ def from_axis(
         name=name, model=MODELS[fit.model], position_unit=unit, drive_unit=fit.drive_unit, period=fit.period,
         drive=fit.top_drive, speed=scale * fit.top_speed, acceleration=scale * fit.top_acceleration,
         travel=(scale * low, scale * high), parameters=values, delay_s=delay,
-        resolution=scale * fit.encoder_step, noise=scale * _noise(fit),
+        resolution=scale * fit.encoder_step, noise=scale * beyond,
         intervals={k: (p.low, p.high) for k, p in fit.parameters.items() if p.how == "fitted" and p.low <= p.high},
         cascade=gains, identified=told, log=log or {},
     )  # fmt: skip
-
-
-def _noise(fit: AxisFit) -> float:
-    """Noise beyond what rounding to counts makes."""
-    return max(fit.noise**2 - fit.encoder_step**2 / 12.0, 0.0) ** 0.5
 
 
 def from_linear(told: dict[str, Any], name: str, limits: dict[str, Any], source: str) -> MachineFile:

@@ -88,7 +88,7 @@ def _clock(table: Table, stamps: str | None, notes: list[str]) -> tuple[np.ndarr
                 f"{table.source}: has neither a column of times nor a sampling period; add a column 'time (s)', or a "
                 "comment such as '# Sampling period is 0.001 s'"
             )
-        return np.arange(table.rows) * table.period, table.period
+        return table.evenly(table.period), table.period
     return _stamped(table, stamps, notes)
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+from leadscrew.logs.measure import beyond_step
 from leadscrew.report.identified_axis_words import (
     digits_of,
     force_unit,
@@ -83,13 +84,19 @@ def record_rows(fit: AxisFit) -> list[list[str]]:
     return [
         ["period", scaled(fit.period, "s")],
         ["step of the encoder", length(fit, fit.encoder_step) if fit.encoder_step > 0.0 else "not seen"],
-        ["noise of the position, rms", length(fit, fit.noise)],
+        ["noise of the position, rms", length(fit, fit.noise) + _rounding(fit)],
         ["travel", f"{length(fit, fit.travel[0])} to {length(fit, fit.travel[1])}"],
         ["largest speed", scaled(fit.top_speed, f"{unit}/s")],
         ["largest acceleration", f"{num(fit.top_acceleration)} {unit}/s^2"],
         ["largest drive", f"{num(fit.top_drive, 4)} {fit.drive_unit}"],
         ["condition number of the fit", num(fit.condition, 3)],
     ]
+
+
+def _rounding(fit: AxisFit) -> str:
+    """Where the noise comes from, if only from the encoder."""
+    beyond = beyond_step(fit.noise, fit.encoder_step) or not fit.encoder_step
+    return "" if beyond else ", none beyond the rounding to the encoder's steps"
 
 
 def summary(fit: AxisFit) -> dict[str, Any]:

@@ -6,6 +6,7 @@ import math
 from collections.abc import Iterable
 from typing import TYPE_CHECKING
 
+from leadscrew.identify.axis.cascade import OBEYS
 from leadscrew.report.tables import NOTHING
 
 if TYPE_CHECKING:
@@ -153,6 +154,12 @@ def _judged(fit: AxisFit) -> list[str]:
             f"under the known controller ({closed.start_s:g} to {closed.end_s:g} s) the simulated position is off by "
             f"{length(fit, closed.rms)} rms; a controller hides faults of a model, so judge the model by the line above"
         )
+        left = fit.cascade_left_percent
+        if left is not None and left > OBEYS:
+            said.append(
+                f"the known controller leaves {num(left, 3)} % of the logged drive (allowed are {OBEYS:g} %): it did "
+                "not make this log, so its score says nothing; check kp, kv, ki, over and the unit of the command"
+            )
     return said
 
 

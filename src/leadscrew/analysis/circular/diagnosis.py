@@ -35,6 +35,7 @@ from leadscrew.analysis.circular.paths import CircularTest, Floats
 from leadscrew.analysis.circular.search import Data, searched
 from leadscrew.analysis.circular.shapes import KINDS, Member, columns_of
 from leadscrew.kernel.errors import DataError
+from leadscrew.kernel.one_thread import one_thread
 
 ON_REVERSAL = 0.75
 """Spacings of the points from a reversal within which a point takes no part."""
@@ -88,6 +89,7 @@ class Diagnosis:
         }
 
 
+@one_thread()
 def diagnose(
     test: CircularTest, leads_mm: tuple[float | None, float | None] = (None, None), floor_um: float = 0.02
 ) -> Diagnosis:

@@ -10,6 +10,7 @@ from leadscrew.analysis.circular.paths import SOURCES, CircularTest
 from leadscrew.analysis.circular.quantities import EDITIONS, Named, Quantities, named, quantities
 from leadscrew.analysis.circular.reversals import Reversal, reversals
 from leadscrew.kernel.errors import ValueRefused
+from leadscrew.kernel.one_thread import one_thread
 
 
 @dataclass(frozen=True)
@@ -56,6 +57,7 @@ class Evaluation:
         }
 
 
+@one_thread()
 def evaluate(
     test: CircularTest, edition: str = "2022", leads_mm: tuple[float | None, float | None] = (None, None)
 ) -> Evaluation:

@@ -50,9 +50,10 @@ def load(path: str | Path) -> tuple[str, str]:
         DataError: it cannot be read, or holds binary data.
     """
     data = reading.data(Path(path), LARGEST, "fuzzy systems")
-    if b"\0" in data:
-        raise DataError(f"{path}:1:1: expected text, found binary data")
     try:
-        return data.decode("utf-8-sig"), ""
-    except UnicodeDecodeError:
-        return data.decode("latin-1"), "the file is not UTF-8: read as Latin-1"
+        text, note = reading.decoded(data)
+    except UnicodeDecodeError as problem:
+        raise DataError(f"{path}:1:1: expected UTF-16 text, by its first two bytes (byte {problem.start})") from None
+    if "\0" in text:
+        raise DataError(f"{path}:1:1: expected text, found binary data")
+    return text, note and f"the file {note}"

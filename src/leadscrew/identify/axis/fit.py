@@ -34,7 +34,7 @@ from leadscrew.identify.axis.refining import refined
 from leadscrew.identify.axis.rest import at_rest, bends, play
 from leadscrew.identify.axis.result import AxisFit, Judged, Parameter
 from leadscrew.identify.axis.stage import Line
-from leadscrew.identify.axis.stretches import all_judged
+from leadscrew.identify.axis.stretches import all_judged, cascade_left
 from leadscrew.identify.axis.terms import Terms
 from leadscrew.identify.axis.worth import faults
 from leadscrew.kernel.one_thread import one_thread
@@ -118,7 +118,7 @@ def identify_axis(
     job.say("simulation", 0.95)
     stretches = all_judged(job, table, cascade)
     form = "lugre" if rest.lugre else "stribeck" if line.fit.terms.stribeck_speed is not None else "coulomb"
-    return _result(job, table, estimates, candidates, stretches, method, form)
+    return _result(job, table, estimates, candidates, stretches, method, form, cascade_left(job, cascade))
 
 
 def _linear(
@@ -163,7 +163,7 @@ def _force_known(job: Job) -> bool:
 
 def _result(
     job: Job, table: dict[str, Parameter], estimates: Estimates, candidates: list[Candidate],
-    stretches: list[Judged], method: str, form: str,
+    stretches: list[Judged], method: str, form: str, cascade_left_percent: float | None,
 ) -> AxisFit:  # fmt: skip
     chosen, record, log = candidates[0], job.record, job.log
     training = next((j for j in stretches if j.what == "training"), None)
@@ -182,7 +182,8 @@ def _result(
         encoder_step=record.count, noise=record.noise, top_drive=float(np.max(np.abs(log.drive))),
         faults=worthless, notes=notes,
         advice=words.advice(table, size["top_speed"], log.unit.position, job.both_ways, left),
-        missing=words.missing(table), compared=[c.as_dict() for c in candidates], **size,
+        missing=words.missing(table), compared=[c.as_dict() for c in candidates],
+        cascade_left_percent=cascade_left_percent, **size,
     )  # fmt: skip
 
 

@@ -15,6 +15,7 @@ from leadscrew.identify.axis.record import Record, record_of
 from leadscrew.identify.axis.stage import SHARE, two_ways
 from leadscrew.kernel import door
 from leadscrew.kernel.errors import ValueRefused
+from leadscrew.logs.arrays import unlike as unlike_units
 
 if TYPE_CHECKING:
     from leadscrew.identify.axis.backlash import Backlash
@@ -44,8 +45,6 @@ class Job:
     both_ways: bool
     given: dict[str, float]
     say: Progress
-    start: tuple[float, float] | None = None
-    """Position and speed at the first sample where a refinement found them (``open``)."""
     follows: bool = False
     """Whether the simulated windows leave no more than the sensor's noise."""
     dwell: Backlash | None = None
@@ -90,6 +89,12 @@ def prepared(
     known = checked(given)
     if log.force_per_drive is not None:
         known.setdefault("force_per_drive", float(log.force_per_drive))
+        if known["force_per_drive"] != log.force_per_drive:
+            raise ValueRefused(
+                f"given.force_per_drive = {known['force_per_drive']:g}: the log has {log.force_per_drive:g}; give one"
+            )
+    if "force_per_drive" not in known and (missing := unlike_units(log.unit)):
+        raise ValueRefused(f"{log.source}: {missing}")
     if delay is not None:
         known["delay_s"] = door.number("delay", delay, "s")
         if known["delay_s"] < 0.0:

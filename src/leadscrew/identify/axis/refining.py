@@ -90,11 +90,9 @@ def refined(
         job.notes.append(f"The refinement ended on a bound of {', '.join(bound)}: the best value may lie beyond.")
     if not found.converged:
         job.notes.append(f"The refinement stopped before it had settled ({found.message}).")
-    if way.mode == "open":
-        job.start = found.start_state
     length = "" if way.window_s is None else f" of {way.window_s:g} s"
     what = {"windows": f"{found.windows} windows{length} with free starts",
-            "open": f"the whole training part in open loop, its start speed fitted too ({found.start_state[1]:.3g}/s)",
+            "open": "the whole training part in open loop, its start speed free",
             "closed": "the training part in the known closed loop"}[way.mode]  # fmt: skip
     return better, _capital(f"{method}, then output-error refinement by simulation over {what} ({found.runs} runs)")
 

@@ -11,6 +11,8 @@ from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
+from leadscrew.logs.measure import beyond_step
+
 How = Literal["fitted", "fixed", "given"]
 """Fitted to the log; fixed at a value that says nothing (the log cannot tell); given by the caller."""
 
@@ -83,7 +85,7 @@ class AxisFit:
     """What was done, in one sentence: filter corner, refinement, windows."""
     encoder_step: float
     noise: float
-    """Of the measured position, root mean square, m or rad."""
+    """Of the measured position, root mean square, m or rad; the rounding to steps is part of it."""
     top_speed: float
     top_acceleration: float
     travel: tuple[float, float]
@@ -97,6 +99,8 @@ class AxisFit:
     """What to measure next, in sentences, most useful first."""
     missing: tuple[str, ...] = ()
     """Keys that the log does not tell; ``leadscrew excite`` proposes a move for them."""
+    cascade_left_percent: float | None = None
+    """Of the logged drive, what the cascade leaves; None where none was given, or the log has no command."""
     compared: list[dict[str, Any]] = field(default_factory=list)
     """Models that were tried: name, hold-out error, what speaks against them."""
 
@@ -121,8 +125,10 @@ class AxisFit:
                 for j in self.judged
             ],
             "condition": self.condition, "correlation": self.correlation, "method": self.method,
-            "encoder_step": self.encoder_step, "noise": self.noise, "top_speed": self.top_speed,
+            "encoder_step": self.encoder_step, "noise": self.noise,
+            "noise_beyond_step": beyond_step(self.noise, self.encoder_step), "top_speed": self.top_speed,
             "top_acceleration": self.top_acceleration, "travel": list(self.travel), "top_drive": self.top_drive,
             "faults": self.faults,
             "notes": self.notes, "advice": self.advice, "missing": list(self.missing), "compared": self.compared,
+            "cascade_left_percent": self.cascade_left_percent,
         }  # fmt: skip

@@ -38,6 +38,13 @@ def all_judged(job: Job, table: Mapping[str, Parameter], cascade: Cascade | None
     return found
 
 
+def cascade_left(job: Job, cascade: Cascade | None) -> float | None:
+    """Percent of the logged drive that the cascade leaves, from the logged command and position; None without one."""
+    from leadscrew.identify.axis.cascade import reproduced
+
+    return None if cascade is None or job.log.command is None else reproduced(job.log, cascade).percent
+
+
 def simulated(
     job: Job, values: Mapping[str, float], late: float, parts: list[tuple[str, int, int]], cascade: Cascade | None
 ) -> list[np.ndarray | None]:
@@ -53,8 +60,6 @@ def simulated(
     if cascade is None:
         point, loop = plant_values(values, job.log.force_per_drive), plant.played(job.log)
         starts = by_model(job.log, loop, point, [first for _, first, _ in parts], late)
-        if job.start:
-            starts = [job.start if first == 0 else s for s, (_, first, _) in zip(starts, parts, strict=True)]
         begins = plant.Starts(
             np.array([p[1] for p in parts]), *(np.array(column) for column in zip(*starts, strict=True))
         )

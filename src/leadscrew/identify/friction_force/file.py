@@ -15,7 +15,7 @@ from leadscrew.kernel.errors import DataError, ValueRefused
 from leadscrew.logs import Table, read_table
 from leadscrew.logs.finding import Finding
 from leadscrew.logs.header import bare
-from leadscrew.logs.units import drive_in, length_in, speed_in, time_in
+from leadscrew.logs.units import drive_in, length_in, speed_in
 
 NAMES = {
     "time": ("time", "t", "timestamp", "elapsed"),
@@ -70,7 +70,7 @@ def read_force_record(
     said = {role: units.get(role) or table.units.get(name, "") for role, name in names.items() if name is not None}
     unit = _unit(table.source, said, names)
     read = {role: table.numbers(name) for role, name in names.items() if name is not None}
-    t = period * np.arange(table.rows) if period is not None else read["time"] * time_in(said["time"] or "s")
+    t = table.evenly(period) if period is not None else table.seconds(names["time"] or "", units.get("time"))
     kept = np.ones(len(t), dtype=bool)
     if start is not None:
         kept &= t >= start

@@ -17,7 +17,7 @@ import numpy as np
 from leadscrew.escape import shell
 from leadscrew.kernel.errors import DataError, ValueRefused
 from leadscrew.logs.finding import Finding, refuse
-from leadscrew.logs.measure import encoder_step, noise
+from leadscrew.logs.measure import beyond_step, encoder_step, noise
 from leadscrew.logs.sampling import Place
 from leadscrew.logs.units import drive_in, length_in
 
@@ -67,7 +67,7 @@ def odd(
 def measured(output: np.ndarray) -> tuple[float, float]:
     """The grid that an output lies on, 0 for none, and its noise besides, both in its unit."""
     step = encoder_step(output)
-    return step, float(np.sqrt(max(noise(output, step) ** 2 - step**2 / 12.0, 0.0)))
+    return step, beyond_step(noise(output, step), step)
 
 
 def length(unit: str) -> tuple[str, float]:

@@ -130,7 +130,7 @@ def read_linear(
         )
     given = {table.name(header): unit for header, unit in (units or {}).items()}
     named = {**table.units, **given}
-    seconds = _seconds(table, clock, named.get(clock, "s"), period)
+    seconds = _seconds(table, clock, given.get(clock), period)
     kept = ~(seconds < (-np.inf if start is None else start)) & ~(seconds > (np.inf if end is None else end))
     if kept.sum() < 2:
         raise ValueRefused(
@@ -152,16 +152,15 @@ def read_linear(
     return record
 
 
-def _seconds(table: Any, clock: str, unit: str, period: float | None) -> np.ndarray:
+def _seconds(table: Any, clock: str, unit: str | None, period: float | None) -> np.ndarray:
     from leadscrew.kernel.door import positive
-    from leadscrew.logs.units import time_in
 
     if clock:
-        return table.numbers(clock, np.zeros(table.rows, dtype=bool)) * time_in(unit)
+        return table.seconds(clock, unit, np.zeros(table.rows, dtype=bool))
     step = table.period if period is None else positive("period", period, "s")
     if step is None:
         raise DataError(f"{table.source}: has no column of times and names no period; say --period SECONDS")
-    return np.asarray(step * np.arange(table.rows))
+    return np.asarray(table.evenly(step))
 
 
 def _copied(source: str, name: str, values: Any) -> np.ndarray:

@@ -107,7 +107,13 @@ def read_moves(
     records: dict[str, Record] = {}
     named = ("1", "1")
     for path in paths:
-        columns, named, table = _columns(path, (time, input, position), split, units or {})
+        columns, those, table = _columns(path, (time, input, position), split, units or {})
+        if records and those != named:
+            raise DataError(
+                f"{path}: {input!r} is in {those[0]} and {position!r} in {those[1]}, in the files before it in "
+                f"{named[0]} and {named[1]}; expected the same units in every file (--unit COLUMN=UNIT)"
+            )
+        named = those
         t, u, x, parts = columns
         names = Names(time, input, position, "", *named, "")
         told = doubles(table.notes, [table.name(n) for n in (time, input, position)])
@@ -155,27 +161,19 @@ def _columns(
     path: str | Path, names: tuple[str, str, str], split: str | None, units: Mapping[str, str]
 ) -> tuple[list[np.ndarray], tuple[str, str], Table]:
     from leadscrew.logs.read import read_table
-    from leadscrew.logs.units import time_in
 
     table = read_table(path)
     given = {table.name(header): unit for header, unit in units.items()}
-    found: list[np.ndarray] = []
-    said: list[str] = []
-    for k, header in enumerate((*names, *([] if split is None else [split]))):
+    clocked = table.name(names[0])
+    found, said = [table.seconds(clocked, given.get(clocked))], []
+    for header in (*names[1:], *([] if split is None else [split])):
         name = table.name(header)
-        if name not in table.columns:
-            raise DataError(f"{path}, column {name!r}: holds words, not numbers")
-        values = np.array(table.columns[name], dtype=float)
-        bad = np.flatnonzero(~np.isfinite(values))
-        if len(bad):
-            raise DataError(f"{path}, {table.place(int(bad[0]))}, column {name!r}: holds no finite number")
-        unit = given.get(name, table.units.get(name, ""))
-        factor, rest = (time_in(unit) if unit else 1.0, "s") if k == 0 else _factor(unit)
-        found.append(values * (factor if k < 3 else 1.0))
+        factor, rest = _factor(given.get(name, table.units.get(name, "")))
+        found.append(table.numbers(name) * (factor if header != split else 1.0))
         said.append(rest)
     if split is None:
         found.append(np.zeros(len(found[0])))
-    return found, (said[1], said[2]), table
+    return found, (said[0], said[1]), table
 
 
 def _factor(unit: str) -> tuple[float, str]:
