@@ -133,7 +133,7 @@ def _block(name: str, block: Block, as_json: bool) -> None:
             {
                 "name": name, "kind": block.kind, "unit": block.unit, "signals": block.signals, "doc": block.doc,
                 "drive": block.drive, "full_scale": block.full_scale, "sense": block.sense,
-                "bumpless": block.align is not None, "parameters": [s.as_dict() for s in sheet],
+                "bumpless": block.align is not None, "stiff": block.stiff, "parameters": [s.as_dict() for s in sheet],
             }
         )  # fmt: skip
         return
@@ -141,6 +141,8 @@ def _block(name: str, block: Block, as_json: bool) -> None:
     typer.echo(f"{name}: {block.kind}{unit}; takes {', '.join(block.signals) or 'nothing'}\n\n{plain(block.doc)}\n")
     if block.drive:
         typer.echo(f"{drive(block)}\n")
+    if block.stiff:
+        typer.echo("stiff: integrated by rodas unless a loop names a method\n")
     if sheet:
         _settings(sheet, "parameter")
     else:

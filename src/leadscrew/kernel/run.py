@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import json
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -77,6 +79,16 @@ class Run:
     start: float = 0.0
     run_number: int = 0
     every: int = 1
+    explained: Callable[[list[str]], dict[str, str]] | None = field(default=None, repr=False, compare=False)
+    """Takes names of metrics and gives the reason why each has no value."""
+
+    @cached_property
+    def metrics_without_value(self) -> dict[str, str]:
+        """Why a metric is NaN, by its name."""
+        lost = [k for k, v in self.metrics.items() if np.isnan(v)]
+        if self.diverged is not None:
+            return dict.fromkeys(lost, f"the run diverged at t = {self.diverged.time:g} s")
+        return self.explained(lost) if lost and self.explained is not None else {}
 
     @property
     def time(self) -> np.ndarray:
@@ -118,6 +130,7 @@ class Run:
             if self.diverged is None
             else {**self.diverged.__dict__, "value": repr(self.diverged.value)},
             "metrics": {k: v if np.isfinite(v) else None for k, v in self.metrics.items()},
+            "metrics_without_value": self.metrics_without_value,
         }
 
     def save(self, folder: str | Path) -> Path:
@@ -144,7 +157,8 @@ class Run:
         return run_figure(self)
 
     def _repr_html_(self) -> str:
-        rows = "".join(f"<tr><td>{html(k)}</td><td>{v:.6g}</td></tr>" for k, v in self.metrics.items())
+        cells = {k: html(self.metrics_without_value.get(k, f"{v:.6g}")) for k, v in self.metrics.items()}
+        rows = "".join(f"<tr><td>{html(k)}</td><td>{v}</td></tr>" for k, v in cells.items())
         state = f"<p><b>{html(str(self.diverged))}</b></p>" if self.diverged else ""
         return f"<h4>{html(self.loop.name)}: {self.duration:g} s</h4>{state}<table>{rows}</table>"
 
@@ -163,9 +177,9 @@ def strict(value: Any) -> Any:
 
 
 MANIFEST: dict[str, Any] = {
-    "parameters": dict, "origin": dict | None, "metrics": dict | None, "blocks": dict, "record": list, "run": int,
-    "every": int, "engine": str, "duration_s": float | int, "start_s": float | int, "seed": int | None, "bound":
-    float | int | str | None,
+    "parameters": dict, "origin": dict | None, "metrics": dict | None, "metrics_without_value": dict | None,
+    "blocks": dict, "record": list, "run": int, "every": int, "engine": str, "duration_s": float | int,
+    "start_s": float | int, "seed": int | None, "bound": float | int | str | None,
 }  # fmt: skip
 """What stands in the manifest of a run, where something does."""
 
