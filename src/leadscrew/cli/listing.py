@@ -159,18 +159,20 @@ def drive(block: Block) -> str:
 
 
 def _study(study: Study, as_json: bool) -> None:
-    from leadscrew.report.tables import first_line, metric_unit, settings
+    from leadscrew.report.tables import first_line, integrated, metric_unit, settings
 
     loop = study.loop(next(iter(study.controllers)), next(iter(study.scenarios)))
     controllers = [{"name": n, "doc": first_line(b.doc)} for n, b in study.controllers.items()]
     scenarios = [{"name": s.name, "duration_s": s.duration_s, "doc": s.doc} for s in study.scenarios.values()]
     metrics = [{"name": n, "unit": metric_unit(loop, m), "doc": first_line(m.doc)} for n, m in loop.metrics.items()]
     found = settings(study)
+    integration = {name: study.loop(next(iter(study.controllers)), name).integration for name in study.scenarios}
     if as_json:
         emit(
             {
                 "study": study.name, "title": study.title, "paper": study.paper, "controllers": controllers,
-                "scenarios": scenarios, "settings": [s.as_dict() for s in found], "metrics": metrics,
+                "scenarios": scenarios, "integration": integration, "settings": [s.as_dict() for s in found],
+                "metrics": metrics,
             }
         )  # fmt: skip
         return
@@ -179,6 +181,8 @@ def _study(study: Study, as_json: bool) -> None:
     typer.echo()
     rows = [(s.name, f"{s.duration_s:g} s", s.doc) for s in study.scenarios.values()]
     print_table(["scenario", "runs for", "what is asked"], rows, right=("runs for",))
+    if by := ", ".join(dict.fromkeys(filter(None, map(integrated, integration.values())))):
+        typer.echo(f"\nplant integrated by {by}")
     typer.echo()
     _settings(found, "--set")
     typer.echo()
