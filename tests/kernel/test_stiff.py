@@ -111,6 +111,21 @@ def test_only_a_plant_that_gives_its_derivative_can_be_declared_stiff():
             return command
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("name", "push"), [("backlash_two_mass", 200.0), ("ballscrew_axial", 12.0), ("mass_dahl", 5.0)]
+)
+def test_a_stiff_plant_at_0_75_ms_is_right_to_a_millionth_without_naming_a_method(name, push):
+    parts = {"reference": sine(amplitude=push, frequency=2.0), "controller": through, "metrics": {}, "period": PERIOD}
+    runs = [
+        Loop(plant=catalogue.block(name), **parts, **options).run(0.3, record="actual").check()
+        for options in ({}, {"method": "rodas", "rtol": 1e-9, "atol": 1e-14})
+    ]
+    signal = next(k for k in runs[0].signals if k != "time")
+    usual, tight = (run[signal] for run in runs)
+    assert np.abs(usual - tight).max() < 1e-6 * np.ptp(tight)
+
+
 def test_no_plant_of_the_catalogue_is_unstable_in_rk4_steps_of_1_ms_without_saying_that_it_is_stiff():
     """The fastest rate at rest and in motion, by differences: RK4 is stable on the real axis down to -2.785 / h."""
     blocks = [catalogue.block(n) for n in catalogue.block_names()]

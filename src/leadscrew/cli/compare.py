@@ -104,8 +104,8 @@ def compare(
         if result.tuned is not None:
             typer.echo(f"\n{result.name}: {setting(result)}; {result.tuned.verdict()}")
     typer.echo(f"\n{found.sentence()}")
-    if said := confidence(found):
-        typer.echo(f"{said}.")
+    if bound := confidence(found):
+        typer.echo(f"{bound}.")
     for note in found.notes:
         say(f"leadscrew: note: {note}")
     if report is not None:

@@ -118,11 +118,11 @@ class Live:
 
     def _explained(self) -> Callable[[list[str]], dict[str, str]]:
         """What says of metrics, by their names, why they have no value at this moment."""
-        plan, blocks, end, given = self.program.plan, self.loop.metrics, self.time, self.params
+        plan, blocks, end, packed = self.program.plan, self.loop.metrics, self.time, self.params
         scalars, arrays = (x.copy() for x in self.state)
 
         def reasons(names: list[str]) -> dict[str, str]:
-            params, state = plan.params.unpack(*given).metrics, plan.state.unpack(scalars, arrays).metrics
+            params, state = plan.params.unpack(*packed).metrics, plan.state.unpack(scalars, arrays).metrics
             return {
                 k: explain(getattr(params, k), getattr(state, k), end)
                 if (explain := blocks[k].no_value) is not None

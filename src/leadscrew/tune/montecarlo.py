@@ -98,11 +98,11 @@ class MonteCarlo:
             ran = np.isnan(self.samples.diverged_at[scenario])
             lost = {m: np.flatnonzero(np.isnan(v) & ran) for m, v in metrics.items()}
             firsts = {int(runs[0]) for runs in lost.values() if len(runs)}
-            told = {
+            reasons = {
                 k: self.job.reasons(scenario, {n: v[k] for n, v in self.samples.columns.items()}, k) for k in firsts
             }
             found += [
-                WithoutValue(scenario, m, len(runs), int(runs[0]), told[int(runs[0])].get(m, ""))
+                WithoutValue(scenario, m, len(runs), int(runs[0]), reasons[int(runs[0])].get(m, ""))
                 for m, runs in lost.items()
                 if len(runs)
             ]
