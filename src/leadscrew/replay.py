@@ -101,6 +101,9 @@ def rebuilt(manifest: Mapping[str, Any], where: str) -> Loop:
     with _of(where, origin):
         loop = experiment.loop()
         now = loop.parameters
+        # Before there was last_percent, a window without from_time was the whole run.
+        whole = {f"{k.removesuffix('.from_time')}.last_percent": 100.0 for k in saved if k.endswith(".from_time")}
+        saved = {k: v for k, v in whole.items() if k in now} | saved
         changed = {k: v for k, v in saved.items() if k not in now or not np.array_equal(now[k], v)}
         loop = loop.using(changed, seed=seed, **({} if bound is None else {"bound": bound}))
     loop.origin = origin
@@ -149,14 +152,19 @@ def _other_end(manifest: Mapping[str, Any], run: Any) -> str:
     metrics = manifest.get("metrics") or {}
     for name, value in run.metrics.items():
         now = value if np.isfinite(value) else None
-        if name in metrics and metrics[name] != now:
+        older = now is None and "metrics_without_value" not in manifest  # that version gave some of them a number
+        if name in metrics and metrics[name] != now and not older:
             return f"metric {name}: saved {metrics[name]!r}, now {now!r}"
     return ""
 
 
 def _causes(saved: Mapping[str, Any], now: Mapping[str, Any]) -> tuple[str, ...]:
-    names = ("module", "period_s", "sample_s", "substeps", "method", "computation_delay_s",
-             "transport_delay_s", "blocks", "platform", "versions")  # fmt: skip
+    names = ["module", "period_s", "sample_s", "substeps", "method", "computation_delay_s",
+             "transport_delay_s", "blocks", "platform", "versions"]  # fmt: skip
+    if "rtol" in saved:
+        names += ["rtol", "atol"]
+    elif saved.get("period_s", 0) is None:  # older manifests name a method that a continuous loop did not use
+        names = [n for n in names if n not in ("substeps", "method")]
     return tuple(f"{n}: saved {saved.get(n)}, now {now[n]}" for n in names if saved.get(n) != now[n])
 
 

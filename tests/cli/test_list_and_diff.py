@@ -32,6 +32,9 @@ def test_help_texts_in_square_brackets_are_not_taken_for_styles(call):
 
 def test_list_of_a_study_shows_what_can_be_set_and_where(call, study):
     found = strict_json(call("list", study, "--json").stdout)
+    rk4 = {"method": "rk4", "substeps": 1, "rtol": None, "atol": None}
+    assert found["integration"] == dict.fromkeys((s["name"] for s in found["scenarios"]), rk4)
+    assert "\nplant integrated by rk4 (1 step a period)\n" in call("list", study).stdout
     by_key = {}
     for row in found["settings"]:
         by_key.setdefault(row["key"], []).append(row)

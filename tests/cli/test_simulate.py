@@ -24,6 +24,32 @@ def test_metrics_come_with_units(call, study):
     assert "max_error" in out and "mm" in out
 
 
+STIFF = """
+from leadscrew import Loop, controller
+from leadscrew.plants.mass_lugre import mass_lugre
+from leadscrew.references.step import step
+
+@controller()
+def push(command, feedback):
+    return command
+
+LOOP = Loop(reference=step(target=5.0), controller=push, plant=mass_lugre, engine="python", name="pushed")
+"""
+
+
+def test_what_integrated_the_plant_and_why_a_metric_has_no_value_are_printed(call, tmp_path):
+    (tmp_path / "stiff.py").write_text(STIFF, encoding="utf-8")
+    asked = ("simulate", f"{tmp_path}/stiff.py:LOOP", "--duration", "0.01")
+    found = strict_json(call(*asked, "--json").stdout)
+    said = {k: found[k] for k in ("method", "substeps", "rtol", "atol")}
+    assert said == {"method": "rodas", "substeps": 1, "rtol": 1e-6, "atol": 1e-9}
+    reason = "after the last move the response does not pass 90 % of it from below"
+    assert found["metrics"]["rise_time"] is None and found["metrics_without_value"]["rise_time"] == reason
+    out = call(*asked).stdout
+    assert out.startswith("pushed: 0.01 s on python by rodas (rtol 1e-06, atol 1e-09), ")
+    assert f"no value: {reason}" in " ".join(out.split())
+
+
 def test_set_changes_scenario_and_blocks(call, study):
     args = (
         "--set",

@@ -70,7 +70,10 @@ def test_sums_and_peaks_agree_with_numpy(signals, from_time):
 
 def test_a_window_without_samples_gives_nan():
     zeros = np.zeros(5)
-    for name in ("rms_error", "max_error", "effort", "chatter", "zero_crossing_rate", "mean_steady_state_error"):
+    for name in (
+        "rms_error", "max_error", "iae", "ise", "itae", "effort", "mean_effort", "total_effort", "max_output",
+        "chatter", "zero_crossing_rate", "steady_state_error", "mean_steady_state_error", "overshoot",
+    ):  # fmt: skip
         assert math.isnan(measure(getattr(metrics, name)(from_time=1.0), zeros, zeros, zeros)), name
 
 
@@ -156,11 +159,22 @@ def test_settling_after_a_long_move_counts_from_its_end_with_the_band_of_the_who
     assert math.isnan(measure(metrics.rise_time, command, actual))
 
 
-def test_without_a_move_there_is_no_overshoot_and_no_rise():
-    zeros = np.zeros(20)
-    assert measure(metrics.overshoot, zeros, zeros) == 0.0
-    assert math.isnan(measure(metrics.rise_time, zeros, zeros))
-    assert measure(metrics.settling_time, zeros, zeros) == 0.0
+@pytest.mark.parametrize("level", [0.0, 5.0, -5.0])
+def test_a_loop_that_rests_has_no_overshoot_and_no_rise_time_wherever_it_rests(level):
+    at_rest = np.full(20, level)
+    assert math.isnan(measure(metrics.overshoot, at_rest, at_rest))
+    assert math.isnan(measure(metrics.rise_time, at_rest, at_rest))
+    assert measure(metrics.settling_time, at_rest, at_rest) == 0.0
+
+
+def test_a_command_that_never_stops_has_no_overshoot_and_no_settling_time():
+    t = np.arange(200) * DT
+    command, actual = np.sin(20.0 * t), 1.01 * np.sin(20.0 * t - 0.001)
+    for name in ("overshoot", "rise_time", "settling_time"):
+        assert math.isnan(measure(getattr(metrics, name), command, actual)), name
+    rest = np.concatenate([command, np.full(5, command[-1])])
+    there = np.concatenate([actual, np.full(5, command[-1])])
+    assert measure(metrics.settling_time(percent=0.0, band=1e-3), rest, there) == pytest.approx(DT)
 
 
 @settings(max_examples=60, deadline=None)
@@ -176,7 +190,7 @@ def test_streaming_and_recorded_step_metrics_agree_on_any_signal(samples):
     command, actual = (np.array(x) for x in zip(*samples, strict=True))
     t = np.arange(len(command)) * DT
     recorded = post.step_metrics(t, command, actual)
-    assert measure(metrics.overshoot, command, actual) == pytest.approx(recorded.overshoot, abs=1e-12)
+    assert measure(metrics.overshoot, command, actual) == pytest.approx(recorded.overshoot, abs=1e-12, nan_ok=True)
     for name in ("rise_time", "settling_time"):
         value = measure(getattr(metrics, name), command, actual)
         assert value == pytest.approx(getattr(recorded, name), rel=1e-9, abs=1e-12, nan_ok=True), name

@@ -167,6 +167,7 @@ def test_the_report_has_old_and_new_values_and_the_error_under_each_setting(play
     _, rows = played
     page = session_report.html(session)
     assert "every signal has the same bits" in page and session.digest in page
+    assert "plant integrated by rk4 (1 step a period)" in page
     assert "<td>controller.kp</td>" in page and "preset hard" in page
     error = np.concatenate([part[:, columns.index("true_error")] for columns, part in rows])
     for first, last in ((0, 123), (123, 200)):

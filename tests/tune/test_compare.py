@@ -10,7 +10,7 @@ from leadscrew.kernel.errors import NameUnknown, ValueRefused
 from leadscrew.report.tables import NOTHING
 from leadscrew.tune.compare import compare, contest, judged
 from leadscrew.tune.compare_statistics import Interval, Pair, bad_plants, paired, per_plant, resamples, standing
-from leadscrew.tune.compare_words import ranking_rows, worse_than_seen
+from leadscrew.tune.compare_words import confidence, metric_rows, ranking_rows, worse_than_seen
 from leadscrew.tune.crew import crew
 from leadscrew.tune.job import Job
 from leadscrew.tune.journal import Journal
@@ -148,8 +148,55 @@ def test_a_controller_that_no_plant_could_judge_has_no_score_and_is_not_ranked_f
         none = ranked.results[1].standings["settling_2um"]
         assert none.judged == 0 and np.isnan([*none.mean, *none.p95, none.worst]).all()
         assert ranked.pairs[0].order == 1.0 and ranked.pairs[0].judged == 0
+        assert ranking_rows(ranked)[1][0] == NOTHING, "no rank without a score"
         assert ranking_rows(ranked)[1][4] == f"{NOTHING} [{NOTHING}, {NOTHING}]"
         assert "could not be compared, because on no plant both could be judged" in ranked.sentence()
+
+
+def of_runs(settling, overshoot=0.0, over=OVER):
+    """A comparison of A and B in which these settling times came out, per plant."""
+    asked = contest(JOB, (A, B), ["settling_2um"], ["overshoot<=0.02"], over=over, unseen=len(settling[0]))
+    varied = {k: np.linspace(*ends, len(settling[0])) for k, ends in over.items()}
+
+    def runs(seconds):
+        values = {"settling_2um": np.array(seconds), "overshoot": np.full(len(seconds), overshoot)}
+        lost = {"fig11a_step_m50": np.full(len(seconds), np.nan)}
+        return Samples(varied or {"held": np.zeros(len(seconds))}, {"fig11a_step_m50": values}, lost)
+
+    measured = [(c, None, runs(s)) for c, s in zip(asked.contenders, settling, strict=True)]
+    return judged(asked, measured, "", 0.0)
+
+
+def test_one_plant_run_200_times_supports_no_confidence():
+    found = of_runs(([1.5] * 200, [1.25] * 200), over={})
+    assert found.same_run and [r.name for r in found.results] == [B, A]
+    said = found.as_dict()
+    texts = [found.sentence(), confidence(found), *map(str, (*ranking_rows(found), *metric_rows(found)))]
+    assert not [t for t in texts if "95 %" in t or "resamples" in t or "[1." in t]
+    assert f"the settling_2um of {B} was smaller than that of {A} by 0.25 s" in found.sentence()
+    assert found.sentence().startswith("On the machine as it is, in one run without spread, ")
+    assert ranking_rows(found)[0][4:] == ["1.25", "no spread"]
+    assert found.notes[0].startswith("all 200 runs of each controller are the same run, bit for bit: nothing varies")
+    assert not said["pairs"][0]["shown"] and np.isnan(said["pairs"][0]["order"])
+    for pair in found.pairs:
+        assert np.isnan([pair.difference.low, pair.difference.high]).all() and pair.difference.value == -0.25
+
+
+def test_noise_alone_gives_runs_of_one_machine_and_not_plants():
+    found = of_runs((np.linspace(1.4, 1.6, 200), np.linspace(1.2, 1.3, 200)), over={})
+    assert not found.same_run and found.notes == []
+    assert found.sentence().startswith("In 200 runs of the machine as it is, which differ in noise alone")
+    assert "paired over the 200 runs" in found.sentence()
+    # (1 - x)^200 = 0.05 for x = 1.49 %
+    assert "at most 1.5 % of all runs of this machine" in confidence(found)
+    assert "of all plants" in confidence(of_runs(([1.5] * 9, [1.25] * 9)))
+
+
+def test_one_judged_plant_has_no_interval():
+    found = of_runs(([np.nan, 1.5, np.nan], [1.2, 1.25, np.nan]))
+    one = next(r for r in found.results if r.name == A).standings["settling_2um"]
+    assert one.judged == 1 and one.mean.value == 1.5 and np.isnan([one.mean.low, one.p95.high]).all()
+    assert "by 0.25 s on the one plant on which both could be judged, which shows no spread" in found.sentence()
 
 
 @pytest.mark.parametrize(

@@ -13,7 +13,7 @@ from leadscrew.kernel.errors import LeadscrewError, NameUnknown, ValueRefused
 from leadscrew.kernel.loop import DivergenceWarning
 from leadscrew.tune.crew import Threads
 from leadscrew.tune.montecarlo import montecarlo
-from leadscrew.tune.montecarlo_notes import alike, independence
+from leadscrew.tune.montecarlo_notes import alike, independence, without_value
 from leadscrew.tune.montecarlo_sobol import sobol_indices
 from leadscrew.tune.space import Space
 from leadscrew.tune.wear import envelope
@@ -117,6 +117,19 @@ def test_runs_that_are_all_the_same_run_have_no_intervals():
         montecarlo(quiet, None, 1),
     ):
         assert not other.alike and alike(other) == "" and other.joint.low == other.joint.low
+
+
+def test_a_metric_that_runs_give_no_value_for_says_in_how_many_and_why():
+    """At a gain of 0.5 the slide is at 5 mm (1 - exp(-0.2 / 0.1)) in 0.2 s, 0.7 mm short; at 1 mm the same share."""
+    found = montecarlo(job("large", changes={"controller.kp": 0.5}), None, 3, crew=CREW)
+    (row,) = found.without_value
+    assert (row.metric, row.runs, row.first) == ("settling", 3, 0)
+    assert row.reason == "the error is outside ±0.1 at the end of the run"
+    assert without_value(found) == [f"settling has no value in 3 of 3 runs; run 0: {row.reason}"]
+    some = montecarlo(job("large"), {"controller.kp": (0.1, 2.0)}, 8, crew=CREW)
+    lost = np.isnan(some.samples.metric("settling")[0])
+    few = some.without_value[0]
+    assert 0 < few.runs < 8 and (few.runs, few.first) == (lost.sum(), np.flatnonzero(lost)[0])
 
 
 def test_intervals_say_what_they_rest_on():

@@ -38,7 +38,8 @@ def step_metrics(
     """Metrics of the last move of ``command``: a run of consecutive samples in which it changes.
 
     The first sample is a move from ``actual`` to ``command`` where the two differ. The settling band's half width is
-    the larger of ``band`` and ``percent`` of the move.
+    the larger of ``band`` and ``percent`` of the move. Overshoot, rise and settling time are NaN where the command
+    still changes at the last sample; overshoot and rise time also without a move.
 
     Raises:
         ValueError: the arrays are empty or differ in length.
@@ -51,8 +52,9 @@ def step_metrics(
     if moved.size == 0:
         inside = np.abs(r - y) <= band
         settling = _since(t, inside, 0) if inside[-1] else math.nan
-        return StepMetrics(0.0, 0.0, 0.0, 0.0, math.nan, settling, math.nan)
+        return StepMetrics(0.0, 0.0, math.nan, math.nan, math.nan, settling, math.nan)
     last = int(moved[-1])
+    ended = last + 1 < t.size
     gaps = np.flatnonzero(np.diff(moved) > 1)
     first = int(moved[gaps[-1] + 1]) if gaps.size else int(moved[0])
     origin, target = before[first], r[last]
@@ -61,7 +63,7 @@ def step_metrics(
 
     excess = np.sign(target - before[last]) * (tail - target)
     peak = int(np.argmax(excess))
-    overshoot = max(0.0, float(excess[peak]))
+    overshoot = max(0.0, float(excess[peak])) if ended else math.nan
 
     rise = math.nan
     if size != 0.0:
@@ -70,7 +72,7 @@ def step_metrics(
         rise = high - low
 
     inside = np.abs(target - tail) <= max(band, 0.01 * percent * abs(size))
-    settling = _since(time, inside, 0) - time[0] if inside[-1] else math.nan
+    settling = _since(time, inside, 0) - time[0] if ended and inside[-1] else math.nan
     return StepMetrics(
         float(time[0]),
         float(size),

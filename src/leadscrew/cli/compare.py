@@ -79,7 +79,7 @@ def compare(
     """Compare controllers, each tuned with the same budget, on plants that no tuning saw."""
     from leadscrew.tune import compare as comparing
     from leadscrew.tune import compare_report
-    from leadscrew.tune.compare_words import METRICS, RANKING, metric_rows, ranking_rows, setting, worse_than_seen
+    from leadscrew.tune.compare_words import METRICS, RANKING, confidence, metric_rows, ranking_rows, setting
     from leadscrew.tune.crew import crew
 
     names = controller or []
@@ -103,9 +103,9 @@ def compare(
     for result in found.results:
         if result.tuned is not None:
             typer.echo(f"\n{result.name}: {setting(result)}; {result.tuned.verdict()}")
-    most = 100.0 * worse_than_seen(found.unseen)
     typer.echo(f"\n{found.sentence()}")
-    typer.echo(f"With 95 % confidence at most {most:.2g} % of all plants are worse than the worst one seen.")
+    if bound := confidence(found):
+        typer.echo(f"{bound}.")
     for note in found.notes:
         say(f"leadscrew: note: {note}")
     if report is not None:

@@ -133,7 +133,7 @@ def _block(name: str, block: Block, as_json: bool) -> None:
             {
                 "name": name, "kind": block.kind, "unit": block.unit, "signals": block.signals, "doc": block.doc,
                 "drive": block.drive, "full_scale": block.full_scale, "sense": block.sense,
-                "bumpless": block.align is not None, "parameters": [s.as_dict() for s in sheet],
+                "bumpless": block.align is not None, "stiff": block.stiff, "parameters": [s.as_dict() for s in sheet],
             }
         )  # fmt: skip
         return
@@ -143,6 +143,8 @@ def _block(name: str, block: Block, as_json: bool) -> None:
         typer.echo(f"{drive(block)}\n")
     if block.kind == "plant" and block.sense < 0:
         typer.echo("sense: a positive input moves its output towards negative values\n")
+    if block.stiff:
+        typer.echo("stiff: integrated by rodas unless a loop names a method\n")
     if sheet:
         _settings(sheet, "parameter")
     else:
@@ -159,22 +161,23 @@ def drive(block: Block) -> str:
 
 
 def _study(study: Study, as_json: bool) -> None:
-    from leadscrew.report.tables import first_line, metric_unit, settings
+    from leadscrew.report.tables import first_line, integrated, metric_unit, settings
 
     loop = study.loop(next(iter(study.controllers)), next(iter(study.scenarios)))
     controllers = [{"name": n, "doc": first_line(b.doc)} for n, b in study.controllers.items()]
     scenarios = [{"name": s.name, "duration_s": s.duration_s, "doc": s.doc} for s in study.scenarios.values()]
     metrics = [{"name": n, "unit": metric_unit(loop, m), "doc": first_line(m.doc)} for n, m in loop.metrics.items()]
     found = settings(study)
-    first = next(iter(study.controllers))
-    all_plants = (study.loop(first, s).blocks["plant"] for s in study.scenarios)
-    plants = {b.name: b for b in all_plants if b is not None}
+    loops = {name: study.loop(next(iter(study.controllers)), name) for name in study.scenarios}
+    plants = {b.name: b for b in (x.blocks["plant"] for x in loops.values()) if b is not None}
+    integration = {name: x.integration for name, x in loops.items()}
     if as_json:
         emit(
             {
                 "study": study.name, "title": study.title, "paper": study.paper, "controllers": controllers,
                 "plants": [{"name": b.name, "unit": b.unit, "sense": b.sense} for b in plants.values()],
-                "scenarios": scenarios, "settings": [s.as_dict() for s in found], "metrics": metrics,
+                "scenarios": scenarios, "integration": integration, "settings": [s.as_dict() for s in found],
+                "metrics": metrics,
             }
         )  # fmt: skip
         return
@@ -183,6 +186,8 @@ def _study(study: Study, as_json: bool) -> None:
     typer.echo()
     rows = [(s.name, f"{s.duration_s:g} s", s.doc) for s in study.scenarios.values()]
     print_table(["scenario", "runs for", "what is asked"], rows, right=("runs for",))
+    if by := ", ".join(dict.fromkeys(filter(None, map(integrated, integration.values())))):
+        typer.echo(f"\nplant integrated by {by}")
     typer.echo()
     reversed_ = [b.name for b in plants.values() if b.sense < 0]
     if reversed_:

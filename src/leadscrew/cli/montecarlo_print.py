@@ -9,7 +9,7 @@ import typer
 
 from leadscrew.cli.output import print_table
 from leadscrew.report.tables import NOTHING, number
-from leadscrew.tune.montecarlo_notes import missing, unknown
+from leadscrew.tune.montecarlo_notes import missing, unknown, without_value
 from leadscrew.tune.worst import DIVERGED
 
 if TYPE_CHECKING:
@@ -32,6 +32,8 @@ def print_findings(findings: Findings, out: Path) -> None:
             [s.metric, *where, *(at[p] for p in SHOWN), findings.unit(s.metric), str(s.diverged + s.without or "")]
         )
     print_table(columns, rows, right=[*(f"{p} %" for p in SHOWN), "without"])
+    for note in without_value(found):
+        typer.echo(f"\n{note}")
     rows = [[text, *_yield(y)] for text, y in found.yields.items()]
     rows.append(["all together" if rows else "did not diverge", *_yield(found.joint)])
     typer.echo("")

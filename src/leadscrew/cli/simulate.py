@@ -112,7 +112,7 @@ def as_object(experiment: Experiment, run: Run, out: Path | None) -> dict[str, A
     """The result for ``--json``."""
     from leadscrew.report.tables import metric_rows
 
-    rows = metric_rows(run.loop, run.metrics)
+    rows = metric_rows(run)
     lost = None if run.diverged is None else {**run.diverged.__dict__, "message": str(run.diverged)}
     return {
         "schema_version": SCHEMA_VERSION,
@@ -121,8 +121,10 @@ def as_object(experiment: Experiment, run: Run, out: Path | None) -> dict[str, A
         "engine": run.engine,
         "seed": run.loop.seed,
         "run": run.run_number,
+        **run.loop.integration,
         "wall_s": run.wall_s,
         "metrics": {r.name: r.value for r in rows},
+        "metrics_without_value": run.metrics_without_value,
         "units": {r.name: r.unit for r in rows},
         "diverged": lost,
         "notes": [n._asdict() for n in run.notes],
@@ -132,10 +134,11 @@ def as_object(experiment: Experiment, run: Run, out: Path | None) -> dict[str, A
 
 def print_run(run: Run, out: Path | None) -> None:
     """The result in words."""
-    from leadscrew.report.tables import metric_rows, number
+    from leadscrew.report.tables import integrated, metric_rows, number
 
-    typer.echo(f"{run.loop.name}: {run.duration:g} s on {run.engine}, {1e3 * run.wall_s:.3g} ms\n")
-    rows = [(r.name, number(r.value), r.unit, r.doc) for r in metric_rows(run.loop, run.metrics)]
+    by = integrated(run.loop.integration)
+    typer.echo(f"{run.loop.name}: {run.duration:g} s on {run.engine}{by and f' by {by}'}, {1e3 * run.wall_s:.3g} ms\n")
+    rows = [(r.name, number(r.value), r.unit, f"no value: {r.reason}" if r.reason else r.doc) for r in metric_rows(run)]
     print_table(["metric", "value", "unit", ""], rows, right=("value",))
     for note in run.notes:
         typer.echo(f"\nnote: {note.message}")

@@ -256,6 +256,7 @@ def manifest(core: Core, loop: Loop, source: Source, record: Record, double: Rec
         "loop": loop.name,
         "origin": loop.origin,
         "period_s": core.period,
+        "integration": loop.integration,
         "real": core.real,
         "drive": core.drive,
         "full_scale": core.full_scale,

@@ -21,6 +21,7 @@ from leadscrew.kernel.c99.names import is_identifier
 from leadscrew.kernel.errors import DataError, EngineError, LeadscrewError, SubsetError, ValueRefused
 from leadscrew.newfolder import appearing
 from leadscrew.report.strict import strict
+from leadscrew.report.tables import integrated
 
 if TYPE_CHECKING:
     from leadscrew.kernel.loop import Loop
@@ -158,13 +159,14 @@ def contents(
                 found.update(plant.plant_files(loop, core))
             except SubsetError as error:
                 loop, manifest["machine_left_out"] = None, str(error)
-        about = hal.readme(core, machine=loop is not None)
+        about = hal.readme(core, machine=loop)
     else:
         found.update({**core.files, **c99.files(core)})
         about = c99.readme(core)
     found["README.md"] = render(
-        "readme.md.j2", core=core, manifest=manifest, target=TARGETS[target], about=about, licence=BSD,
-        limits=LIMITS[target.rstrip("23")], fmu=target.startswith("fmu"),
+        "readme.md.j2", core=core, manifest=manifest, integrated=integrated(manifest["integration"]),
+        target=TARGETS[target], about=about, licence=BSD, limits=LIMITS[target.rstrip("23")],
+        fmu=target.startswith("fmu"),
     )  # fmt: skip
     found["manifest.json"] = json.dumps(manifest, indent=1, allow_nan=False) + "\n"
     return found

@@ -4,13 +4,17 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from leadscrew.escape import hal_string
 from leadscrew.export import hal_names
 from leadscrew.export.core import Core, Knob, Port
 from leadscrew.export.machine import LICENCE, number
 from leadscrew.export.templates import render
+from leadscrew.report.tables import integrated
+
+if TYPE_CHECKING:
+    from leadscrew.kernel.loop import Loop
 
 S32 = (-(2**31), 2**31 - 1)
 LENGTHS = {"mm": 1.0, "um": 1000.0, "m": 0.001}
@@ -77,9 +81,11 @@ def files(core: Core) -> dict[str, str]:
     }
 
 
-def readme(core: Core, machine: bool = False) -> str:
-    """The LinuxCNC section of the README, as Markdown; ``machine`` if a simulated machine comes with it."""
-    return render("hal_readme.j2", **_view(core), machine=machine)
+def readme(core: Core, machine: Loop | None = None) -> str:
+    """The LinuxCNC section of the README, as Markdown; ``machine``: the loop whose simulated machine comes with it."""
+    by = integrated(machine.integration) if machine is not None else ""
+    varies = machine is not None and machine.integration["method"] == "rodas"
+    return render("hal_readme.j2", **_view(core), machine=machine is not None, integrated=by, varies=varies)
 
 
 def _view(core: Core) -> dict[str, Any]:

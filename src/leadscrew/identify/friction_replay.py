@@ -87,7 +87,7 @@ def replay_start(p):
     return BallscrewStageState(p.start_angle, p.start_speed, bristle)
 
 
-@plant(ReplayParams(), BallscrewStageState(), initial=replay_start, output="angle", jacobian=stage_jacobian)
+@plant(ReplayParams(), BallscrewStageState(), initial=replay_start, output="angle", jacobian=stage_jacobian, stiff=True)
 def replayed_stage(p, s, u, load):
     """The ball-screw stage with a start of its own."""
     f = p.friction

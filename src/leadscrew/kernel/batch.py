@@ -50,6 +50,11 @@ class Batch:
     def __len__(self) -> int:
         return len(self.diverged_at)
 
+    @property
+    def integration(self) -> dict[str, Any]:
+        """What integrated the plant in every run, see :attr:`leadscrew.Loop.integration`."""
+        return self.loop.integration
+
     def __repr__(self) -> str:
         lost = int(np.isfinite(self.diverged_at).sum())
         rows = ", ".join(
@@ -121,7 +126,7 @@ def _columns(varied: Mapping[str, Any], loop: Loop, runs: int | None) -> tuple[d
     return {k: np.ascontiguousarray(np.broadcast_to(a, (n, *a.shape[1:]))) for k, a in found.items()}, n
 
 
-def _places(loop: Loop, columns: Mapping[str, np.ndarray], n: int) -> tuple[np.ndarray, np.ndarray]:
+def _places(loop: Loop, columns: Mapping[str, np.ndarray], n: int, duration: float) -> tuple[np.ndarray, np.ndarray]:
     """Where the varied numbers lie in all vectors laid end to end, and their values ``[place, run]``."""
     plan = loop.program.plan
     sizes = [max(1, len(plan.params.scalars)), max(1, plan.params.array_size), max(1, len(plan.state.scalars))]
@@ -140,7 +145,7 @@ def _places(loop: Loop, columns: Mapping[str, np.ndarray], n: int) -> tuple[np.n
             places.append(start + i)
             values.append(array.reshape(n, -1)[:, i])
     for slot, keys in derived.items():
-        where, packed, inverse = _prepared(loop, slot, keys, columns, sizes)
+        where, packed, inverse = _prepared(loop, slot, keys, columns, sizes, duration)
         moved = np.flatnonzero((packed != packed[-1]).any(axis=0))
         places += where[moved].tolist()
         values += [packed[inverse, m] for m in moved]
@@ -148,7 +153,7 @@ def _places(loop: Loop, columns: Mapping[str, np.ndarray], n: int) -> tuple[np.n
 
 
 def _prepared(
-    loop: Loop, slot: str, keys: list[str], columns: Mapping[str, np.ndarray], sizes: list[int]
+    loop: Loop, slot: str, keys: list[str], columns: Mapping[str, np.ndarray], sizes: list[int], duration: float
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """What one block's parameters become at the door, for every set of values that occurs.
 
@@ -167,8 +172,8 @@ def _prepared(
     flat = all("." not in k for k in keys)
     plan = loop.program.plan
     with_state = block.initial is not None and not slot.startswith("metrics.")
-    dt = loop.step if slot == "plant" else loop.period
-    read = reader_of(loop.prepared(block, slot))
+    prepare = loop.preparation(block, slot, duration)
+    read = reader_of(prepare(block.params))
     made = []
     with one_thread() if len(firsts) >= 16 else nullcontext():
         for values in (*zip(*typed, strict=True), ()):
@@ -178,7 +183,7 @@ def _prepared(
             else:
                 for key, value in zip(keys, values, strict=False):
                     params = put(params, key.split("."), value)
-            numbers = read(params if block.prepare is None else block.prepare(params, dt))
+            numbers = read(prepare(params))
             if with_state and block.initial is not None:
                 numbers += numbers_of(block.initial(params))
             made.append(numbers)
@@ -221,9 +226,10 @@ def run_batch(
         return _one_by_one(loop, duration, columns, n, names, every, first)
     program = loop.program
     select = np.array([program.plan.columns.index(c) for c in names], dtype=np.int64)
-    params, state = loop.values()
+    ends = periods * loop.period
+    params, state = loop.values(ends)
     vectors = (*program.plan.params.pack(params), *program.plan.state.pack(state))
-    places, values = _places(loop, columns, n)
+    places, values = _places(loop, columns, n, ends)
     table = np.zeros((n, max(1, len(names)), max(1, rows)) if names else (1, 1, 1))
     metrics = np.zeros((n, max(1, len(loop.metrics))))
     lost = np.full(n, -1, dtype=np.int64)

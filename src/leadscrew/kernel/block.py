@@ -82,7 +82,8 @@ class Block:
     output: str | Callable[..., Any] | None = None
     """Plant: state field or function ``(p, s)`` that the sensor sees. Metric: function ``(p, s) -> float``."""
     prepare: Callable[..., Any] | None = None
-    """``prepare(params, dt) -> NamedTuple``, run once at the door; the step gets what it returns as ``p``."""
+    """``prepare(params, dt) -> NamedTuple``, run once at the door; the step gets what it returns as ``p``. That of a
+    metric may take ``duration`` as well: seconds of the run, infinite for a live loop."""
     jacobian: Callable[..., Any] | None = None
     """Plant: ``(p, s, u, load, t)`` -> the rows of the derivative's Jacobian, as a tuple of tuples."""
     initial: Callable[..., Any] | None = None
@@ -93,6 +94,11 @@ class Block:
     """Controller: its step returns the time *derivative* of its state, for loops with ``period=None``."""
     unit: str = ""
     """Unit of the signal that the block gives."""
+    stiff: bool = False
+    """Plant: its derivative has rates far above 1 / period, so a loop integrates it by ``rodas`` unless a method is
+    named."""
+    no_value: Callable[..., str] | None = None
+    """Metric: ``no_value(params, state, end)`` -> why it has no value in a run of ``end`` seconds."""
     drive: str = ""
     """Controller: what its output commands; one of :data:`DRIVES`."""
     full_scale: float = 0.0
@@ -119,6 +125,11 @@ class Block:
     def starting(self, **changes: Any) -> Block:
         """The block with some fields of its state at the start changed."""
         return replace(self, state=checked_replace(self.state, changes, where=f"{self.name} state"), initial=None)
+
+
+def takes(function: Callable[..., Any], argument: str) -> bool:
+    """Whether a function has an argument of this name."""
+    return argument in inspect.signature(function).parameters
 
 
 def _signals(kind: str, step: Callable[..., Any], params: Any, state: Any) -> tuple[str, ...]:
@@ -155,6 +166,11 @@ def make(kind: str, step: Callable[..., Any], params: Any = None, state: Any = N
         raise BlockError(f"{step.__name__}: drive={more['drive']!r}; there are {', '.join(DRIVES)}")
     if more.get("sense", 1) not in (1, -1):
         raise BlockError(f"{step.__name__}: sense={more['sense']!r}; allowed are 1 and -1")
+    if more.get("stiff") and (kind != "plant" or takes(step, "dt")):
+        raise BlockError(
+            f"{step.__name__}: stiff=True is for a plant that returns its derivative; "
+            f"{'a plant that takes dt brings its own step' if kind == 'plant' else f'this is a {kind}'}"
+        )
     if kind == "plant" and state is None:
         raise BlockError(f"{step.__name__}: a plant needs a state: @plant(Params(), State())")
     name = checked_line("name", more.pop("name", None) or step.__name__)

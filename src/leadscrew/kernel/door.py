@@ -106,8 +106,13 @@ def check_metrics(metrics: Mapping[str, Block]) -> dict[str, Block]:
     return dict(metrics)
 
 
-def check_continuous(loop: Loop) -> None:
-    """A controller that gives a derivative belongs in a continuous loop, and only there."""
+def check_continuous(loop: Loop, method: str | None) -> None:
+    """What a continuous loop cannot have; ``method`` is the one that the user named.
+
+    Raises:
+        BlockError, ValueRefused: a controller that gives a derivative in a sampled loop; sampled parts, a method, steps
+            or delays in a continuous one.
+    """
     controller, plant, sensor = (loop.blocks[k] for k in ("controller", "plant", "sensor"))
     assert controller is not None and plant is not None
     if not loop.continuous:
@@ -122,6 +127,10 @@ def check_continuous(loop: Loop) -> None:
         block = loop.blocks[slot]
         if block is not None and (block.state is not None or "noise" in block.signals):
             raise BlockError(f"{slot} {block.name}: with period=None it cannot have state or noise")
+    if method not in (None, "rodas"):
+        raise ValueRefused(f"method = {method!r}: with period=None the adaptive rodas integrates; leave method out")
+    if loop.substeps != 1:
+        raise ValueRefused(f"substeps = {loop.substeps}: with period=None rtol and atol set the steps")
     if loop.sent or loop.seen:
         raise ValueRefused("computation_delay and transport_delay need a control period; period is None")
     del sensor

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 import warnings
 from collections.abc import Callable, Mapping, Sequence
@@ -44,15 +45,17 @@ class Saved:
 class Live:
     """One loop in motion. Ten times ``advance(100)`` gives the same bits as ``advance(1000)``."""
 
-    def __init__(self, loop: Loop, engine: str, run: int = 0) -> None:
+    def __init__(self, loop: Loop, engine: str, run: int = 0, duration: float = math.inf) -> None:
         self.loop = loop
+        self.duration = duration
+        """Seconds after which the run ends; infinite where that is not known."""
         self.engine = engine
         self.run_number = door.whole("run", run, 0, 2**31 - 1)
         self.program = loop.program
         self.entry = self.program.entry("single", engine)
         self.period = 0
         self.diverged: Divergence | None = None
-        params, state = loop.values()
+        params, state = loop.values(duration)
         self.params = self.program.plan.params.pack(params)
         self.state = self.program.plan.state.pack(state)
         self._counters = np.zeros(6, dtype=np.int64)
@@ -111,7 +114,24 @@ class Live:
             loop=self.loop, signals=signals, diverged=self.diverged, engine=self.engine, wall_s=wall,
             duration=self.time, start=start * self.loop.period, run_number=self.run_number, every=every,
             metrics=Metrics(zip(self.loop.metrics, measured.tolist(), strict=False)),
+            explained=self._explained() if np.isnan(measured).any() else None,
         )  # fmt: skip
+
+    def _explained(self) -> Callable[[list[str]], dict[str, str]]:
+        """What says of metrics, by their names, why they have no value at this moment."""
+        plan, blocks, end, packed = self.program.plan, self.loop.metrics, self.time, self.params
+        scalars, arrays = (x.copy() for x in self.state)
+
+        def reasons(names: list[str]) -> dict[str, str]:
+            params, state = plan.params.unpack(*packed).metrics, plan.state.unpack(scalars, arrays).metrics
+            return {
+                k: explain(getattr(params, k), getattr(state, k), end)
+                if (explain := blocks[k].no_value) is not None
+                else "the metric gives no reason"
+                for k in names
+            }
+
+        return reasons
 
     def _call(self, counters: np.ndarray, select: np.ndarray, table: np.ndarray, metrics: np.ndarray) -> None:
         arrays = (*self.params, *self.state, counters, select, table, metrics)
@@ -206,7 +226,7 @@ class Live:
         if loop.__dict__.get("program") is not self.program:
             said = ", ".join(f"{k} = {v!r}" for k, v in changes.items())
             raise ValueRefused(f"{said} changes the size of the loop; start a new one")
-        params, _ = loop.values()
+        params, _ = loop.values(self.duration)
         return loop, self.program.plan.params.pack(params)
 
     def save(self) -> Saved:

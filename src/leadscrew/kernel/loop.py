@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import platform
 import time
 import warnings
@@ -15,7 +16,7 @@ import numpy as np
 
 from leadscrew.escape import checked_line
 from leadscrew.kernel import door
-from leadscrew.kernel.block import Block
+from leadscrew.kernel.block import Block, takes
 from leadscrew.kernel.engines import ENGINES
 from leadscrew.kernel.errors import NameUnknown, ValueRefused
 from leadscrew.kernel.frame import SLOTS, Clock, as_floats, bundle
@@ -51,7 +52,8 @@ class Loop:
         period: control period in seconds; ``None`` makes controller and plant one continuous system.
         substeps: integration steps a period.
         method: ``rk4``, ``sdirk3`` (stiff, fixed cost) or ``rodas`` (stiff, adaptive), for plants that give a
-            derivative; a plant that takes ``dt`` brings its own step.
+            derivative; unless named, ``rodas`` for a plant declared ``stiff`` and ``rk4`` for any other. A plant that
+            takes ``dt`` brings its own step.
         computation_delay: seconds from sampling to a new output at the plant; a multiple of period / substeps.
         transport_delay: seconds by which the sensor sees the plant late; a multiple of period / substeps.
         metrics: metric blocks by name; the standard ones unless given.
@@ -75,7 +77,7 @@ class Loop:
         output_disturbance: Block | None = None,
         period: float | None = 1e-3,
         substeps: int = 1,
-        method: str = "rk4",
+        method: str | None = None,
         computation_delay: float = 0.0,
         transport_delay: float = 0.0,
         metrics: Mapping[str, Block] | None = None,
@@ -101,7 +103,10 @@ class Loop:
         self.step = self.period / self.substeps
         self.sent = door.in_steps("computation_delay", computation_delay, self.step)
         self.seen = door.in_steps("transport_delay", transport_delay, self.step)
-        self.method = door.one_of("method", method, list(METHODS))
+        if method is None:
+            self.method = "rodas" if self.continuous or plant.stiff else "rk4"
+        else:
+            self.method = door.one_of("method", method, list(METHODS))
         self.bound = min(door.positive("bound", bound, "in the unit of the true output"), LARGEST)
         self.seed = door.whole("seed", seed, 0, 2**53)
         self.rtol = door.positive("rtol", rtol, "")
@@ -110,7 +115,7 @@ class Loop:
         self.name = checked_line("name", name)
         self.origin: dict[str, Any] = {}
         """How to build this loop again: study, controller, scenario and changes; goes into the manifest."""
-        door.check_continuous(self)
+        door.check_continuous(self, method)
 
     # ---- parameters
     @cached_property
@@ -184,14 +189,36 @@ class Loop:
         """Every parameter's value by its dotted key."""
         return {k: e.default for k, e in self.sheet.items()}
 
+    @property
+    def integration(self) -> dict[str, Any]:
+        """What integrates the plant: ``method``, ``substeps`` a period, and the tolerances where they count.
+
+        ``method`` is ``own step`` for a plant that takes ``dt``.
+        """
+        plant = self.blocks["plant"]
+        assert plant is not None
+        method = "own step" if "dt" in plant.signals else self.method
+        adaptive = method == "rodas"
+        return {
+            "method": method,
+            "substeps": None if self.continuous else self.substeps,
+            "rtol": self.rtol if adaptive else None,
+            "atol": self.atol if adaptive else None,
+        }
+
     # ---- values as the compiled loop sees them
-    def prepared(self, block: Block, slot: str) -> Any:
-        """A block's parameters as its step gets them."""
-        if block.params is None:
-            return 0.0
-        if block.prepare is None:
-            return block.params
-        return block.prepare(block.params, self.step if slot == "plant" else self.period)
+    def prepared(self, block: Block, slot: str, duration: float = math.inf) -> Any:
+        """A block's parameters as its step gets them, in a run of ``duration`` seconds."""
+        return 0.0 if block.params is None else self.preparation(block, slot, duration)(block.params)
+
+    def preparation(self, block: Block, slot: str, duration: float = math.inf) -> Callable[[Any], Any]:
+        """What makes of a block's parameters those that its step gets."""
+        prepare = block.prepare
+        if prepare is None:
+            return lambda params: params
+        dt = self.step if slot == "plant" else self.period
+        timed = {"duration": duration} if block.kind == "metric" and takes(prepare, "duration") else {}
+        return lambda params: prepare(params, dt, **timed)
 
     def start_state(self, block: Block | None) -> Any:
         """A block's state at the start."""
@@ -199,10 +226,10 @@ class Loop:
             return 0.0
         return block.initial(block.params) if block.initial is not None else block.state
 
-    def values(self) -> tuple[Any, Any]:
-        """Parameters and state of the whole loop as nested NamedTuples."""
+    def values(self, duration: float = math.inf) -> tuple[Any, Any]:
+        """Parameters and state of the whole loop as nested NamedTuples, for a run of ``duration`` seconds."""
         params = {s: self.prepared(b, s) if b else 0.0 for s, b in self.blocks.items()}
-        measured = {k: self.prepared(b, "metrics") for k, b in self.metrics.items()}
+        measured = {k: self.prepared(b, "metrics", duration) for k, b in self.metrics.items()}
         params["metrics"] = bundle("MetricParams", measured) if measured else 0.0
         params["clock"] = Clock(self.period, self.step, self.substeps, self.seed, self.bound)
         states = {s: self.start_state(b) for s, b in self.blocks.items()}
@@ -327,15 +354,22 @@ class Loop:
         universes, give a note in ``run.notes`` and a RunWarning, where command, true output, true error and
         disturbance (for a fuzzy controller the feedback too) are recorded.
         """
-        live = self.start(engine=engine, run=run)
-        done = live.advance(self.periods(duration), record=record, every=every)
+        from leadscrew.kernel.live import Live
+
+        periods = self.periods(duration)
+        done = Live(self, engine or self.engine, run, periods * self.period).advance(
+            periods, record=record, every=every
+        )
         found = notes(done)
         for note in found:
             warnings.warn(f"{self.name}: {note.message}", RunWarning, stacklevel=2)
         return replace(done, notes=found) if found else done
 
     def start(self, *, engine: str | None = None, run: int = 0) -> Live:
-        """A live loop, to be advanced a number of periods at a time."""
+        """A live loop, to be advanced a number of periods at a time.
+
+        Its end is not known, so a metric of the last part of a run has a value only with a ``from_time`` of its own.
+        """
         from leadscrew.kernel.live import Live
 
         return Live(self, engine or self.engine, run)
@@ -385,8 +419,7 @@ class Loop:
             "seed": self.seed,
             "period_s": None if self.continuous else self.period,
             "sample_s": self.period if self.continuous else None,
-            "substeps": self.substeps,
-            "method": "own step" if "dt" in self.blocks["plant"].signals else self.method,  # type: ignore[union-attr]
+            **self.integration,
             "computation_delay_s": self.sent * self.step,
             "transport_delay_s": self.seen * self.step,
             "bound": None if self.bound >= LARGEST else self.bound,

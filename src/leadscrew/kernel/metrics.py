@@ -13,24 +13,43 @@ positioning one of many. The first sample is a move from ``actual`` to ``command
 rise time and settling time describe the last move of a run.
 
 Units: ``[error]`` and ``[output]`` stand for the unit of that signal in the loop at hand. A metric that has seen no
-sample that it could judge is NaN.
+sample that it could judge is NaN; ``Run.metrics_without_value`` says why.
 """
 
 from __future__ import annotations
 
 import math
+import sys
 from typing import Annotated, NamedTuple
 
 from leadscrew.kernel.block import Block, metric
-from leadscrew.kernel.sheet import Doc, Ge, Le, Unit
+from leadscrew.kernel.sheet import Doc, Ge, Gt, Le, Unit
 
 NAN = math.nan
+UNKNOWN = sys.float_info.max
+"""Start, in seconds, of a window that a live loop never reaches."""
 
 
 class Window(NamedTuple):
     """The part of a run that a metric looks at."""
 
     from_time: Annotated[float, Unit("s"), Ge(0), Doc("samples before this time are left out")] = 0.0
+
+
+class LastPart(NamedTuple):
+    """The end of a run, which a metric looks at."""
+
+    last_percent: Annotated[
+        float, Unit("%"), Gt(0), Le(100), Doc("length of the window, the last part of the run; 100: the whole run")
+    ] = 10.0
+    from_time: Annotated[float, Unit("s"), Ge(0), Doc("start of the window; 0: that of last_percent")] = 0.0
+
+
+def last_part(params: LastPart, dt: float, duration: float) -> LastPart:
+    """The window's start in a run of ``duration`` seconds; of a run whose end is not known there is no last part."""
+    if params.from_time > 0.0:
+        return params
+    return params._replace(from_time=min((1.0 - 0.01 * params.last_percent) * duration, UNKNOWN))
 
 
 class Sum(NamedTuple):
@@ -51,6 +70,22 @@ def within(p, t, dt):
     return 1.0 if t > p.from_time - 0.5 * dt else 0.0
 
 
+def empty_window(p: Window | LastPart, s: object, end: float) -> str:
+    """Why a metric has no value that judges every sample of its window."""
+    if p.from_time >= UNKNOWN:
+        return "the end of a live loop is not known, so it has no last part: set from_time"
+    return f"its window holds no sample: from_time = {p.from_time:g} s, and the run ends at {end:g} s"
+
+
+def few_samples(p: Window, s: object, end: float) -> str:
+    """Why a metric has no value that judges the difference of two samples."""
+    return f"its window holds fewer than two samples: from_time = {p.from_time:g} s, and the run ends at {end:g} s"
+
+
+STILL_MOVING = "the command still changes at the end of the run"
+NO_MOVE = "the command never changes in this run"
+
+
 def sign(x):
     """-1, 0 or 1."""
     return 1.0 if x > 0.0 else -1.0 if x < 0.0 else 0.0
@@ -58,7 +93,7 @@ def sign(x):
 
 def total(p, s):
     """The integral."""
-    return s.total
+    return s.total if s.time > 0.0 else NAN
 
 
 def mean(p, s):
@@ -76,78 +111,78 @@ def largest(p, s):
     return s.largest if s.largest >= 0.0 else NAN
 
 
-@metric(Window(), Sum(), output=root_mean, unit="[error]")
+@metric(Window(), Sum(), output=root_mean, unit="[error]", no_value=empty_window)
 def rms_error(p, s, error, t, dt):
     """Root mean square of the error: ``sqrt(sum(error^2 dt) / sum(dt))``."""
     weight = within(p, t, dt) * dt
     return Sum(s.total + error * error * weight, s.time + weight)
 
 
-@metric(Window(), Peak(), output=largest, unit="[error]")
+@metric(Window(), Peak(), output=largest, unit="[error]", no_value=empty_window)
 def max_error(p, s, error, t, dt):
     """Largest ``|error|``."""
     return Peak(max(s.largest, abs(error) if within(p, t, dt) > 0.0 else -1.0))
 
 
-@metric(Window(), Sum(), output=total, unit="[error] s")
+@metric(Window(), Sum(), output=total, unit="[error] s", no_value=empty_window)
 def iae(p, s, error, t, dt):
     """Integral of ``|error|``."""
     weight = within(p, t, dt) * dt
     return Sum(s.total + abs(error) * weight, s.time + weight)
 
 
-@metric(Window(), Sum(), output=total, unit="[error]^2 s")
+@metric(Window(), Sum(), output=total, unit="[error]^2 s", no_value=empty_window)
 def ise(p, s, error, t, dt):
     """Integral of ``error^2``."""
     weight = within(p, t, dt) * dt
     return Sum(s.total + error * error * weight, s.time + weight)
 
 
-@metric(Window(), Sum(), output=total, unit="[error] s^2")
+@metric(Window(), Sum(), output=total, unit="[error] s^2", no_value=empty_window)
 def itae(p, s, error, t, dt):
     """Integral of ``(t - from_time) |error|``: give the time of a late step as ``from_time``."""
     weight = within(p, t, dt) * dt
     return Sum(s.total + max(t - p.from_time, 0.0) * abs(error) * weight, s.time + weight)
 
 
-@metric(Window(), Peak(), output=largest, unit="[error]")
+@metric(LastPart(), Peak(), prepare=last_part, output=largest, unit="[error]", no_value=empty_window)
 def steady_state_error(p, s, error, t, dt):
-    """Largest ``|error|`` for ``t >= from_time``.
+    """Largest ``|error|`` in the last 10 % of the run.
 
-    The default window is the whole run, transient included: give ``from_time`` a time at which it has died out.
+    ``last_percent`` sets another part, ``from_time`` another start. A live loop has no end: set ``from_time``.
     """
     return Peak(max(s.largest, abs(error) if within(p, t, dt) > 0.0 else -1.0))
 
 
-@metric(Window(), Sum(), output=mean, unit="[error]")
+@metric(LastPart(), Sum(), prepare=last_part, output=mean, unit="[error]", no_value=empty_window)
 def mean_steady_state_error(p, s, error, t, dt):
-    """Mean ``|error|`` for ``t >= from_time``; give ``from_time`` a time at which the transient has died out."""
+    """Mean ``|error|`` in the last 10 % of the run; window as of ``steady_state_error``."""
     weight = within(p, t, dt) * dt
     return Sum(s.total + abs(error) * weight, s.time + weight)
 
 
-@metric(Window(), Sum(), output=root_mean, unit="[output]")
+@metric(Window(), Sum(), output=root_mean, unit="[output]", no_value=empty_window)
 def effort(p, s, output, t, dt):
     """Root mean square of the controller's output."""
     weight = within(p, t, dt) * dt
     return Sum(s.total + output * output * weight, s.time + weight)
 
 
-@metric(Window(), Sum(), output=mean, unit="[output]")
+@metric(Window(), Sum(), output=mean, unit="[output]", no_value=empty_window)
 def mean_effort(p, s, output, t, dt):
     """Mean ``|output|`` of the controller."""
     weight = within(p, t, dt) * dt
     return Sum(s.total + abs(output) * weight, s.time + weight)
 
 
-@metric(Window(), Sum(), output=total, unit="[output] s")
+@metric(Window(), Sum(), output=total, unit="[output] s", no_value=empty_window)
 def total_effort(p, s, output, t, dt):
     """Integral of ``|output|`` of the controller."""
     weight = within(p, t, dt) * dt
     return Sum(s.total + abs(output) * weight, s.time + weight)
 
 
-@metric(Window(), Peak(), output=largest, unit="[output]")
+@metric(Window(), Peak(), output=largest, unit="[output]", no_value=empty_window)
 def max_output(p, s, output, t, dt):
     """Largest ``|output|`` of the controller."""
     return Peak(max(s.largest, abs(output) if within(p, t, dt) > 0.0 else -1.0))
@@ -167,7 +202,7 @@ def root_mean_difference(p, s):
     return math.sqrt(s.total / s.periods) if s.periods > 0.0 else NAN
 
 
-@metric(Window(), Differences(), output=root_mean_difference, unit="[output] per period")
+@metric(Window(), Differences(), output=root_mean_difference, unit="[output] per period", no_value=few_samples)
 def chatter(p, s, output, t, dt):
     """Root mean square of ``output_k - output_(k-1)``, both samples inside the window."""
     inside = within(p, t, dt)
@@ -189,7 +224,7 @@ def rate(p, s):
     return s.crossings / s.time if s.time > 0.0 else NAN
 
 
-@metric(Window(), Crossings(), output=rate, unit="1/s")
+@metric(Window(), Crossings(), output=rate, unit="1/s", no_value=empty_window)
 def zero_crossing_rate(p, s, output, t, dt):
     """Changes of sign of the controller's output per second of the window.
 
@@ -209,26 +244,41 @@ class OvershootState(NamedTuple):
     direction: float = 0.0
     last_command: float = 0.0
     seen: float = 0.0
+    moving: float = 0.0
+    judged: float = 0.0
 
 
 def excess(p, s):
-    """The largest excess."""
-    return s.excess
+    """The largest excess; NaN without a move that has ended, or without a sample after it in the window."""
+    return s.excess if s.judged > 0.0 and s.direction != 0.0 and s.moving == 0.0 else NAN
 
 
-@metric(Window(), OvershootState(), output=excess, unit="[error]")
+def no_overshoot(p: Window, s: OvershootState, end: float) -> str:
+    """Why there is no overshoot."""
+    return NO_MOVE if s.direction == 0.0 else STILL_MOVING if s.moving > 0.0 else empty_window(p, s, end)
+
+
+@metric(Window(), OvershootState(), output=excess, unit="[error]", no_value=no_overshoot)
 def overshoot(p, s, command, actual, t, dt):
     """Largest excess of ``actual`` beyond ``command`` in the direction of travel, never negative.
 
     The direction is the sign of the last change of the command (at the first sample: of ``command - actual``), and
-    every change of the command starts the count afresh: what is left at the end belongs to the last move. Without a
-    move there is no direction and the overshoot is 0. Samples before ``from_time`` give a direction but no excess.
+    every change of the command starts the count afresh: what is left at the end belongs to the last move. NaN without
+    a move, and where the command still changes at the end. Samples before ``from_time`` give a direction but no excess.
     """
     change = command - (s.last_command if s.seen > 0.0 else actual)
     changed = change != 0.0
     direction = sign(change) if changed else s.direction
-    beyond = direction * (actual - command) * within(p, t, dt)
-    return OvershootState(max(0.0 if changed else s.excess, beyond), direction, command, 1.0)
+    inside = within(p, t, dt)
+    beyond = direction * (actual - command) * inside
+    return OvershootState(
+        max(0.0 if changed else s.excess, beyond),
+        direction,
+        command,
+        1.0,
+        1.0 if changed else 0.0,
+        inside if changed else max(s.judged, inside),
+    )
 
 
 class RiseParams(NamedTuple):
@@ -261,7 +311,18 @@ def rise(p, s):
     return s.high_time - s.low_time if s.low_time >= 0.0 and s.high_time >= 0.0 else NAN
 
 
-@metric(RiseParams(), RiseState(), output=rise, unit="s")
+def no_rise(p: RiseParams, s: RiseState, end: float) -> str:
+    """Why there is no rise time."""
+    if s.moving > 0.0:
+        return STILL_MOVING
+    if s.last_command == s.origin:
+        return NO_MOVE
+    if s.high_time < 0.0:
+        return f"after the last move the response does not pass {p.high_percent:g} % of it from below"
+    return f"the response is past {p.low_percent:g} % of the last move before the command stops changing"
+
+
+@metric(RiseParams(), RiseState(), output=rise, unit="s", no_value=no_rise)
 def rise_time(p, s, command, actual, t, dt):
     """Time that ``actual`` takes from 10 % to 90 % of the last move, each at its first passing.
 
@@ -272,7 +333,7 @@ def rise_time(p, s, command, actual, t, dt):
     """
     before = s.last_command if s.seen > 0.0 else actual
     changed = command != before
-    origin = before if changed and s.moving == 0.0 else s.origin
+    origin = before if changed and s.moving == 0.0 else s.origin if s.seen > 0.0 else command
     size = command - origin
     travel = sign(size) * (actual - origin)
     low = passed(0.01 * p.low_percent * abs(size), travel, s.last_travel, t, dt)
@@ -308,17 +369,30 @@ class SettlingState(NamedTuple):
 
 
 def settled(p, s):
-    """Time from the end of the move to the last entry into the band."""
-    return s.entered - s.start if s.inside > 0.0 else NAN
+    """Time from the end of the move to the last entry into the band; NaN before the move has ended."""
+    return s.entered - s.start if s.inside > 0.0 and s.moving == 0.0 else NAN
 
 
-@metric(SettlingParams(), SettlingState(), output=settled, unit="s")
+def no_settling(p: SettlingParams, s: SettlingState, end: float) -> str:
+    """Why there is no settling time."""
+    if s.moving > 0.0:
+        return STILL_MOVING
+    size = abs(s.last_command - s.origin)
+    half_width = max(p.band, 0.01 * p.percent * size)
+    if half_width == 0.0:
+        return f"{NO_MOVE}, so {p.percent:g} % of its last move is a band of width 0: set band"
+    of_move = f" ({p.percent:g} % of the last move)" if half_width > p.band else ""
+    return f"the error is outside ±{half_width:g}{of_move} at the end of the run"
+
+
+@metric(SettlingParams(), SettlingState(), output=settled, unit="s", no_value=no_settling)
 def settling_time(p, s, command, error, t):
     """Time from the last change of the command to the first sample after which ``|error|`` stays inside the band.
 
     The half width of the band is the larger of ``band`` and ``percent`` of the last move, which goes from the command
-    before it (at the first sample: from ``actual``) to the command after it. NaN where the error is outside at the
-    end. For a band in units alone: ``settling_time(percent=0.0, band=0.001)``. Without a move, time counts from 0.
+    before it (at the first sample: from ``actual``) to the command after it. NaN where the error is outside, or the
+    command still changes, at the end. For a band in units alone: ``settling_time(percent=0.0, band=0.001)``. Without a
+    move, time counts from 0.
     """
     before = s.last_command if s.seen > 0.0 else command - error
     changed = command != before

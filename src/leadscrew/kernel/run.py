@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import json
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -85,6 +87,16 @@ class Run:
     every: int = 1
     notes: tuple[Note, ...] = ()
     """What the metrics do not show: a loop that moves away from its target, fuzzy inputs outside of their universes."""
+    explained: Callable[[list[str]], dict[str, str]] | None = field(default=None, repr=False, compare=False)
+    """Takes names of metrics and gives the reason why each has no value."""
+
+    @cached_property
+    def metrics_without_value(self) -> dict[str, str]:
+        """Why a metric is NaN, by its name."""
+        lost = [k for k, v in self.metrics.items() if np.isnan(v)]
+        if self.diverged is not None:
+            return dict.fromkeys(lost, f"the run diverged at t = {self.diverged.time:g} s")
+        return self.explained(lost) if lost and self.explained is not None else {}
 
     @property
     def time(self) -> np.ndarray:
@@ -127,6 +139,7 @@ class Run:
             else {**self.diverged.__dict__, "value": repr(self.diverged.value)},
             "metrics": {k: v if np.isfinite(v) else None for k, v in self.metrics.items()},
             "notes": [n._asdict() for n in self.notes],
+            "metrics_without_value": self.metrics_without_value,
         }
 
     def save(self, folder: str | Path) -> Path:
@@ -153,7 +166,8 @@ class Run:
         return run_figure(self)
 
     def _repr_html_(self) -> str:
-        rows = "".join(f"<tr><td>{html(k)}</td><td>{v:.6g}</td></tr>" for k, v in self.metrics.items())
+        cells = {k: html(self.metrics_without_value.get(k, f"{v:.6g}")) for k, v in self.metrics.items()}
+        rows = "".join(f"<tr><td>{html(k)}</td><td>{v}</td></tr>" for k, v in cells.items())
         state = f"<p><b>{html(str(self.diverged))}</b></p>" if self.diverged else ""
         notes = "".join(f"<p>{html(n.message)}</p>" for n in self.notes)
         return f"<h4>{html(self.loop.name)}: {self.duration:g} s</h4>{state}<table>{rows}</table>{notes}"
@@ -173,9 +187,9 @@ def strict(value: Any) -> Any:
 
 
 MANIFEST: dict[str, Any] = {
-    "parameters": dict, "origin": dict | None, "metrics": dict | None, "blocks": dict, "record": list, "run": int,
-    "every": int, "engine": str, "duration_s": float | int, "start_s": float | int, "seed": int | None, "bound":
-    float | int | str | None,
+    "parameters": dict, "origin": dict | None, "metrics": dict | None, "metrics_without_value": dict | None,
+    "blocks": dict, "record": list, "run": int, "every": int, "engine": str, "duration_s": float | int,
+    "start_s": float | int, "seed": int | None, "bound": float | int | str | None,
 }  # fmt: skip
 """What stands in the manifest of a run, where something does."""
 

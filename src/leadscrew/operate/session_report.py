@@ -18,7 +18,7 @@ from leadscrew.operate.session import Event, Rerun, Session
 from leadscrew.operate.stretches import Envelope, Judged, Stretch, judged
 from leadscrew.report.page import page, paragraphs, picture, table
 from leadscrew.report.style import BLACK, BLUE, GREEN, ORANGE, PURPLE, SKY, VERMILION
-from leadscrew.report.tables import number
+from leadscrew.report.tables import integrated, number
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -108,10 +108,12 @@ def write(session: Session, path: str | Path, title: str = "") -> None:
 def _opening(session: Session, rerun: Rerun) -> list[str]:
     operated, start = rerun.operated, session.start
     seed = operated.loop.seed
+    by = integrated(operated.loop.integration)
     lines = [
         f"{_machine(operated)}; this page was made on {datetime.now(UTC):%Y-%m-%d at %H:%M} UTC",
         f"A simulated machine was operated for {session.periods * operated.period_s:g} s: {session.periods} periods of "
-        f"{operated.period_s:g} s{', two axes on a circle' if start.circle else ''}, seed {seed}",
+        f"{operated.period_s:g} s{', two axes on a circle' if start.circle else ''}, seed {seed}"
+        + (f", plant integrated by {by}" if by else ""),
         f"Digest of all signals: `{session.digest}`",
         "For this page the session was run again: "
         + ("every signal has the same bits" if rerun.identical else f"NOT identical, {rerun.difference}"),

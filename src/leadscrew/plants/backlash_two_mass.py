@@ -20,8 +20,9 @@ dead band with contact damping: M. Nordin, P.-O. Gutman, *Controlling mechanical
 Automatica 38 (2002) 1633. Masses: the paper's Table 1 through its screw, 2.12e-4 kg m^2 / (1.5923e-3 m)^2 and 62.4 kg.
 Gap, stiffness, restitution and guide (20 N, 50 N s/m) are chosen; the paper gives none.
 
-Stiff while the guide sticks: use ``rodas`` (impacts are found by its error control; ``atol`` 1e-12 m for nm) or
-``sdirk3`` with a step well below the contact time, ``pi sqrt(m / k)``, 1.9 ms with the default numbers.
+Stiff while the guide sticks: integrated by ``rodas`` unless a loop names a method (its error control finds impacts;
+``atol`` 1e-12 m for nm). Or ``sdirk3`` with a step well below the contact time, ``pi sqrt(m / k)``, 1.9 ms with the
+default numbers.
 """
 
 from __future__ import annotations
@@ -162,6 +163,7 @@ def two_mass_jacobian(p, s):
     output=shown,
     prepare=planned,
     jacobian=two_mass_jacobian,
+    stiff=True,
     unit="m",
 )
 def backlash_two_mass(p, s, u, load):

@@ -162,7 +162,12 @@ def axial_jacobian(p, s, u, load, t):
 
 
 @plant(
-    BallscrewAxialParams(), BallscrewAxialState(), output=shown, jacobian=axial_jacobian, prepare=plan_ballscrew_axial
+    BallscrewAxialParams(),
+    BallscrewAxialState(),
+    output=shown,
+    jacobian=axial_jacobian,
+    prepare=plan_ballscrew_axial,
+    stiff=True,
 )
 def ballscrew_axial(p, s, u, load):
     """Ball-screw stage with one axial mode: derivatives under the torque ``u`` and a load at the table, in N m."""

@@ -16,7 +16,7 @@ joint (1e8 N/m), restitution (0.9) and guide (20 N, 50 N s/m) are chosen; the pa
 Pressed together the two bodies swing against each other at ``sqrt(k / m) = 1673 1/s``, 266 Hz, with the motor held by
 friction at ``sqrt(k / M_t)``, 201 Hz: a loop closed on the table has to leave that alone. Shown are the table, as a
 linear scale sees it, and the screw, as an encoder on the motor does (:mod:`leadscrew.sensors.axis_encoder`). ``u`` in
-N m, ``load`` in N at the table. Use ``rodas``, ``atol`` 1e-12 or less. Without impacts: ``ballscrew_play``.
+N m, ``load`` in N at the table. Stiff; give ``atol`` 1e-12 or less. Without impacts: ``ballscrew_play``.
 """
 
 from __future__ import annotations
@@ -125,7 +125,14 @@ def backlash_jacobian(p, s):
     )
 
 
-@plant(BallscrewBacklashParams(), BallscrewBacklashState(), output=shown, prepare=planned, jacobian=backlash_jacobian)
+@plant(
+    BallscrewBacklashParams(),
+    BallscrewBacklashState(),
+    output=shown,
+    prepare=planned,
+    jacobian=backlash_jacobian,
+    stiff=True,
+)
 def ballscrew_backlash(p, s, u, load):
     """Screw and table with a dead band and impacts between them: derivatives under torque and force on the table."""
     force = contact(p, p.lead_per_rad * s.angle - s.table, p.lead_per_rad * s.speed - s.table_speed)

@@ -16,7 +16,7 @@ impacts are fully plastic".
 
 Source: section 2.1 of Shams and Safdari (2010) for the play; Tables 1 and 2 for the stage; 1 um to each side is chosen.
 Shown are the table, as a linear scale sees it, and the screw, as an encoder on the motor does: a loop is closed on
-either by :mod:`leadscrew.sensors.axis_encoder`. Use ``rodas``, ``atol`` 1e-12 or less. With impacts:
+either by :mod:`leadscrew.sensors.axis_encoder`. Stiff; give ``atol`` 1e-12 or less. With impacts:
 :mod:`leadscrew.plants.ballscrew_backlash`.
 """
 
@@ -100,7 +100,7 @@ def play_jacobian(p, s):
     )
 
 
-@plant(BallscrewPlayParams(), BallscrewPlayState(), output=shown, jacobian=play_jacobian)
+@plant(BallscrewPlayParams(), BallscrewPlayState(), output=shown, jacobian=play_jacobian, stiff=True)
 def ballscrew_play(p, s, u, load):
     """Ball-screw stage with LuGre friction and play to the table: derivatives under the torques, in N m."""
     rate = bristle_rate(p.friction, s.speed, s.bristle)

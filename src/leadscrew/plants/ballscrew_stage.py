@@ -11,8 +11,9 @@ Source: Shams and Safdari (2010), *Fuzzy Sliding Mode Control of a Ball Screw Dr
 stage shows the angle in rad; with ``travel_per_rad = 1.5923`` (Table 1) it shows the table's position in mm.
 
 The friction torque (6.24 N m is 3.9 kN at the table) is far above what inertia asks for. The system is stiff (rates up
-to 1e6 1/s while it sticks): use the methods ``rodas`` or ``sdirk3``; explicit ones need steps below 3 us. A run that
-starts in motion should start with its bristles bent: ``steady_bristle`` of :mod:`leadscrew.friction.lugre`.
+to 1e6 1/s while it sticks): integrated by ``rodas`` unless a loop names a method; explicit ones need steps below 3 us.
+A run that starts in motion should start with its bristles bent: ``steady_bristle`` of
+:mod:`leadscrew.friction.lugre`.
 """
 
 from __future__ import annotations
@@ -85,7 +86,7 @@ def stage_jacobian(p, s):
     return ((0.0, 1.0, 0.0), (0.0, speed_by_speed, speed_by_bristle), (0.0, by_speed, by_bristle))
 
 
-@plant(BallscrewStageParams(), BallscrewStageState(), output=shown, jacobian=stage_jacobian)
+@plant(BallscrewStageParams(), BallscrewStageState(), output=shown, jacobian=stage_jacobian, stiff=True)
 def ballscrew_stage(p, s, u, load):
     """Ball-screw stage with LuGre friction: derivatives under the torque ``u`` and the load torque, in N m."""
     f = p.friction

@@ -3,7 +3,7 @@
     m dv/dt = u - F - sigma_2 v        dx/dt = v        dF/dt by :mod:`leadscrew.friction.dahl`
 
 Stuck it is a spring: 316 rad/s with the default numbers (unit mass of Canudas de Wit et al. 1995). Sliding, the force
-settles at the rate ``sigma |v| / F_C``, 1e4 1/s at 0.1 m/s: use ``rodas`` or ``sdirk3`` for anything but slow motion.
+settles at the rate ``sigma |v| / F_C``, 1e4 1/s at 0.1 m/s: integrated by ``rodas`` unless a loop names a method.
 """
 
 from __future__ import annotations
@@ -40,7 +40,7 @@ def mass_dahl_jacobian(p, s):
     )
 
 
-@plant(MassDahlParams(), MassDahlState(), jacobian=mass_dahl_jacobian, unit="m")
+@plant(MassDahlParams(), MassDahlState(), jacobian=mass_dahl_jacobian, stiff=True, unit="m")
 def mass_dahl(p, s, u):
     """A mass under Dahl friction: derivatives under a force."""
     pushed = u - s.force - p.friction.viscous * s.speed

@@ -4,8 +4,9 @@
 
 Friction: :mod:`leadscrew.friction.asymmetric`. Numbers: Canudas de Wit et al. (1995), Table I; with them it shows what
 that paper shows: break-away that falls with the rate of the force, stick-slip, hunting under integral control. Stiff
-(``|v| s0 / F_C`` is 1e4 1/s at 0.1 m/s): use ``rodas`` or ``sdirk3``. Start a run in motion with the bristles bent:
-``steady_bristle`` of :mod:`leadscrew.friction.lugre`. The ball-screw stage in N m is ``ballscrew_stage``.
+(``|v| s0 / F_C`` is 1e4 1/s at 0.1 m/s): integrated by ``rodas`` unless a loop names a method. Start a run in motion
+with the bristles bent: ``steady_bristle`` of :mod:`leadscrew.friction.lugre`. The ball-screw stage in N m is
+``ballscrew_stage``.
 """
 
 from __future__ import annotations
@@ -43,7 +44,7 @@ def mass_lugre_jacobian(p, s):
     return ((0.0, 1.0, 0.0), (0.0, speed_by_speed, speed_by_bristle), (0.0, by_speed, by_bristle))
 
 
-@plant(MassLuGreParams(), MassLuGreState(), jacobian=mass_lugre_jacobian, unit="m")
+@plant(MassLuGreParams(), MassLuGreState(), jacobian=mass_lugre_jacobian, stiff=True, unit="m")
 def mass_lugre(p, s, u):
     """A mass under LuGre friction with values for each direction: derivatives under a force."""
     f = one_way_lugre(p.friction, s.speed)

@@ -5,8 +5,8 @@
 The axis of :mod:`leadscrew.plants.servo_axis` with bristles (:mod:`leadscrew.friction.asymmetric`) in place of exact
 sticking, and without play; state and Jacobian are those of :mod:`leadscrew.plants.mass_lugre`. Stiff: while it slides
 the bristles settle at the rate ``s0 |v| / g``, 2.5e4 1/s at 0.1 m/s with the values below, which RK4 at 1 ms cannot
-follow: ``rodas`` for single runs, ``sdirk3`` at a fixed cost. A start in motion has the bristles bent as in steady
-sliding. Units as in ``servo_axis``.
+follow. Integrated by ``rodas`` unless a loop names a method; ``sdirk3`` has a fixed cost. A start in motion has the
+bristles bent as in steady sliding. Units as in ``servo_axis``.
 """
 
 from __future__ import annotations
@@ -51,6 +51,7 @@ def lugre_axis_shown(p, s):
     output=lugre_axis_shown,
     initial=lugre_axis_start,
     jacobian=mass_lugre_jacobian,
+    stiff=True,
     unit="mm",
 )
 def servo_axis_lugre(p, s, u, load):

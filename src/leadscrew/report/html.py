@@ -63,7 +63,7 @@ def render(
         for title, claims in result.by_topic()
     ]  # fmt: skip
     runs = [
-        (key, folders[key], run.duration, run.diverged, tables.metric_rows(run.loop, run.metrics))
+        (key, folders[key], run.duration, run.diverged, tables.metric_rows(run))
         for key, run in result.runs.items()
         if key in folders
     ]

@@ -15,6 +15,7 @@ from leadscrew.report.claim import Claim, Verdict
 if TYPE_CHECKING:
     from leadscrew.kernel.block import Block
     from leadscrew.kernel.loop import Loop
+    from leadscrew.kernel.run import Run
     from leadscrew.studies.study import Study
 
 NOTHING = "–"
@@ -134,6 +135,17 @@ class MetricRow(NamedTuple):
     value: float
     unit: str
     doc: str
+    reason: str = ""
+    """Why it has no value."""
+
+
+def integrated(by: Mapping[str, Any]) -> str:
+    """A loop's ``integration`` in words; empty for a plant that brings its own step."""
+    if by["method"] == "own step":
+        return ""
+    if by["rtol"] is not None:
+        return f"{by['method']} (rtol {by['rtol']:g}, atol {by['atol']:g})"
+    return f"{by['method']} ({by['substeps']} step{'s' if by['substeps'] > 1 else ''} a period)"
 
 
 def metric_unit(loop: Loop, metric: Block) -> str:
@@ -145,11 +157,14 @@ def metric_unit(loop: Loop, metric: Block) -> str:
     return unit
 
 
-def metric_rows(loop: Loop, metrics: Mapping[str, float]) -> list[MetricRow]:
-    """The metrics of a run, with units."""
+def metric_rows(run: Run) -> list[MetricRow]:
+    """The metrics of a run, with units, and why one has no value."""
+    blocks, reasons = run.loop.metrics, run.metrics_without_value
     return [
-        MetricRow(name, float(value), metric_unit(loop, loop.metrics[name]), first_line(loop.metrics[name].doc))
-        for name, value in metrics.items()
+        MetricRow(
+            name, float(value), metric_unit(run.loop, blocks[name]), first_line(blocks[name].doc), reasons.get(name, "")
+        )
+        for name, value in run.metrics.items()
     ]
 
 

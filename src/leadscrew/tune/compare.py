@@ -30,7 +30,7 @@ from leadscrew.tune.compare_statistics import bad_plants, paired, per_plant, pla
 from leadscrew.tune.crew import Crew, Threads
 from leadscrew.tune.job import Job, held
 from leadscrew.tune.journal import Journal
-from leadscrew.tune.measure import Progress, Samples
+from leadscrew.tune.measure import Progress, Samples, same_run
 from leadscrew.tune.objective import Constraint, Goal, constraint, contradiction, goal
 from leadscrew.tune.space import Space
 from leadscrew.tune.tuned import Tuned, marks
@@ -173,6 +173,7 @@ def judged(
     """The ranking of what was measured."""
     from leadscrew.report.tables import metric_unit
 
+    same = all(same_run(samples, asked.over.keys) for _, _, samples in measured)
     results, firsts, bads = [], {}, {}
     for one, tuned, samples in measured:
         found = marks(samples, asked.goals, asked.constraints)
@@ -180,12 +181,12 @@ def judged(
         wanted = {plain(w): w for w in (*asked.goals, *asked.constraints)}
         values = {k: per_plant(w, samples) for k, w in wanted.items()}
         firsts[one.name], bads[one.name] = values[plain(asked.goals[0])], bad
-        standings = {k: standing(v, asked.seed, wanted[k].upper) for k, v in values.items()}
+        standings = {k: standing(v, asked.seed, wanted[k].upper, same) for k, v in values.items()}
         results.append(Result(one.name, tuned, found, standings, int(bad.sum()), samples))
     first = plain(asked.goals[0])
     results.sort(key=lambda r: (r.bad, np.nan_to_num(r.standings[first].mean.value, nan=np.inf)))
     pairs = [
-        paired(a.name, b.name, firsts[a.name], firsts[b.name], bads[a.name], bads[b.name], asked.seed)
+        paired(a.name, b.name, firsts[a.name], firsts[b.name], bads[a.name], bads[b.name], asked.seed, same)
         for a, b in pairwise(results)
     ]
     one = asked.contenders[0]
@@ -195,7 +196,7 @@ def judged(
     return Comparison(
         tuple(results), tuple(pairs), asked.goals, asked.constraints, {k: str(d) for k, d in asked.over.items},
         one.job.where, asked.unseen, asked.seed, units[first], asked.budget, asked.plants,
-        asked.optimiser, crew, wall_s, units,
+        asked.optimiser, crew, wall_s, units, {c.name: c.job.integration for c in asked.contenders}, same,
     )  # fmt: skip
 
 

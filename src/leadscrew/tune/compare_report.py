@@ -18,7 +18,7 @@ from leadscrew.tune import tuned_files
 from leadscrew.tune.compare import Contest
 from leadscrew.tune.compare_result import Comparison
 from leadscrew.tune.compare_statistics import per_plant
-from leadscrew.tune.compare_words import METRICS, RANKING, metric_rows, ranking_rows, worse_than_seen
+from leadscrew.tune.compare_words import METRICS, RANKING, confidence, metric_rows, ranking_rows
 from leadscrew.tune.objective import Goal
 from leadscrew.tune.tuned_figures import strip
 from leadscrew.tune.tuned_report import page, parquet, save_figures
@@ -67,7 +67,8 @@ def figure(found: Comparison, asked: Contest) -> Figure:
         ax.set_axisbelow(True)
     for ax in axes.ravel()[len(wanted) :]:
         ax.set_visible(False)
-    drawn.suptitle(f"{found.unseen} plants that no tuning saw; bar: median", fontsize="medium")
+    runs = "one run: nothing varies" if found.same_run else f"{found.unseen} plants that no tuning saw; bar: median"
+    drawn.suptitle(runs, fontsize="medium")
     return drawn
 
 
@@ -88,9 +89,7 @@ def write(found: Comparison, asked: Contest, folder: str | Path) -> None:
             parquet(r.samples, beside / f"{stem}.parquet")
             if r.tuned is not None:
                 controller_file.write(beside / f"{stem}.toml", tuned_files.controller_of(jobs[r.name], r.tuned))
-        most = 100.0 * worse_than_seen(found.unseen)
-        note = f"With 95 % confidence at most {most:.2g} % of all plants are worse than the worst one seen"
-        noted = [f"note: {n}" for n in found.notes]
+        noted = [*filter(None, [confidence(found)]), *(f"note: {n}" for n in found.notes)]
         tables = [("Ranking", RANKING, ranking_rows(found)), ("Metrics", METRICS, metric_rows(found))]
-        html = page("Comparison", [found.sentence().rstrip("."), note, *noted], tables, drawn)
+        html = page("Comparison", [found.sentence().rstrip("."), *noted], tables, drawn)
         (beside / "report.html").write_text(html, "utf-8")

@@ -55,6 +55,10 @@ class Comparison:
     wall_s: float = 0.0
     units: dict[str, str] = field(default_factory=dict)
     """Of each metric, by its text in the standings; empty for a mere number."""
+    integration: dict[str, dict[str, dict[str, Any]]] = field(default_factory=dict)
+    """What integrates the plant, by contender and scenario."""
+    same_run: bool = False
+    """Whether all runs of each contender are the same run: nothing varied, so there is no confidence to state."""
 
     def sentence(self) -> str:
         """What may be said of it."""
@@ -64,8 +68,10 @@ class Comparison:
 
     @property
     def notes(self) -> list[str]:
-        """What is to be known of the settings besides, each with the contender whose it is."""
-        return [f"{r.name}: {n}" for r in self.results if r.tuned for n in r.tuned.notes]
+        """What is to be known besides: of the plants, and of each contender's setting."""
+        from leadscrew.tune.compare_words import nothing_varied
+
+        return nothing_varied(self) + [f"{r.name}: {n}" for r in self.results if r.tuned for n in r.tuned.notes]
 
     def as_dict(self) -> dict[str, Any]:
         """For JSON."""
@@ -79,6 +85,6 @@ class Comparison:
             "goals": [str(g) for g in self.goals], "constraints": [str(c) for c in self.constraints],
             "over": self.over, "scenarios": list(self.scenarios), "unseen": self.unseen, "seed": self.seed,
             "budget": self.budget, "plants": self.plants, "optimiser": self.optimiser, "sentence": self.sentence(),
-            "notes": self.notes, "units": self.units,
+            "notes": self.notes, "units": self.units, "integration": self.integration, "same_run": self.same_run,
             "crew": self.crew, "wall_s": self.wall_s,
         }  # fmt: skip

@@ -16,7 +16,7 @@ RESAMPLES = 4000
 
 
 class Interval(NamedTuple):
-    """A number with its 95 % confidence interval."""
+    """A number with its 95 % confidence interval; the ends are NaN where there is no spread to take one from."""
 
     value: float
     low: float
@@ -40,7 +40,7 @@ class Pair:
     better: str
     worse: str
     order: float
-    """Part of the resamples in which the order is this one."""
+    """Part of the resamples in which the order is this one; NaN without spread."""
     difference: Interval
     """First goal of the better one less that of the worse one, in the mean over plants on which both were judged."""
     judged: int
@@ -80,8 +80,8 @@ def bad_plants(samples: Samples, goals: Sequence[Goal], constraints: Sequence[Co
     return np.asarray(bad)
 
 
-def standing(values: np.ndarray, seed: int, upper: bool = True) -> Standing:
-    """Mean, 95th percentile and worst over plants."""
+def standing(values: np.ndarray, seed: int, upper: bool = True, same: bool = False) -> Standing:
+    """Mean, 95th percentile and worst over plants; without intervals where all are the ``same`` run."""
     known = values[~np.isnan(values)]
     if not len(known):
         nothing = Interval(np.nan, np.nan, np.nan)
@@ -89,32 +89,36 @@ def standing(values: np.ndarray, seed: int, upper: bool = True) -> Standing:
     drawn = known[resamples(seed, len(known))]
     high = 95.0 if upper else 5.0
     return Standing(
-        _interval(float(known.mean()), drawn.mean(axis=1)),
-        _interval(float(np.percentile(known, high)), np.percentile(drawn, high, axis=1)),
+        _interval(float(known.mean()), drawn.mean(axis=1), same or len(known) < 2),
+        _interval(float(np.percentile(known, high)), np.percentile(drawn, high, axis=1), same or len(known) < 2),
         float(known.max() if upper else known.min()), len(known),
     )  # fmt: skip
 
 
-def _interval(value: float, drawn: np.ndarray) -> Interval:
+def _interval(value: float, drawn: np.ndarray, single: bool) -> Interval:
+    """A value with its bootstrap interval; without one for a ``single`` run, which shows no spread."""
+    if single:
+        return Interval(value, np.nan, np.nan)
     low, high = np.percentile(drawn, (2.5, 97.5))
     return Interval(value, float(low), float(high))
 
 
 def paired(
-    better: str, worse: str, a: np.ndarray, b: np.ndarray, bad_a: np.ndarray, bad_b: np.ndarray, seed: int
-) -> Pair:
-    """Two contenders on the same plants."""
+    better: str, worse: str, a: np.ndarray, b: np.ndarray, bad_a: np.ndarray, bad_b: np.ndarray, seed: int,
+    same: bool = False,
+) -> Pair:  # fmt: skip
+    """Two contenders on the same plants; without intervals and order where all plants are the ``same`` run."""
     picks = resamples(seed, len(a))
     bads = bad_a[picks].sum(axis=1) - bad_b[picks].sum(axis=1)
     with np.errstate(invalid="ignore"):
         means = _means(a[picks]) - _means(b[picks])
-    order = float(np.mean((bads < 0) | ((bads == 0) & (means < 0.0))))
+    order = np.nan if same else float(np.mean((bads < 0) | ((bads == 0) & (means < 0.0))))
     both = ~(np.isnan(a) | np.isnan(b))
     if not both.any():
         return Pair(better, worse, order, Interval(np.nan, np.nan, np.nan), 0)
     d = (a - b)[both]
     drawn = d[resamples(seed, len(d))].mean(axis=1)
-    return Pair(better, worse, order, _interval(float(d.mean()), drawn), int(both.sum()))
+    return Pair(better, worse, order, _interval(float(d.mean()), drawn, same or len(d) < 2), int(both.sum()))
 
 
 def _means(values: np.ndarray) -> np.ndarray:

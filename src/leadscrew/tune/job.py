@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+import warnings
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
@@ -104,6 +105,11 @@ class Job:
         """Seconds of a run."""
         return float(self.of(scenario).seconds())
 
+    @property
+    def integration(self) -> dict[str, dict[str, Any]]:
+        """What integrates the plant in each scenario, see :attr:`leadscrew.Loop.integration`."""
+        return {s: self.loop(s).integration for s in self.where}
+
     def run(self, chunk: Chunk, threads: int = 1) -> dict[str, np.ndarray]:
         """Metrics by name and ``diverged_at``, one value a run."""
         loop = self.loop(chunk.scenario)
@@ -112,6 +118,16 @@ class Job:
             engine=self.experiment.engine,
         )  # fmt: skip
         return {**done.metrics, DIVERGED: done.diverged_at}
+
+    def reasons(self, scenario: str, values: Mapping[str, float], run: int) -> dict[str, str]:
+        """Why metrics of one run have no value, by name; the run is done again, alone."""
+        loop = self.loop(scenario)
+        whole = [k for k in values if loop.sheet[k].type == "int"]
+        changes = {k: int(v) if k in whole else float(v) for k, v in values.items()}
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            alone = loop.using(changes).run(self.seconds(scenario), every=0, engine=self.experiment.engine, run=run)
+        return alone.metrics_without_value
 
     @cached_property
     def mark(self) -> str:

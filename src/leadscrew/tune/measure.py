@@ -115,3 +115,15 @@ def measure(
         lost[scenario] = joined.pop(DIVERGED)
         metrics[scenario] = joined
     return Samples({k: np.asarray(v) for k, v in columns.items()}, metrics, lost)
+
+
+def identical(samples: Samples) -> bool:
+    """Whether all runs gave the same bits in every scenario."""
+    columns = [*samples.diverged_at.values(), *(v for found in samples.metrics.values() for v in found.values())]
+    return all(bool((bits == bits[0]).all()) for bits in (np.asarray(c, np.float64).view(np.uint64) for c in columns))
+
+
+def same_run(samples: Samples, varied: Sequence[str]) -> bool:
+    """Whether several runs are the same run: no parameter that may vary did, and no noise reached a metric."""
+    drawn = [samples.columns.get(k) for k in varied]
+    return len(samples) > 1 and identical(samples) and all(v is not None and bool((v == v[0]).all()) for v in drawn)

@@ -11,7 +11,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -20,7 +20,7 @@ from leadscrew.tune.crew import Crew, Threads
 from leadscrew.tune.failures import Separation, separations
 from leadscrew.tune.job import Job, chunks_of, held
 from leadscrew.tune.journal import Journal
-from leadscrew.tune.measure import Progress, Samples, measure
+from leadscrew.tune.measure import Progress, Samples, measure, same_run
 from leadscrew.tune.montecarlo_tolerances import Tolerance, tolerances
 from leadscrew.tune.sensitivity import RankCorrelation, rank_correlations
 from leadscrew.tune.space import Given, Method, Space, check_method
@@ -28,6 +28,19 @@ from leadscrew.tune.statistics import Spread, Yield, spread, without_intervals, 
 
 LARGEST = 2**31 - 1
 """Most runs: the noise has no more numbers."""
+
+
+class WithoutValue(NamedTuple):
+    """A metric that some runs of a scenario give no value for."""
+
+    scenario: str
+    metric: str
+    runs: int
+    """How many did not diverge and gave none."""
+    first: int
+    """Number of the first such run."""
+    reason: str
+    """Why it gave none in that run."""
 
 
 @dataclass
@@ -74,8 +87,26 @@ class MonteCarlo:
 
     @cached_property
     def alike(self) -> bool:
-        """Whether all runs are the same run: nothing was drawn, and no noise made one bit of a difference."""
-        return not len(self.space) and len(self) > 1 and identical(self.samples)
+        """Whether all runs are the same run: nothing drawn differs, and no noise made one bit of a difference."""
+        return same_run(self.samples, self.space.keys)
+
+    @cached_property
+    def without_value(self) -> tuple[WithoutValue, ...]:
+        """Metrics without a value in runs that did not diverge, each with the reason in the first such run."""
+        found = []
+        for scenario, metrics in self.samples.metrics.items():
+            ran = np.isnan(self.samples.diverged_at[scenario])
+            lost = {m: np.flatnonzero(np.isnan(v) & ran) for m, v in metrics.items()}
+            firsts = {int(runs[0]) for runs in lost.values() if len(runs)}
+            reasons = {
+                k: self.job.reasons(scenario, {n: v[k] for n, v in self.samples.columns.items()}, k) for k in firsts
+            }
+            found += [
+                WithoutValue(scenario, m, len(runs), int(runs[0]), reasons[int(runs[0])].get(m, ""))
+                for m, runs in lost.items()
+                if len(runs)
+            ]
+        return tuple(found)
 
     @cached_property
     def diverged(self) -> np.ndarray:
@@ -97,12 +128,6 @@ class MonteCarlo:
     def failures(self) -> tuple[Separation, ...]:
         """How each parameter separates failed from passed runs, tolerance by tolerance."""
         return separations(self)
-
-
-def identical(samples: Samples) -> bool:
-    """Whether all runs gave the same bits in every scenario."""
-    columns = [*samples.diverged_at.values(), *(v for found in samples.metrics.values() for v in found.values())]
-    return all(bool((bits == bits[0]).all()) for bits in (np.asarray(c, np.float64).view(np.uint64) for c in columns))
 
 
 def spreads(samples: Samples, metrics: Sequence[str]) -> tuple[Spread, ...]:

@@ -53,7 +53,17 @@ def missing(findings: Findings) -> str:
     return f"no Sobol indices where runs gave no value: {said}" if lost else ""
 
 
+def without_value(found: MonteCarlo) -> list[str]:
+    """Why runs give no value of a metric, a sentence each; the reason is that of the first such run."""
+    several = len(found.samples.scenarios) > 1
+    return [
+        f"{w.metric}{f' in {w.scenario}' if several else ''} has no value in {w.runs} of {len(found)} runs; "
+        f"run {w.first}: {w.reason}"
+        for w in found.without_value
+    ]
+
+
 def notes(findings: Findings) -> list[str]:
     """All of them."""
     said = (alike(findings.found), independence(findings.found), unknown(findings), missing(findings))
-    return [s for s in said if s]
+    return [s for s in said if s] + without_value(findings.found)

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from leadscrew.report.tables import number
-from leadscrew.tune.montecarlo_notes import alike, independence, missing, unknown
+from leadscrew.tune.montecarlo_notes import alike, independence, missing, unknown, without_value
 
 if TYPE_CHECKING:
     from leadscrew.tune.montecarlo_report import Findings
@@ -42,6 +42,7 @@ def render(findings: Findings, said: Mapping[str, Any], folder: Path, drawn: Seq
         ],
         independence=independence(findings.found),
         alike=alike(findings.found),
+        without=without_value(findings.found),
         sobol_notes=[s for s in (unknown(findings), missing(findings)) if s],
         keys=list(findings.found.space.keys),
         folder=folder,

@@ -76,6 +76,7 @@ def summary(findings: Findings, folder: str | Path | None = None) -> dict[str, A
         "notes": notes(findings),
         **origin,
         "scenarios": list(found.job.where),
+        "integration": found.job.integration,
         "duration_s": [found.job.seconds(s) for s in found.job.where],
         "runs": len(found),
         "sampling": found.method,
@@ -87,6 +88,7 @@ def summary(findings: Findings, folder: str | Path | None = None) -> dict[str, A
              "quantiles": [dict(zip(quantile, q, strict=True)) for q in s.quantiles]}
             for s in found.spreads
         ],
+        "metrics_without_value": [w._asdict() for w in found.without_value],
         "yields": [{"tolerance": t, **y._asdict()} for t, y in found.yields.items()],
         "joint": found.joint._asdict(),
         "correlations": [c._asdict() for c in found.correlations],

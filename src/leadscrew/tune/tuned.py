@@ -120,6 +120,8 @@ class Tuned:
     """Simulated runs, those of the scores included."""
     samples: dict[str, Samples] = field(default_factory=dict, repr=False)
     """The runs behind the scores: ``before`` and ``tuned``, both on the held-out plants."""
+    integration: dict[str, dict[str, Any]] = field(default_factory=dict)
+    """What integrates the plant, by scenario."""
 
     @property
     def feasible(self) -> bool:
@@ -175,7 +177,7 @@ class Tuned:
             "history": [g._asdict() for g in self.history], "plants": self.plants,
             "held_out_plants": self.held_out_plants, "budget": self.budget, "used": self.used,
             "optimiser": self.optimiser, "seed": self.seed, "versions": self.versions, "crew": self.crew,
-            "runs": self.runs, "wall_s": self.wall_s,
+            "runs": self.runs, "wall_s": self.wall_s, "integration": self.integration,
         }  # fmt: skip
 
     def same(self, other: Tuned) -> bool:

@@ -155,6 +155,7 @@ def done(asked: Plan, rounds: Rounds) -> Tuned:
         len(seen.units), asked.optimiser, asked.seed, optimisers.versions(asked.optimiser),
         at_ends(vary, values_at(best)), rounds.crew.name,
         time.perf_counter() - began, rounds.finished - before_runs, {"before": before_samples, "tuned": far_samples},
+        job.integration,
     )  # fmt: skip
 
 
@@ -169,9 +170,13 @@ def _refuse_hopeless(asked: Plan, seen: Seen) -> None:
     if (seen.diverged == each).all():
         raise Diverged(f"every run of all {len(seen.units)} settings diverged: vary other parameters, or less far")
     if (seen.failed == each).all():
-        names = ", ".join(dict.fromkeys(w.metric for w in (*asked.goals, *asked.constraints)))
+        names = list(dict.fromkeys(w.metric for w in (*asked.goals, *asked.constraints)))
+        first = asked.vary.values(seen.units[:1]) | seen.plants
+        reasons = asked.job.reasons(asked.job.where[0], {k: v[0] for k, v in first.items()}, 0)
+        why = "".join(f"; in the first run {n} has no value: {reasons[n]}" for n in names if n in reasons)
         raise LeadscrewError(
-            f"not one run of {len(seen.units)} settings could be judged ({names}): vary other parameters, or run longer"
+            f"not one run of {len(seen.units)} settings could be judged ({', '.join(names)}){why}; vary other "
+            "parameters, or run longer"
         )
 
 

@@ -22,17 +22,8 @@ from leadscrew.kernel.sheet import nearest
 from leadscrew.tune.crew import Crew, Threads
 from leadscrew.tune.job import Job
 from leadscrew.tune.journal import Journal
-from leadscrew.tune.measure import Progress, measure
-from leadscrew.tune.montecarlo import (
-    MonteCarlo,
-    asked_of,
-    drawn,
-    identical,
-    opened,
-    passes,
-    pieces,
-    spreads,
-)
+from leadscrew.tune.measure import Progress, identical, measure
+from leadscrew.tune.montecarlo import MonteCarlo, asked_of, drawn, opened, passes, pieces, spreads
 from leadscrew.tune.space import Space
 from leadscrew.tune.statistics import Spread, Yield, without_intervals, yielded
 

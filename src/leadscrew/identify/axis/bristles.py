@@ -58,7 +58,7 @@ def prestressed_jacobian(p, s):
 
 @plant(
     Prestressed(), MassLuGreState(), output=prestressed_shown, initial=prestressed_start,
-    jacobian=prestressed_jacobian, unit="m",
+    jacobian=prestressed_jacobian, stiff=True, unit="m",
 )  # fmt: skip
 def prestressed_axis(p, s, u, load):
     """:mod:`leadscrew.plants.servo_axis_lugre`."""
