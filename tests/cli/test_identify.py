@@ -7,6 +7,7 @@ import pytest
 from leadscrew import controller_file
 from leadscrew.friction.lugre import LuGre
 from leadscrew.identify import friction_file
+from leadscrew.studies.fsmc_ballscrew.controllers import CONTROLLERS
 from tests.cli.conftest import strict_json
 from tests.identify.friction_records import record, write_csv
 
@@ -18,12 +19,12 @@ def log(tmp_path_factory):
 
 
 @pytest.mark.slow
-def test_the_table_shows_values_errors_and_what_is_not_told(call, log):
+def test_the_table_shows_values_errors_and_what_is_not_identifiable(call, log):
     said = call("identify", "friction", log).stdout
     rows = {line.split()[0]: line for line in said.splitlines() if line[:1].isalpha()}
     assert "N m/rad" in rows["stiffness"] and "%" in rows["stiffness"]
-    assert rows["static"].endswith("not told") and not rows["coulomb"].endswith("not told")
-    assert "not told by this log: static, stribeck_speed" in said
+    assert "not identifiable" in rows["static"] and "not identifiable" not in rows["coulomb"]
+    assert "not identifiable from this log: static, stribeck_speed" in said
 
 
 def test_json_and_controller_file_hold_the_same_values(call, log, tmp_path):
@@ -31,13 +32,17 @@ def test_json_and_controller_file_hold_the_same_values(call, log, tmp_path):
     found = strict_json(call("identify", "friction", log, "-o", out, "--json").stdout)
     assert found["schema_version"] == 1 and found["out"] == str(out)
     block = controller_file.block(out)
+    own = CONTROLLERS["ours.pd_dob"].params.hat
     for name, entry in found["parameters"].items():
-        assert getattr(block.params.hat, name) == entry["value"]
+        value = entry["value"] if entry["identifiable"] else getattr(own, name)
+        assert getattr(block.params.hat, name) == value
+    assert not found["parameters"]["stribeck_speed"]["identifiable"]
     assert abs(found["parameters"]["coulomb"]["value"] / LuGre().coulomb - 1.0) < 1e-3
     assert block.params.inertia == found["inertia"]["value"]
     read = controller_file.read(out)
     assert (read.study, read.controller) == ("fsmc_ballscrew", "ours.pd_dob")
-    assert "not told by the log: static, stribeck_speed" in read.tuning["notes"]
+    assert "not identifiable from the log, so the controller's own: static, stribeck_speed" in read.tuning["notes"]
+    assert not {"hat.static", "hat.stribeck_speed"} & set(read.parameters)
 
 
 @pytest.mark.slow

@@ -24,7 +24,7 @@ PER_RAD = 1.5923e-3
 def test_emps_turns_too_fast_for_bristles_and_says_so() -> None:
     found = presliding(emps(), PUBLISHED)
     assert not found.found and found.values == {}
-    assert "does not tell the stiffness and the damping of the bristles" in found.why_not
+    assert "does not determine the stiffness and the damping of the bristles" in found.why_not
 
 
 @pytest.mark.slow

@@ -1,13 +1,15 @@
 """Friction from one log: what comes back of the truth, what the log cannot tell, and what is refused."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
 from leadscrew.friction.lugre import LuGre
-from leadscrew.identify.friction import FITTED, _result, fit_friction
+from leadscrew.identify.friction import FITTED, _Problem, _result, fit_friction
+from leadscrew.identify.friction_file import controller_with
 from leadscrew.identify.friction_record import Record, Sliding, checked, pieces, sliding
 from leadscrew.identify.friction_replay import replay_loop
 from leadscrew.kernel.errors import DataError, ValueRefused
@@ -26,7 +28,7 @@ def test_the_friction_test_gives_all_six_parameters_back():
     assert off["static"] < 5.0 and off["stribeck_speed"] < 5.0
     assert off["coulomb"] < 0.01 and off["viscous"] < 0.01
     assert abs(fit.inertia / INERTIA - 1.0) < 0.01
-    assert all(fit.told.values()) and fit.consistent
+    assert all(fit.identifiable.values()) and fit.consistent
 
 
 @pytest.mark.slow
@@ -37,13 +39,13 @@ def test_an_axis_with_more_friction_is_found_by_the_same_test():
 
 
 @pytest.mark.slow
-def test_sines_tell_stiffness_and_damping_and_say_that_they_do_not_tell_static_friction():
+def test_sines_determine_stiffness_and_damping_and_leave_static_friction_not_identifiable():
     said = []
     fit = fit_friction(*record("sines"), progress=lambda what, done: said.append((what, done)))
     off = off_percent(fit, **TRUE._asdict())
     assert off["stiffness"] < 1.0 and off["damping"] < 1.0 and off["coulomb"] < 0.01 and off["viscous"] < 0.01
-    assert not fit.told["static"] and not fit.told["stribeck_speed"]
-    assert fit.told["stiffness"] and fit.told["damping"]
+    assert not fit.identifiable["static"] and not fit.identifiable["stribeck_speed"]
+    assert fit.identifiable["stiffness"] and fit.identifiable["damping"]
     assert fit.condition > 1e3
     assert {what for what, _ in said} == {"sliding", "coarse grid", "descent"}
     assert all(0.0 <= done <= 1.0 for _, done in said)
@@ -63,9 +65,7 @@ def test_sliding_is_the_line_that_made_it():
 def test_a_piece_played_back_moves_as_scipy_says():
     dt = 2.5e-4
     torque = 6.0 * np.sin(2.0 * math.pi * np.arange(80) / 160.0)
-    loop = replay_loop(torque, np.zeros(80), dt, INERTIA).using(
-        {"reference.length": 80.0, "controller.kp": 0.0, "controller.kd": 0.0}
-    )
+    loop = replay_loop(torque, np.zeros(80), dt, INERTIA).using({"reference.length": 80.0, "controller.kp": 0.0})
     ours = -loop.run(80 * dt, record=("controller.e",))["controller.e"]
     state, angles, f = np.zeros(3), [], TRUE
     for k in range(80):
@@ -82,18 +82,14 @@ def test_a_piece_played_back_moves_as_scipy_says():
 
 @pytest.mark.slow
 def test_with_the_truth_each_piece_leaves_the_rounding_of_the_scale():
-    time, torque, angle = record("sines")
-    log = checked(time, torque, angle)
+    log = checked(*record("sines"))
     assert log.count == pytest.approx(1e-5 / 1.5923, rel=1e-6)
-    for piece in pieces(log, sliding(log)):
-        loop = replay_loop(log.torque, log.angle, log.period, INERTIA).using(
-            {
-                "reference.first": float(piece.first), "reference.length": float(piece.length),
-                "plant.start_speed": piece.start_speed, "plant.start_angle": piece.start_angle,
-            }
-        )  # fmt: skip
-        left = loop.run(piece.length * log.period, record=("controller.e",))["controller.e"]
-        assert np.sqrt(np.mean(left**2)) < 1.0 * log.count
+    slide = sliding(log)
+    problem = _Problem(log, slide, INERTIA, pieces(log, slide))
+    x = np.log([TRUE.stiffness, TRUE.damping / TRUE.stiffness, TRUE.static - TRUE.coulomb, TRUE.stribeck_speed])
+    problem.free_starts(x)
+    for left in problem.by_piece(x).values():
+        assert np.sqrt(np.mean(left**2)) < 1.2
 
 
 @pytest.mark.slow
@@ -183,6 +179,12 @@ class Solved:
     def jacobian(self, x):
         return self.slopes
 
+    def by_sliding(self, x, given):
+        return np.zeros((len(self.left), 3))
+
+    def by_piece(self, x):
+        return {0.0: self.left}
+
     def residuals(self, points):
         return self.left[None]
 
@@ -204,28 +206,51 @@ def test_slips_that_come_a_sample_late_do_not_count_in_the_noise_and_the_errors(
     """By hand: 20 samples of slope 80 each, noise 2, so ln-errors of 2 / (80 sqrt(20)) = 0.00559."""
     fit = solved(outliers)
     alone = 2.0 / (80.0 * math.sqrt(20.0))
-    assert fit.rms == pytest.approx(2e-6) and fit.consistent
-    # sigma_1 is sigma_0 times the fitted ratio; static friction is 3 N m above Coulomb friction
-    expected = (1e4 * alone, 50.0 * math.sqrt(2.0) * alone, 3.0 * alone, 0.01 * alone)
+    # sigma_1 is sigma_0 times the fitted ratio; static friction is 3 N m above Coulomb friction, known to 1e-4 N m
+    expected = (1e4 * alone, 50.0 * math.sqrt(2.0) * alone, math.hypot(3.0 * alone, 1e-4), 0.01 * alone)
     assert [fit.standard_error[n] for n in FITTED] == pytest.approx(expected)
     assert fit.correlation["stiffness"]["damping"] == pytest.approx(math.sqrt(0.5))
 
 
-def test_what_is_known_to_a_tenth_counts_as_told_and_what_is_not_does_not():
-    for slope, told in ((2.0 / (0.099 * math.sqrt(20.0)), True), (2.0 / (0.101 * math.sqrt(20.0)), False)):
+def test_residuals_of_twice_the_noise_are_reported():
+    fit = solved(0)
+    assert fit.rms == pytest.approx(2e-6) and not fit.consistent
+    assert fit.residuals.why_not == "the residuals are 2 times the noise"
+
+
+def test_what_is_known_to_a_tenth_is_identifiable_and_what_is_not_is_not():
+    for slope, known in ((2.0 / (0.099 * math.sqrt(20.0)), True), (2.0 / (0.101 * math.sqrt(20.0)), False)):
         problem = Solved(0, slope=200.0)
         problem.slopes[:, 3] *= slope / 200.0
         log = Record(1e-3, np.zeros(9), np.zeros(9), 1e-6, 1e-6)
         fit = _result(log, solved(0).sliding, 1e-3, False, problem, np.zeros(4))
-        assert fit.told["stribeck_speed"] is told and fit.told["static"], slope
-        assert fit.standard_error["stribeck_speed"] == pytest.approx(0.01 * (0.099 if told else 0.101))
+        assert fit.identifiable["stribeck_speed"] is known and fit.identifiable["static"], slope
+        assert fit.standard_error["stribeck_speed"] == pytest.approx(0.01 * (0.099 if known else 0.101))
 
 
-def test_static_friction_is_told_only_where_half_and_double_of_it_fit_worse_by_six_deviations():
+def test_static_friction_is_identifiable_only_where_half_and_double_of_it_fit_worse_by_six_deviations():
     """The noise is twice the expected one: the cost of 20 becomes 20 * 2^2 = 80."""
-    assert solved(0, rise=81.0).told["static"]
-    assert not solved(0, rise=79.0).told["static"] and solved(0, rise=79.0).told["stiffness"]
+    assert solved(0, rise=81.0).identifiable["static"]
+    assert not solved(0, rise=79.0).identifiable["static"] and solved(0, rise=79.0).identifiable["stiffness"]
     assert math.isinf(solved(0, rise=79.0).standard_error["stribeck_speed"])
+
+
+def test_what_is_not_identifiable_is_not_written_into_the_controller_file():
+    """It was a usual value, and the feed-forward believed it."""
+    fit = solved(0, rise=0.0)
+    assert not fit.identifiable["static"] and not fit.identifiable["stribeck_speed"]
+    file = controller_with(fit, "fsmc_ballscrew", "ours.pd_dob", "log.csv")
+    assert set(file.parameters) == {f"hat.{n}" for n in ("stiffness", "damping", "viscous", "coulomb")} | {"inertia"}
+    assert "not identifiable from the log, so the controller's own: static, stribeck_speed" in file.tuning["notes"]
+    assert set(file.tuning["standard_error_percent"]) == {"stiffness", "damping", "viscous", "coulomb"}
+    assert "not quite LuGre: the residuals are 2 times the noise" in file.tuning["notes"]
+
+
+def test_a_controller_is_not_left_with_less_static_than_coulomb_friction():
+    fit = solved(0, rise=0.0)
+    rough = replace(fit, friction=fit.friction._replace(coulomb=12.0, static=18.0))
+    with pytest.raises(ValueRefused, match=r"hat.static = 9.36 N m of ours.pd_dob lies below .* 12 N m"):
+        controller_with(rough, "fsmc_ballscrew", "ours.pd_dob", "log.csv")
 
 
 def slid(coulomb=5.0, noise=0.0, seed=0, seconds=2.0, speed=3.0):

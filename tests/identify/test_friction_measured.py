@@ -63,7 +63,7 @@ def test_the_published_values_come_from_all_samples_and_ours_from_steady_sliding
 
 
 def test_a_log_that_turns_fast_is_not_said_to_tell_bristles(emps):
-    with pytest.raises(DataError, match="does not tell the stiffness and the damping"):
+    with pytest.raises(DataError, match="does not determine the stiffness and the damping"):
         fit_friction(*emps)
 
 

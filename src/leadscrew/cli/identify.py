@@ -70,9 +70,10 @@ def friction(
     trust: Trust = False,
     as_json: Json = False,
 ) -> None:
-    """Identify LuGre friction (and inertia) from one log, and say how well the log tells each parameter.
+    """Identify LuGre friction (and inertia) from one log, with standard errors and what the log cannot determine.
 
-    The controller file is a name wherever a controller is named: simulate, tune, export.
+    The controller file holds the identifiable parameters; it is a name wherever a controller is named: simulate, tune,
+    export.
     """
     if force is not None:
         from leadscrew.cli.identify_friction_force import of_force
@@ -106,13 +107,20 @@ def friction(
     typer.echo(
         f"{found.sliding.windows} windows of sliding, {found.pieces} stand-stills; {found.simulations} simulations"
     )
-    fits = "the model leaves no more than the noise" if found.consistent else "more than the noise: not quite LuGre"
     typer.echo(
-        f"position, log minus model: {found.rms:.2g} rad rms, noise {found.noise:.2g}; {fits}; "
-        f"condition number {found.condition:.2g}"
+        f"position, log minus model: {found.rms:.2g} rad rms, noise {found.noise:.2g}; condition number "
+        f"{found.condition:.2g}"
     )
-    if not all(found.told.values()):
-        names = ", ".join(name for name, told in found.told.items() if not told)
-        typer.echo(f"not told by this log: {names}; slow ramps of torque around a stand-still tell them")
+    typer.echo(
+        "the residuals are white and no larger than the noise" if found.consistent
+        else f"not quite LuGre, and the standard errors are too small: {found.residuals.why_not}"
+    )  # fmt: skip
+    unknown = [name for name, known in found.identifiable.items() if not known]
+    if unknown:
+        kept = "" if out is None else f"; {out} keeps the controller's own"
+        typer.echo(
+            f"not identifiable from this log: {', '.join(unknown)}{kept}; a log in which the axis creeps to a slip and "
+            "stops, both ways, as in the move friction_test, determines them"
+        )
     if out is not None:
         typer.echo(f"\n{out}: the controller; a name wherever a controller is named")

@@ -45,7 +45,7 @@ def identify_file(
     unless given.
 
     Raises:
-        DataError: the file cannot be read, or the log does not tell; names the file.
+        DataError: the file cannot be read, or the log does not determine friction; names the file.
         ValueRefused: a travel or an inertia that is not positive, a column that is no torque, or a length without a
             travel.
     """
@@ -98,11 +98,12 @@ def travel_of(folder: Path) -> float:
 
 
 def controller_with(fit: FrictionFit, study: str, controller: str, source: str) -> ControllerFile:
-    """The controller file with the found friction as what the controller believes.
+    """The controller file with the identifiable friction as what the controller believes; the rest stays its own.
 
     Raises:
         NameUnknown: no such study or controller.
-        ValueRefused: a controller that believes no LuGre friction.
+        ValueRefused: a controller that believes no LuGre friction, or whose own static friction lies below the
+            Coulomb friction of the log.
     """
     import leadscrew
     from leadscrew import catalogue, experiment
@@ -110,40 +111,45 @@ def controller_with(fit: FrictionFit, study: str, controller: str, source: str) 
     from leadscrew.friction.lugre import LuGre
 
     params = experiment.controller(catalogue.study(study), controller).params
-    if not isinstance(getattr(params, "hat", None), LuGre):
+    own = getattr(params, "hat", None)
+    if not isinstance(own, LuGre):
         raise ValueRefused(
             f"--controller {controller}: believes no LuGre friction (it has no parameters 'hat'); ours.pd_dob does"
         )
-    values: dict[str, Any] = {f"hat.{name}": value for name, value in fit.friction._asdict().items()}
+    known = fit.known()
+    if "static" not in known and own.static < fit.friction.coulomb:
+        raise ValueRefused(
+            f"{source}: static friction is not identifiable, and hat.static = {own.static:g} N m of {controller} lies "
+            f"below the Coulomb friction of the log, {fit.friction.coulomb:.4g} N m: log the move friction_test, or "
+            "set hat.static in a controller file and name that with -c"
+        )
+    values: dict[str, Any] = {f"hat.{name}": value for name, value in known.items()}
     if hasattr(params, "inertia"):
         values["inertia"] = fit.inertia
     return ControllerFile(study, controller, values, origin(fit, source, leadscrew.__version__))
 
 
 def origin(fit: FrictionFit, source: str, version: str) -> dict[str, Any]:
-    """The table ``[tuning]`` of the file: where the parameters come from, and how sure they are."""
-    values = fit.friction._asdict()
-    untold = [name for name, told in fit.told.items() if not told]
+    """The table ``[tuning]`` of the file: where the parameters come from, and their standard errors."""
     notes = [f"made by {MADE_BY} from {source}"]
-    if untold:
-        notes.append(f"not told by the log: {', '.join(untold)}")
+    unknown = [name for name, known in fit.identifiable.items() if not known]
+    if unknown:
+        notes.append(f"not identifiable from the log, so the controller's own: {', '.join(unknown)}")
     if not fit.consistent:
-        notes.append(f"the model leaves {fit.rms:.2g} rad where the log's noise is {fit.noise:.2g}: not quite LuGre")
-    percent = {
-        n: round(100.0 * fit.standard_error[n] / values[n], 3) for n in values if fit.told[n] and values[n] > 0.0
-    }
+        notes.append(f"not quite LuGre: {fit.residuals.why_not}")
+    percent = {n: round(100.0 * fit.standard_error[n] / v, 3) for n, v in fit.known().items() if v > 0.0}
     return {"made_by": MADE_BY, "leadscrew": version, "notes": notes, "standard_error_percent": percent}
 
 
 def table_rows(fit: FrictionFit) -> list[tuple[str, str, str, str, str]]:
-    """Name, value, standard error, the same in percent, and whether the log tells it."""
+    """Name, value, standard error, the same in percent, and whether the log determines it."""
     values = fit.friction._asdict()
     rows = []
     for name, (symbol, unit) in NAMES.items():
         error = fit.standard_error[name]
         share = f"{100.0 * error / values[name]:.2g} %" if values[name] > 0.0 and error < float("inf") else ""
         rows.append((f"{name} ({symbol})", f"{values[name]:.6g} {unit}", f"{error:.2g}", share,
-                     "" if fit.told[name] else "not told"))  # fmt: skip
+                     "" if fit.identifiable[name] else "not identifiable: a usual value"))  # fmt: skip
     share = "given" if fit.inertia_given else f"{100.0 * fit.standard_error['inertia'] / fit.inertia:.2g} %"
     error_text = "" if fit.inertia_given else f"{fit.standard_error['inertia']:.2g}"
     rows.append(("inertia (J)", f"{fit.inertia:.6g} kg m^2", error_text, share, ""))

@@ -34,7 +34,7 @@ class Presliding(NamedTuple):
     """95 %; infinite where the log does not tell it. Standard errors are lower bounds, as the friction fit says."""
     told: dict[str, bool]
     consistent: bool
-    """Whether no more than twice the noise is left: if not, this is no LuGre axis."""
+    """Whether the residuals are white and no larger than the noise: if not, this is no LuGre axis."""
     rms: float
     """Of position around stand-stills, m or rad."""
     why_not: str = ""
@@ -76,7 +76,7 @@ def presliding(
     scale = {"stiffness": turn**-2, "damping": turn**-2, "viscous": turn**-2, "inertia": turn**-2,
              "coulomb": 1 / turn, "static": 1 / turn, "offset": 1 / turn, "stribeck_speed": turn}  # fmt: skip
     found = fit.friction._asdict() | {"inertia": fit.inertia, "offset": fit.offset}
-    told = fit.told | {"inertia": True, "offset": True}
+    told = fit.identifiable | {"inertia": True, "offset": True}
     named = {_key(n): found[n] * scale[n] for n in found}
     reach = {_key(n): NORMAL * fit.standard_error[n] * scale[n] for n in found}
     return Presliding(

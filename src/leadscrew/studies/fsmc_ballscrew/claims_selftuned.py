@@ -74,7 +74,7 @@ def _from_sines(fit: FrictionFit) -> list[Claim]:
                abs(_off(fit, name)), "%", "<=", most, 0.0, "required", _said(fit, name))
         for name, (most, symbol) in limits.items()
     ]  # fmt: skip
-    untold = [name for name, told in fit.told.items() if not told]
+    untold = [name for name, known in fit.identifiable.items() if not known]
     rows.append(
         _claim("sines_untold", "what that record does not tell, by the fit's own statement", ", ".join(untold), "",
                "order", "static, stribeck_speed", 0.0, "required",
