@@ -243,7 +243,7 @@ def pages(text):
                            page.table(text, [text], [[text]])])  # fmt: skip
     from leadscrew.report.html import template
 
-    row = {"name": text, "value": 1.0, "unit": text, "doc": text}
+    row = {"name": text, "value": 1.0, "unit": text, "doc": text, "reason": text}
     yield template("report.html.j2", number=str).render(
         study={"name": text, "title": text, "paper": text, "summary": text}, result={"notes": [text]}, missed=[],
         topics=[], tally={"verdicts": {text: 1}, "required": 0, "required_met": 0}, pictures=[(text, text, "data:,")],

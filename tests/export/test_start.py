@@ -85,7 +85,7 @@ def test_an_unconnected_pin_of_hal_does_not_blind_the_controller(made):
     component = files["watcher.comp"]
     assert "pin in float feedback_seen = 1.0 " in component.replace("feedback-seen", "feedback_seen")
     assert "pin in float feedback " in component
-    assert "`bumpless` | bit rw" in hal.readme(core, machine=False)
+    assert "`bumpless` | bit rw" in hal.readme(core)
 
 
 def test_an_fmu_with_nothing_set_gives_the_bits_of_the_simulation(made, tmp_path):
