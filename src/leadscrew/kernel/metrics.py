@@ -147,16 +147,16 @@ def itae(p, s, error, t, dt):
 
 @metric(LastPart(), Peak(), prepare=last_part, output=largest, unit="[error]", no_value=empty_window)
 def steady_state_error(p, s, error, t, dt):
-    """Largest ``|error|`` in the last 10 % of the run.
+    """Largest ``|error|`` from ``from_time`` on; unless set, in the last 10 % of the run.
 
-    ``last_percent`` sets another part, ``from_time`` another start. A live loop has no end: set ``from_time``.
+    ``last_percent`` sets another part. A live loop has no end: set ``from_time``.
     """
     return Peak(max(s.largest, abs(error) if within(p, t, dt) > 0.0 else -1.0))
 
 
 @metric(LastPart(), Sum(), prepare=last_part, output=mean, unit="[error]", no_value=empty_window)
 def mean_steady_state_error(p, s, error, t, dt):
-    """Mean ``|error|`` in the last 10 % of the run; window as of ``steady_state_error``."""
+    """Mean ``|error|`` from ``from_time`` on; unless set, in the last 10 % of the run."""
     weight = within(p, t, dt) * dt
     return Sum(s.total + abs(error) * weight, s.time + weight)
 
