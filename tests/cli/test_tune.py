@@ -70,8 +70,8 @@ def test_values_at_the_ends_of_their_ranges_are_noted_everywhere(call, tmp_path)
     named = ("-c", "ours.pd", *STEPS, "--vary", "corrected.vud_beta_e:controller.output_gain=0.5:0.6", *narrow[2:])
     compared = (*asked[:1], *asked[1:4], *named, "--unseen", "3")
     done = call("compare", *compared[1:], "--report", tmp_path / "c")
-    assert done.stderr.startswith("leadscrew: note: corrected.vud_beta_e: controller.output_gain = ")
-    assert words in json.loads((tmp_path / "c" / "compare.json").read_text())["notes"][0]
+    assert "leadscrew: note: corrected.vud_beta_e: controller.output_gain = " in done.stderr
+    assert any(words in note for note in json.loads((tmp_path / "c" / "compare.json").read_text())["notes"])
     assert words in (tmp_path / "c" / "report.html").read_text()
 
 
