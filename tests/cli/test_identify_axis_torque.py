@@ -58,8 +58,8 @@ def test_the_machine_of_a_torque_keeps_the_torque_as_its_drive_and_has_the_force
     read = machine.read(tmp_path / "m.toml")
     assert read.drive_unit == "N m" and read.drive == pytest.approx(450.0 / FORCE, rel=0.05)
     assert read.parameters["force_per_drive"] == pytest.approx(FORCE, rel=1e-12)
-    told = json.loads(json.dumps(found.as_dict()["parameters"]["force_per_drive"]))
-    assert told["value"] == pytest.approx(FORCE, rel=1e-12) and told["unit"] == "N/N m"
+    parameter = json.loads(json.dumps(found.as_dict()["parameters"]["force_per_drive"]))
+    assert parameter["value"] == pytest.approx(FORCE, rel=1e-12) and parameter["unit"] == "N/N m"
     text = (tmp_path / "m.toml").read_text()
     (tmp_path / "m.toml").write_text(text.replace(f"force_per_drive = {read.parameters['force_per_drive']!r}\n", ""))
     with pytest.raises(DataError, match=r"drive_unit = 'N m' with position_unit = 'mm': set\.force_per_drive must be"):

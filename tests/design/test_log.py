@@ -122,15 +122,15 @@ def test_times_in_ms_and_positions_in_m_give_the_same_moves_as_in_s_and_mm(tmp_p
     si = read_moves(write(tmp_path / "a.csv", glide(-80.0), SIGNALS)).moves[0]
     size = {"time": 1e3, "feedback [m]": 1e-3, "command": 1.0, "output [%]": 1e2}
     names = ("time [ms]", "feedback [m]", "command", "output [%]")
-    told = [{n: r[n.split()[0]] * size.get(n, size.get(n.split()[0], 1.0)) for n in names} for r in glide(-80.0)]
-    (move,) = read_moves(write(tmp_path / "b.csv", told, names)).moves
+    rows = [{n: r[n.split()[0]] * size.get(n, size.get(n.split()[0], 1.0)) for n in names} for r in glide(-80.0)]
+    (move,) = read_moves(write(tmp_path / "b.csv", rows, names)).moves
     assert move.error == pytest.approx(si.error) and move.change == pytest.approx(si.change)
     assert move.duty == pytest.approx(si.duty)
     with pytest.raises(DataError, match=r"column 'feedback \[deg\]': is in deg; expected mm"):
         read_moves(
             write(
                 tmp_path / "c.csv",
-                [{"feedback [deg]": 1.0, **r} for r in told],
+                [{"feedback [deg]": 1.0, **r} for r in rows],
                 ("feedback [deg]", *names[:1], *names[2:]),
             )
         )

@@ -91,7 +91,7 @@ def test_the_record_and_the_fit_are_shown_beside_the_truth(tmp_path):
     assert np.all(np.asarray(stribeck.lines[2].get_ydata())[slow] < y[slow])
     true, test, sines = (np.asarray(line.get_ydata()) for line in loop.lines)
     assert np.abs(test - true).max() < 0.02 < 0.5 < np.abs(sines - true).max()
-    assert [text.get_text() for text in share.texts] == ["not\ntold"] * 2
+    assert [text.get_text() for text in share.texts] == ["not\nidenti-\nfiable"] * 2
     torque = np.asarray(figures["friction_test_record"].axes[2].lines[0].get_ydata())
     creeping = torque[round(3.0 / PERIOD_S) : round(7.0 / PERIOD_S)]
     assert LuGre().coulomb < creeping.max() < LuGre().static and -LuGre().static < creeping.min() < -LuGre().coulomb

@@ -117,10 +117,10 @@ def ports(loop: Loop, block: Block, source: Source) -> tuple[tuple[Port, ...], t
     said = {e.key: e for s in ("command", "feedback", "output") for e in _annotated(s, loop.signals[s])}
 
     def port(argument: Any, role: str) -> Port:
-        told = said.get(argument.key)
-        described = told is not None and bool(told.doc)  # then no unit means a pure number
-        unit = told.unit if told and (told.unit or (role == "other" and described)) else _unit(loop, block, role)
-        doc = DOCS.get(role, told.doc if told and told.doc else argument.key)
+        entry = said.get(argument.key)
+        described = entry is not None and bool(entry.doc)  # then no unit means a pure number
+        unit = entry.unit if entry and (entry.unit or (role == "other" and described)) else _unit(loop, block, role)
+        doc = DOCS.get(role, entry.doc if entry and entry.doc else argument.key)
         start = 0.0 if role in DOCS else _start(loop, argument.key)
         return Port(argument.key, argument.name, role, one_line(unit), doc, start)
 

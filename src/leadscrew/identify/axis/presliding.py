@@ -76,12 +76,12 @@ def presliding(
     scale = {"stiffness": turn**-2, "damping": turn**-2, "viscous": turn**-2, "inertia": turn**-2,
              "coulomb": 1 / turn, "static": 1 / turn, "offset": 1 / turn, "stribeck_speed": turn}  # fmt: skip
     found = fit.friction._asdict() | {"inertia": fit.inertia, "offset": fit.offset}
-    told = fit.identifiable | {"inertia": True, "offset": True}
+    known = fit.identifiable | {"inertia": True, "offset": True}
     named = {_key(n): found[n] * scale[n] for n in found}
     reach = {_key(n): NORMAL * fit.standard_error[n] * scale[n] for n in found}
     return Presliding(
         values=named, interval={k: (v - reach[k], v + reach[k]) for k, v in named.items()},
-        told={_key(n): told[n] for n in found}, consistent=fit.consistent, rms=fit.rms * turn,
+        told={_key(n): known[n] for n in found}, consistent=fit.consistent, rms=fit.rms * turn,
     )  # fmt: skip
 
 

@@ -39,12 +39,12 @@ def selftuned_pictures(loops: Loops, fits: Fits | None = None) -> list[Picture]:
     """Both, drawn on demand; ``fits`` of the claims saves making them again."""
     kept = fits or Fits(loops)
     return [
-        Picture("friction_test_record", "The record that tells all six parameters: position and torque at 4 kHz with "
-                "a scale of 10 nm. Right, its part of some um: the torque creeps up while the bristles hold, the "
+        Picture("friction_test_record", "The record that determines all six parameters: position and torque at 4 kHz "
+                "with a scale of 10 nm. Right, its part of some um: the torque creeps up while the bristles hold, the "
                 "stage slips, and back.", partial(record, loops)),
         Picture("friction_fit", "Friction as found from two records, against the truth: at a steady speed, along an "
-                "imposed path before sliding, and by parameter. Sines of millimetres do not tell F_S and v_s, and the "
-                "fit says so.", partial(fit, kept)),
+                "imposed path before sliding, and by parameter. Sines of millimetres do not determine F_S and v_s, and "
+                "the fit says so.", partial(fit, kept)),
     ]  # fmt: skip
 
 
@@ -102,13 +102,14 @@ def _errors(axes: Axes, found: dict[str, FrictionFit]) -> None:
             doubt.append(100.0 * found[kind].standard_error[name] / true)
         place = np.arange(len(NAMES)) + shift
         axes.semilogy(place, off, color=PENS[kind]["color"], marker=mark, linestyle="none")
-        told = np.isfinite(doubt)
-        axes.semilogy(place[told], np.array(doubt)[told], color=PENS[kind]["color"], marker="_", markersize=14,
+        known = np.isfinite(doubt)
+        axes.semilogy(place[known], np.array(doubt)[known], color=PENS[kind]["color"], marker="_", markersize=14,
                       markeredgewidth=1.6, linestyle="none")  # fmt: skip
-        for k in np.flatnonzero(~told):
-            axes.annotate("not\ntold", (place[k], off[k]), xytext=(0, -9), textcoords="offset points", ha="center",
-                          va="top", fontsize="small", color=PENS[kind]["color"])  # fmt: skip
+        for k in np.flatnonzero(~known):
+            axes.annotate("not\nidenti-\nfiable", (place[k], off[k]), xytext=(0, -9), textcoords="offset points",
+                          ha="center", va="top", fontsize="small", color=PENS[kind]["color"])  # fmt: skip
     axes.set_xticks(range(len(NAMES)), NAMES.values())
+    axes.set_xlim(-0.6, len(NAMES) - 0.2)
     axes.set(ylabel="share of the true value (%)", title="error (dot), standard error (dash)")
 
 
