@@ -7,6 +7,7 @@ period that one of them names is used. Without a header the columns are called c
 from __future__ import annotations
 
 import csv
+import io
 import re
 from collections.abc import Sequence
 from pathlib import Path
@@ -125,9 +126,8 @@ def _lines(text: str) -> tuple[list[str], list[Line], list[range]]:
     """Comments without their sign, the lines that are neither comments nor empty, and the empty ones between others."""
     comments, lines, blank = [], [], []
     last = 0
-    for row, line in enumerate(
-        text.replace("\r\r\n", "\n").replace("\r\n", "\n").replace("\r", "\n").split("\n"), start=1
-    ):
+    for row, ended in enumerate(io.StringIO(text.replace("\r\r\n", "\n"), newline=None), start=1):
+        line = ended.removesuffix("\n")
         stripped = line.strip()
         if not stripped:
             continue
