@@ -5,8 +5,8 @@ from leadscrew.kernel.loop import Loop
 from leadscrew.plants.lathe_servo import lathe_servo
 from leadscrew.references.step import step
 from leadscrew.sensors.grating_count import grating_count
-from leadscrew.studies.vud_lathe.fast import FAST
-from leadscrew.studies.vud_lathe.runs import METRICS
+from leadscrew.studies.vud_lathe.controllers import FAST
+from leadscrew.studies.vud_lathe.scenarios import METRICS
 
 
 def lathe_loop(controller, target=-50.0, sensor=grating_count, plant=lathe_servo, period=1e-3, **more):

@@ -14,7 +14,7 @@ from leadscrew.controllers.vud.universe import TABLE_2
 from leadscrew.kernel.errors import ValueRefused
 from leadscrew.plants.lathe_servo import lathe_servo
 from leadscrew.sensors.grating.ruler import grating_ruler
-from leadscrew.studies.vud_lathe.fast import FAST, GAIN_DOUBT, LIMITS
+from leadscrew.studies.vud_lathe.controllers import FAST, GAIN_DOUBT, LIMITS
 from leadscrew.studies.vud_lathe.fast_search import (
     BOUNDS,
     SENSOR_ERRORS,
@@ -24,7 +24,7 @@ from leadscrew.studies.vud_lathe.fast_search import (
     training_gains,
     training_loop,
 )
-from leadscrew.studies.vud_lathe.machines import MACHINES
+from leadscrew.studies.vud_lathe.scenarios import MACHINES
 from tests.controllers.lathe_loop import lathe_loop
 from tests.tools import runnable
 

@@ -15,7 +15,7 @@ from leadscrew.kernel.metrics import overshoot, settling_time, steady_state_erro
 from leadscrew.plants.lathe_servo import lathe_servo
 from leadscrew.references.step import step
 from leadscrew.sensors.grating_count import grating_count
-from leadscrew.studies.vud_lathe.variants import VARIANTS
+from leadscrew.studies.vud_lathe.controllers import VARIANTS
 from tests.studies import lathe_oracle as oracle
 from tests.tools import runnable
 

@@ -11,7 +11,7 @@ from leadscrew.cli import app
 from leadscrew.identify.linear.fit import identify_linear
 from leadscrew.identify.linear.record import linear_record
 from leadscrew.plants.xy_table import XYTableParams
-from leadscrew.studies.vud_lathe.tables import TABLE_1
+from leadscrew.studies.vud_lathe.laws import TABLE_1
 from tests.docs import sessions
 from tests.docs.snippets import ROOT, blocks, python_of
 from tests.fuzzy.formats_systems import shared

@@ -11,8 +11,8 @@ from leadscrew.fuzzy.grids import even, partition
 from leadscrew.fuzzy.isotonic import before, isotonic, violations
 from leadscrew.fuzzy.learning import learn_rules
 from leadscrew.kernel.errors import NameUnknown, ValueRefused
-from leadscrew.studies.vud_lathe import rules
-from leadscrew.studies.vud_lathe.tables import moves
+from leadscrew.studies.vud_lathe import laws as rules
+from leadscrew.studies.vud_lathe.laws import moves
 
 FIVE = even(-1.0, 1.0, 5)
 THREE = even(-1.0, 1.0, 3)

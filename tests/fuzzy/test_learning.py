@@ -7,8 +7,8 @@ from leadscrew.fuzzy.completion import complete_rules
 from leadscrew.fuzzy.learning import learn_rules
 from leadscrew.fuzzy.partition import Partition
 from leadscrew.kernel.errors import ValueRefused
-from leadscrew.studies.vud_lathe import rules
-from leadscrew.studies.vud_lathe.tables import moves
+from leadscrew.studies.vud_lathe import laws as rules
+from leadscrew.studies.vud_lathe.laws import moves
 
 SETS = rules.SETS
 

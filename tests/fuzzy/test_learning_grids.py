@@ -6,8 +6,8 @@ import pytest
 from leadscrew.fuzzy.curvature import estimate_curvature
 from leadscrew.fuzzy.grids import even, grid_from_curvature, labels, quantile, universe
 from leadscrew.kernel.errors import ValueRefused
-from leadscrew.studies.vud_lathe import rules
-from leadscrew.studies.vud_lathe.tables import moves
+from leadscrew.studies.vud_lathe import laws as rules
+from leadscrew.studies.vud_lathe.laws import moves
 
 SQUARE = [(-1.0, 1.0), (-1.0, 1.0)]
 

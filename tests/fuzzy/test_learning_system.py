@@ -15,8 +15,8 @@ from leadscrew.fuzzy.learning import learn_rules
 from leadscrew.fuzzy.partition import Partition
 from leadscrew.fuzzy.system import Input, Term
 from leadscrew.kernel.errors import ValueRefused
-from leadscrew.studies.vud_lathe import rules
-from leadscrew.studies.vud_lathe.tables import moves
+from leadscrew.studies.vud_lathe import laws as rules
+from leadscrew.studies.vud_lathe.laws import moves
 
 UNEVEN = partition([-1.0, -0.2, 0.5, 2.0])
 

@@ -9,9 +9,10 @@ from scipy.optimize import linprog, minimize_scalar
 from leadscrew.plants.lathe_servo_limited import LatheLimitedParams, chain_matrices, lathe_servo_limited
 from leadscrew.plants.linear import hold_matrices
 from leadscrew.studies.vud_lathe import limits as r
-from leadscrew.studies.vud_lathe.runs import STEPS, Loops
+from leadscrew.studies.vud_lathe.scenarios import STEPS
+from tests.studies.lathe_lab import lab
 
-SHORT, LONG = STEPS
+SHORT = STEPS["m50"].scenario
 PREPARED = lathe_servo_limited.prepare(lathe_servo_limited.params, 1e-3)
 TRANSITION, DRIVE = (m[..., :4] for m in hold_matrices(*chain_matrices(LatheLimitedParams()), 1e-3))
 TRANSITION = TRANSITION[:4]
@@ -73,19 +74,14 @@ def test_the_axis_with_its_limits_acting_is_not_faster_than_the_bound(distance, 
             ]
         least[periods] = min(found)
     assert least[fewest - 1] > 0.002 > least[fewest]
-    assert r.bound(distance, True).periods == fewest
-
-
-@pytest.fixture(scope="module")
-def loops():
-    return Loops()
+    assert r.bound(lab(), distance, True).periods == fewest
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("controller", ["paper.vud", "corrected.vud_beta_e", "corrected.vud_beta_e_half"])
-def test_a_controller_stands_inside_its_own_dead_zone(loops, controller):
+def test_a_controller_stands_inside_its_own_dead_zone(controller):
     """At rest for the last half second, and no farther than the law's quiet zone and half a count of the grating."""
-    run = r.on_limited(loops, controller, SHORT)
+    run = r.tried_on(lab(), controller, SHORT, "limited")
     position = run["actual.position"][-500:]
     assert np.ptp(position) < 1e-6
     away = 1000.0 * abs(run["command"][-1] - position[-1])

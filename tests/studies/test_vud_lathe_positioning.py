@@ -3,21 +3,21 @@
 import numpy as np
 import pytest
 
-from leadscrew.studies.vud_lathe import positioning_test as ours
-from leadscrew.studies.vud_lathe.claims_positioning import positioning_claims
-from leadscrew.studies.vud_lathe.figures_positioning import positioning_pictures
-from leadscrew.studies.vud_lathe.machines import MACHINES
-from leadscrew.studies.vud_lathe.runs import STEPS, Loops
+from leadscrew import catalogue
+from leadscrew.studies.lab import Lab
+from leadscrew.studies.vud_lathe import iso_230_2 as ours
+from leadscrew.studies.vud_lathe.scenarios import MACHINES, STEPS
+from tests.studies.lathe_lab import lab
 
 
 @pytest.fixture(scope="module")
-def loops():
-    return Loops()
-
-
-@pytest.fixture(scope="module")
-def tests(loops):
-    return ours.positioning_tests(loops)
+def tests():
+    return {
+        "encoder": ours.run_test(lab(), "encoder"),
+        "compensated": ours.run_test(lab(), "encoder", compensated=True),
+        "grating": ours.run_test(lab(), "grating"),
+        "encoder_pd": ours.run_test(lab(), "encoder", "ours.pd"),
+    }
 
 
 def screw_um(x, warming_k):
@@ -41,19 +41,19 @@ def test_behind_the_encoder_the_mean_deviation_is_the_screws_error(tests):
 
 
 @pytest.mark.slow
-def test_the_warming_alone_spreads_the_runs_behind_the_encoder(tests, loops, monkeypatch):
+def test_the_warming_alone_spreads_the_runs_behind_the_encoder(tests, monkeypatch):
     spread = [x.std(axis=1, ddof=1) for x in (tests["encoder"].up_um, tests["encoder"].down_um)]
     at = np.abs(ours.TARGETS_MM)
     assert all(np.corrcoef(at, s)[0, 1] > 0.95 for s in spread)
     monkeypatch.setattr(ours, "WARMING_K", 0.0)
-    cold = ours.run_test(loops, "encoder")
+    cold = ours.run_test(Lab(catalogue.study("vud_lathe")), "encoder")
     assert cold.both.repeatability < 1.2 * cold.both.reversal + 0.5 < tests["encoder"].both.repeatability
     assert cold.compensated().both.accuracy < 0.2 * tests["encoder"].compensated().both.accuracy
 
 
 @pytest.mark.slow
-def test_the_first_approach_is_that_of_a_plain_run(loops):
-    loop = loops.get(ours.CONTROLLER, STEPS[0], "screw", "grating")
+def test_the_first_approach_is_that_of_a_plain_run():
+    loop = lab().loop(ours.CONTROLLER, STEPS["m50"].scenario, machine="screw", sensor="grating")
     plain = loop.using({"reference.target": -ours.OVERRUN_MM, "plant.warming_K": 0.0})
     run = plain.run(ours.READ_S + 0.001, record=("actual.position",))
     live = plain.start()
@@ -79,19 +79,3 @@ def test_the_table_of_the_first_test_takes_away_all_but_the_scatter(tests):
     before, after = tests["encoder"], tests["compensated"]
     assert after.both.accuracy == pytest.approx(before.compensated().both.accuracy, rel=0.1)
     assert after.both.systematic < 0.1 * before.both.systematic
-
-
-def test_claims_are_met_and_say_where_numbers_come_from(loops, tests):
-    claims = positioning_claims(loops, tests)
-    assert len({c.id for c in claims}) == len(claims)
-    assert [c.id for c in claims if c.passed is False] == []
-    assert all(c.verdict == "cannot be checked" for c in claims if c.paper is None)
-    label = next(c for c in claims if c.id == "vud_lathe.iso_label")
-    assert (label.measured, label.verdict) == ("no", "not reproduced")
-
-
-def test_the_picture_shows_three_tests(tests):
-    (picture,) = positioning_pictures(tests)
-    figure = picture.draw()
-    assert [a.get_xlabel() for a in figure.axes] == ["target position (mm)"] * 3
-    assert all(len(a.lines) > 5 for a in figure.axes)

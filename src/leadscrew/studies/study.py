@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from leadscrew.kernel.block import Block
     from leadscrew.kernel.loop import Loop
     from leadscrew.report.claim import Claim
+    from leadscrew.studies.results import Contents
 
 
 @dataclass(frozen=True)
@@ -78,6 +79,14 @@ class StudyResult:
         return [(title, self.claims[a:b]) for (title, _), a, b in zip(self.topics, starts, ends, strict=True)]
 
 
+class Assumption(NamedTuple):
+    """A number or a choice that the paper does not give."""
+
+    what: str
+    value: str
+    why: str
+
+
 @dataclass(frozen=True)
 class Study:
     """One published system."""
@@ -90,11 +99,20 @@ class Study:
     scenarios: Mapping[str, Scenario]
     build: Callable[[Block, Scenario], Loop]
     """The loop of a controller in a scenario."""
-    evaluate: Callable[[Callable[[str, float], None]], StudyResult]
-    """Runs all that the claims need; reports progress as ``(what, fraction done)``."""
     folder: Path
-    """Where ``paper_items.csv`` and the paper's data lie."""
+    """Where ``paper_items.csv``, ``expected.csv`` and the paper's data lie."""
+    contents: Callable[[], Contents] | None = None
+    """Claims, experiments and figures: ``contents_of("leadscrew.studies.NAME.claims", ...)``."""
+    evaluate: Callable[[Callable[[str, float], None]], StudyResult] | None = None
+    """Of a study without ``contents``: judges all claims; reports progress as ``(what, fraction done)``."""
     summary: str = ""
+    record: tuple[str, ...] = ()
+    """Signals that runs record beside those that every run records."""
+    assumed: tuple[Assumption, ...] = ()
+    method: tuple[str, ...] = ()
+    """How the numbers came about, a paragraph each."""
+    limits: tuple[str, ...] = ()
+    """What the results do not say, a paragraph each."""
 
     def scenario(self, name: str, changes: Mapping[str, Any] | None = None) -> Scenario:
         """The scenario ``name`` with some of its parameters changed.

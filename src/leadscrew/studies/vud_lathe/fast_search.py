@@ -1,4 +1,4 @@
-"""The search that found the settings of :mod:`leadscrew.studies.vud_lathe.fast`: differential evolution over batches.
+"""The search that found the fast controllers' settings: differential evolution over batches of runs.
 
 A candidate is driven to -50 and -170 mm by every case of the training set, 1.1 s each. A run costs
 
@@ -23,7 +23,7 @@ from leadscrew.sensors.grating.ruler import grating_ruler
 
 if TYPE_CHECKING:
     from leadscrew.kernel.loop import Loop
-    from leadscrew.studies.vud_lathe.machines import Machine
+    from leadscrew.studies.vud_lathe.scenarios import Machine
 
 BOUNDS: dict[str, tuple[float, float, bool]] = {
     "error_full_scale_mm": (0.3, 50.0, True),
@@ -48,7 +48,7 @@ TARGETS_MM = (-50.0, -170.0)
 TRAINING_SEED = 42
 """Of the 16 speeds at full duty, one in each sixteenth of 259 to 334 mm/s."""
 SENSOR_ERRORS = {"interpolation_1_mm": 1.5e-4, "interpolation_2_mm": 0.8e-4, "noise_mm": 5e-5}
-"""Amplitudes and deviation of the digest's Monte Carlo."""
+"""Amplitudes and standard deviation."""
 SECONDS = 1.1
 METRICS = {
     "t2": settling_time(percent=0.0, band=0.002),
@@ -99,9 +99,18 @@ def search(machine: Machine, fixed: dict[str, float], robust: bool, seed: int, g
         return found if x.ndim > 1 else float(found[0])
 
     best = differential_evolution(
-        costs, ends, popsize=10, maxiter=generations, seed=np.random.default_rng(seed), vectorized=True,
-        updating="deferred", polish=False, tol=1e-9, mutation=(0.4, 0.9), recombination=0.8,
-    )  # fmt: skip
+        costs,
+        ends,
+        popsize=10,
+        maxiter=generations,
+        seed=np.random.default_rng(seed),
+        vectorized=True,
+        updating="deferred",
+        polish=False,
+        tol=1e-9,
+        mutation=(0.4, 0.9),
+        recombination=0.8,
+    )
     settings = dict(zip(space, values(best.x[:, None])[:, 0].tolist(), strict=True))
     return Found({**fixed, **settings}, float(best.fun), counted, counted * len(cases["reference.target"]))
 

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import math
-from functools import lru_cache
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -12,46 +11,50 @@ from leadscrew.analysis.single_lag import single_lag_time
 from leadscrew.analysis.time_optimal import FastestMove, StateLimit, fastest_move, least_error
 from leadscrew.kernel.block import Block
 from leadscrew.plants.lathe_servo_limited import LatheLimitedParams, chain_matrices, lathe_servo_limited
+from leadscrew.studies.lab import Lab, measure
 from leadscrew.studies.vud_lathe.controllers import CONTROLLERS
-from leadscrew.studies.vud_lathe.machines import MACHINES
-from leadscrew.studies.vud_lathe.runs import ON_THE_ENCODER, PERIOD_S, PRINTED_SECONDS, STEPS, Loops
+from leadscrew.studies.vud_lathe.scenarios import MACHINES, ON_THE_ENCODER, PERIOD_S, PRINTED_SECONDS
 
-WAY_MM = {STEPS[0]: 50.0, STEPS[1]: 170.0}
+if TYPE_CHECKING:
+    from leadscrew.kernel.run import Run
+
 BAND_MM = 0.002
-SEEN = ("command", "actual.position", "output", "plant")
-TRIED = (
-    "paper.vud", "corrected.vud_beta_e", "corrected.vud_beta_e_half", "ours.original_fit", "ours.pd", "ours.vud_opt",
-    "ours.vud_fast", "ours.vud_fast_limited",
-)  # fmt: skip
-"""Controllers whose settling is judged on the limited machine too, those of them that the study has."""
-
 AXIS = LatheLimitedParams()
-LAGS_S = AXIS.pwm_lag_s + AXIS.electrical_lag_s + AXIS.mechanical_lag_s
+AXIS_LAGS_S = AXIS.pwm_lag_s + AXIS.electrical_lag_s + AXIS.mechanical_lag_s
 UNLIMITED = {"current_limit_a": 1e9, "top_speed_mm_s": 1e9}
 SAMPLED_ONLY_MM_S = 0.05
 """The played sequence keeps so far below the top speed: the programme sees the speed once a period, the axis always."""
+REST_PERIODS = 10
+"""The played sequence is at rest so soon; the bound leaves more time, which does not make it shorter."""
+TRIED = (
+    "paper.vud",
+    "corrected.vud_beta_e",
+    "corrected.vud_beta_e_half",
+    "ours.original_fit",
+    "ours.pd",
+    "ours.vud_opt",
+    "ours.vud_fast",
+    "ours.vud_fast_limited",
+)
+"""Controllers whose settling is judged on the limited machine too."""
 
 
-def tried() -> list[str]:
-    """Controllers of :data:`TRIED` that the study has."""
-    return [name for name in TRIED if name in CONTROLLERS]
+def tried_on(lab: Lab, controller: str, scenario: str, machine: str) -> Run:
+    """The run of a controller on the linear or on the limited machine, long enough for the printed law to arrive."""
+    seconds = PRINTED_SECONDS if controller == "paper.vud" else None
+    options = {} if machine == "linear" else {"machine": machine}
+    return lab.run(controller, scenario, seconds, **options)
 
 
-def on_limited(loops: Loops, controller: str, scenario: str) -> Any:
-    """The run of a controller on the limited machine, long enough to arrive."""
-    seconds = PRINTED_SECONDS if controller == "paper.vud" else 4.0
-    return loops.run(controller, scenario, seconds, machine="limited", record=SEEN)
-
-
-def on_linear(loops: Loops, controller: str, scenario: str) -> Any:
-    """The same on the linear machine."""
-    seconds = PRINTED_SECONDS if controller == "paper.vud" else 4.0
-    return loops.run(controller, scenario, seconds, record=SEEN)
+@measure
+def with_timer(lab: Lab, controller: str, scenario: str, key: str, value: float) -> Run:
+    """A run on the limited machine with one parameter of its PWM timer changed: ``carry``, ``minimum_on_counts``."""
+    return lab.loop(controller, scenario, machine="limited").using({f"actuator.{key}": value}).run(4.0)
 
 
 def one_lag_s(distance: float, top_speed: float = math.inf) -> float:
     """Least time with the lags (2), (3) added up to one."""
-    return single_lag_time(distance, AXIS.full_duty_speed_mm_s, LAGS_S, top_speed)
+    return single_lag_time(distance, AXIS.full_duty_speed_mm_s, AXIS_LAGS_S, top_speed)
 
 
 def _limits(spare: float) -> tuple[StateLimit, ...]:
@@ -59,8 +62,8 @@ def _limits(spare: float) -> tuple[StateLimit, ...]:
     return (StateLimit(1, AXIS.current_limit_a), StateLimit(2, AXIS.top_speed_mm_s - spare))
 
 
-@lru_cache(maxsize=8)
-def bound(distance: float, limited: bool) -> FastestMove:
+@measure
+def bound(lab: Lab, distance: float, limited: bool) -> FastestMove:
     """The fewest periods to within 2 um, with the linear chain or inside the limits of current and speed."""
     a, b = chain_matrices(AXIS)
     limits = _limits(0.0) if limited else ()
@@ -81,16 +84,12 @@ class Played(NamedTuple):
     current: np.ndarray
 
 
-REST_PERIODS = 10
-"""The played sequence is at rest so soon; the bound leaves more time, which does not make it shorter."""
-
-
-@lru_cache(maxsize=8)
-def played(distance: float, limited: bool, seconds: float = 1.0) -> Played:
+@measure
+def played(lab: Lab, distance: float, limited: bool, seconds: float = 1.0) -> Played:
     """The duties of :func:`bound` on the plant itself, limits acting between the samples as well."""
     a, b = chain_matrices(AXIS)
     limits = _limits(SAMPLED_ONLY_MM_S) if limited else ()
-    periods = bound(distance, limited).periods
+    periods = bound(lab, distance, limited).periods
     _, duty = least_error(a[:4, :4], b[:4], np.identity(4)[3], distance, periods, PERIOD_S, limits, REST_PERIODS)
     block = lathe_servo_limited if limited else lathe_servo_limited(**UNLIMITED)
     p, s = _ready(block, PERIOD_S), block.state

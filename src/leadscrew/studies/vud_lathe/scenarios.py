@@ -1,20 +1,107 @@
-"""What the axis is asked to do: the steps of the paper, and the same ways as a machine would command them.
+"""What the axis is asked to do, on which machine, and the loop of both.
 
-Every scenario starts at rest at 0, the middle of the rail; Table 1's universe of 190 mm each way bounds the target.
+Every scenario starts at rest at 0, the middle of the rail; Table 1's universe of 190 mm each way bounds the target. A
+controller of the original servo reads the encoder (Figure 1), every other the grating (Figure 2).
 """
 
 from __future__ import annotations
 
-from typing import Annotated, NamedTuple
+from typing import TYPE_CHECKING, Annotated, NamedTuple
 
 import numpy as np
 
-from leadscrew.kernel.block import Block
+from leadscrew.actuators.dead_zone import dead_zone
+from leadscrew.actuators.offset import offset
+from leadscrew.actuators.pwm import pwm
+from leadscrew.kernel.block import Block, reference
+from leadscrew.kernel.metrics import chatter, overshoot, rms_error, settling_time, steady_state_error
 from leadscrew.kernel.sheet import Doc, Ge, Gt, Le, Unit
+from leadscrew.plants.lathe_screw import lathe_screw
+from leadscrew.plants.lathe_servo import lathe_servo
+from leadscrew.plants.lathe_servo_limited import lathe_servo_limited
+from leadscrew.references.s_curve import SCurveParams, plan_s_curve, s_curve
 from leadscrew.references.stairs import stairs
 from leadscrew.references.step import step
+from leadscrew.references.trapezoid import TrapezoidParams, plan_trapezoid, trapezoid
+from leadscrew.sensors.encoder_count import encoder_count
+from leadscrew.sensors.grating.ruler import grating_ruler
+from leadscrew.sensors.grating_count import grating_count
+from leadscrew.sensors.screw_encoder import screw_encoder
 from leadscrew.studies.study import Scenario
-from leadscrew.studies.vud_lathe.moves_reference import s_curve_position, trapezoid_position
+
+if TYPE_CHECKING:
+    from leadscrew.kernel.loop import Loop
+
+PERIOD_S = 0.001
+"""Sample period of the controller (section IV.b, end)."""
+
+ON_THE_ENCODER = ("power_law", "duty_pid")
+"""Controllers of the original servo, which reads the encoder (Figure 1); every other reads the grating (Figure 2)."""
+
+METRICS: dict[str, Block] = {
+    "settling_1pct": settling_time(percent=1.0),
+    "settling_2um": settling_time(percent=0.0, band=0.002),
+    "overshoot": overshoot,
+    "error_after_2s": steady_state_error(from_time=2.0),
+    "rms_error": rms_error,
+    "chatter": chatter(from_time=2.0),
+}
+"""Seconds and millimetres of the true position."""
+
+AFTER_2_S = ("error_after_2s", "chatter")
+"""Of these, what is measured from 2 s after the last step of the command on."""
+
+
+class Machine(NamedTuple):
+    """An axis: what moves, what the grating and the encoder show of it, and what stands before the motor."""
+
+    doc: str
+    plant: Block
+    grating: Block = grating_count
+    encoder: Block = encoder_count
+    actuator: Block | None = None
+
+
+MACHINES: dict[str, Machine] = {
+    "linear": Machine("the chain (2) to (4) with the slide rebuilt from Table 1, ideal sensors", lathe_servo),
+    "limited": Machine(
+        "the same with a motor that has 7.5 A and 258.7 mm/s at most, and a PWM amplifier of 1,000 counts",
+        lathe_servo_limited,
+        actuator=pwm,
+    ),
+    "screw": Machine(
+        "the same behind a ball screw with lead error, cyclic error, play and warmth; both sensors with their errors",
+        lathe_screw(lead_error=2e-5, cyclic_error_mm=0.002, backlash_mm=0.003, warming_K=1.0),
+        grating_ruler(interpolation_1_mm=0.1e-3, interpolation_2_mm=0.05e-3, noise_mm=50e-6),
+        screw_encoder,
+    ),
+    "dead_zone": Machine("the same with a duty that does nothing below a threshold", lathe_servo, actuator=dead_zone),
+    "drift": Machine("the same with a constant duty added: an axis that drifts", lathe_servo, actuator=offset),
+}
+"""By name; a scenario that ends in ``_on_NAME`` runs on that one, every other on ``linear``.
+
+The screw's errors are inside what a screw of ISO 3408 grade 3 may have, the ruler's are usual ones; both are ours.
+"""
+
+
+def machine_of(scenario: str) -> str:
+    """The name of the machine that a scenario runs on."""
+    return next((name for name in MACHINES if scenario.endswith(f"_on_{name}")), "linear")
+
+
+@reference(TrapezoidParams(), prepare=plan_trapezoid, unit="mm")
+def trapezoid_position(p, t):
+    """The position of :func:`leadscrew.references.trapezoid.trapezoid`."""
+    motion = trapezoid(p, t)
+    return motion.position
+
+
+@reference(SCurveParams(), prepare=plan_s_curve, unit="mm")
+def s_curve_position(p, t):
+    """The position of :func:`leadscrew.references.s_curve.s_curve`."""
+    motion = s_curve(p, t)
+    return motion.position
+
 
 Target = Annotated[float, Unit("mm"), Ge(-190), Le(190), Doc("where to go from 0")]
 Speed = Annotated[float, Unit("mm/s"), Gt(0), Doc("limit of the commanded speed")]
@@ -107,3 +194,46 @@ SCENARIOS: dict[str, Scenario] = {
         *_on("drift", "a constant duty is added"),
     )
 }
+
+
+class Step(NamedTuple):
+    """A step of Figure 11."""
+
+    scenario: str
+    way_mm: float
+    near_s: float
+    """When both curves are said to have nearly arrived."""
+
+    def __str__(self) -> str:
+        return f"−{self.way_mm:g} mm"
+
+
+STEPS = {"m50": Step("fig11a_step_m50", 50.0, 1.0), "m170": Step("fig11b_step_m170", 170.0, 1.25)}
+"""The steps of Figure 11, by what claims call them."""
+TABLE_1_STEPS = {"r=-190": "step_m190", "r=-50": "fig11a_step_m50", "r=50": "step_p50", "r=190": "step_p190"}
+PRINTED_SECONDS = 32.0
+"""How long the printed law needs to arrive at -170 mm, and two seconds more."""
+
+
+def build(controller: Block, scenario: Scenario, machine: str | None = None, sensor: str | None = None) -> Loop:
+    """The loop of a controller in a scenario, on the scenario's machine and the sensor that the controller had.
+
+    ``machine`` (of :data:`leadscrew.studies.vud_lathe.machines.MACHINES`) and ``sensor`` (``grating`` or ``encoder``)
+    take the place of those.
+    """
+    from leadscrew.kernel.loop import Loop
+
+    axis = MACHINES[machine or machine_of(scenario.name)]
+    own = "encoder" if controller.name in ON_THE_ENCODER else "grating"
+    return Loop(
+        reference=command(scenario.params),
+        controller=controller,
+        plant=axis.plant,
+        sensor=axis.encoder if (sensor or own) == "encoder" else axis.grating,
+        actuator=axis.actuator,
+        period=PERIOD_S,
+        metrics={
+            name: metric(from_time=last_step_s(scenario.params) + 2.0) if name in AFTER_2_S else metric
+            for name, metric in METRICS.items()
+        },
+    )

@@ -4,7 +4,7 @@ One sequence with reversals, as on a machine: beyond the lower end, up through a
 through all targets, five times. Every approach is a step of the command from where the last one ended; the true
 position of the table is read 2 s later, which is when the paper starts to show its errors. Nothing is reset between
 approaches or runs: play, sensor, controller and noise go on. The paper did no such test: targets, screw and ruler
-(machine ``screw`` of :mod:`leadscrew.studies.vud_lathe.machines`) and the warming are ours.
+(machine ``screw`` of :mod:`leadscrew.studies.vud_lathe.scenarios`) and the warming are ours.
 
 Runs differ by three things: the ruler's noise; where within a count and within the play an approach ends; and the
 screw, fixed at 0, which warms from the start of the test by ``WARMING_K (1 - exp(-t / WARMING_S))``, in a step at each
@@ -19,7 +19,8 @@ from typing import Any
 import numpy as np
 
 from leadscrew.analysis.positioning import Correction, Positioning, correction, positioning
-from leadscrew.studies.vud_lathe.runs import STEPS, Loops
+from leadscrew.studies.lab import Lab, measure
+from leadscrew.studies.vud_lathe.scenarios import STEPS
 
 TARGETS_MM = (-176.3, -132.8, -88.1, -41.4, 3.7, 46.9, 92.2, 137.6, 178.4)
 """Nine on 355 mm, at unequal distances and phases of the 10 mm lead; within the 190 mm of Table 1."""
@@ -40,12 +41,15 @@ def way() -> list[tuple[int, bool, float]]:
     return [(-1, False, -OVERRUN_MM), *up, (-1, True, OVERRUN_MM), *down]
 
 
-def run_test(loops: Loops, sensor: str, table: Correction | None = None, controller: str = CONTROLLER) -> Positioning:
+@measure
+def run_test(lab: Lab, sensor: str, controller: str = CONTROLLER, compensated: bool = False) -> Positioning:
     """The test behind a sensor (``encoder`` or ``grating``), evaluated.
 
-    ``table``: a screw compensation at work, in the way that LinuxCNC adds it to the command.
+    ``compensated``: with the screw compensation that the test behind the encoder gives, as LinuxCNC adds it to the
+    command.
     """
-    loop = loops.get(controller, STEPS[0], "screw", sensor)
+    table: Correction | None = correction(run_test(lab, "encoder")) if compensated else None
+    loop = lab.loop(controller, STEPS["m50"].scenario, machine="screw", sensor=sensor)
     live = loop.start()
     periods = round(READ_S / loop.period)
     ends = np.zeros((2, len(TARGETS_MM), RUNS))
@@ -66,18 +70,3 @@ def table_mm(live: Any) -> float:
     """Where the table truly is: nut and what the screw adds."""
     at = live.values()
     return float(at["plant.nut"] + at["plant.rest"])
-
-
-def positioning_tests(loops: Loops) -> dict[str, Positioning]:
-    """The tests by name: ``encoder``, ``compensated`` (encoder and the first one's table), ``grating``, ``encoder_pd``.
-
-    The last is the plain PD behind the encoder, which overshoots less than the play is wide.
-    """
-    encoder = run_test(loops, "encoder")
-    table = correction(encoder)
-    return {
-        "encoder": encoder,
-        "compensated": run_test(loops, "encoder", table),
-        "grating": run_test(loops, "grating"),
-        "encoder_pd": run_test(loops, "encoder", controller="ours.pd"),
-    }

@@ -16,8 +16,9 @@ import numpy as np
 from leadscrew.controllers.vud.duty_pid import duty_pid
 from leadscrew.identify.output_error import OutputErrorFit, Search, Trajectory, fit_output_error
 from leadscrew.kernel.block import Block
-from leadscrew.studies.vud_lathe.runs import PERIOD_S, Loops
-from leadscrew.studies.vud_lathe.tables import FULL_SCALE_MM, Move
+from leadscrew.studies.lab import Lab, measure
+from leadscrew.studies.vud_lathe.laws import FULL_SCALE_MM, Move, moves
+from leadscrew.studies.vud_lathe.scenarios import PERIOD_S
 
 GAIN, EXPONENT = "controller.gain", "controller.exponent"
 KP, KI, KD = "controller.kp", "controller.ki", "controller.kd"
@@ -38,45 +39,67 @@ class Law(NamedTuple):
     fixed: Mapping[str, float]
     bounds: Mapping[str, tuple[float, float]]
     start: Mapping[str, float]
-    """Near the best fit, found by :func:`fit_all` with ``search="global"``; a test repeats that search."""
+    """Near the best fit, which ``search="global"`` finds; a test repeats that search."""
 
 
 LAWS: dict[str, Law] = {
     "p_289": Law(
         "P, duty = gain |e|, at 289 mm/s",
-        "ours.original_fit", {EXPONENT: 1.0, SPEED: 289.0}, {GAIN: (0.3, 6.0)}, {GAIN: 1.8},
+        "ours.original_fit",
+        {EXPONENT: 1.0, SPEED: 289.0},
+        {GAIN: (0.3, 6.0)},
+        {GAIN: 1.8},
     ),
     "pd_289": Law(
         "PD at 289 mm/s",
-        LINEAR, {SPEED: 289.0, KI: 0.0}, {KP: (0.001, 0.05), KD: (0.0, 0.01)}, {KP: 0.02, KD: 0.004},
+        LINEAR,
+        {SPEED: 289.0, KI: 0.0},
+        {KP: (0.001, 0.05), KD: (0.0, 0.01)},
+        {KP: 0.02, KD: 0.004},
     ),
     "power_289": Law(
         "duty = gain |e|^exponent at 289 mm/s",
-        "ours.original_fit", {SPEED: 289.0}, {GAIN: (0.3, 4.0), EXPONENT: (0.2, 1.2)}, {GAIN: 0.93, EXPONENT: 0.62},
+        "ours.original_fit",
+        {SPEED: 289.0},
+        {GAIN: (0.3, 4.0), EXPONENT: (0.2, 1.2)},
+        {GAIN: 0.93, EXPONENT: 0.62},
     ),
     "power_216": Law(
         "duty = gain |e|^exponent at 216 mm/s",
-        "ours.original_fit", {SPEED: 216.0}, {GAIN: (0.3, 4.0), EXPONENT: (0.2, 1.2)}, {GAIN: 1.6, EXPONENT: 0.75},
+        "ours.original_fit",
+        {SPEED: 216.0},
+        {GAIN: (0.3, 4.0), EXPONENT: (0.2, 1.2)},
+        {GAIN: 1.6, EXPONENT: 0.75},
     ),
     "p_209": Law(
         "P, duty = gain |e|, at 209 mm/s",
-        "ours.original_fit", {EXPONENT: 1.0, SPEED: 209.0}, {GAIN: (0.3, 6.0)}, {GAIN: 2.7},
+        "ours.original_fit",
+        {EXPONENT: 1.0, SPEED: 209.0},
+        {GAIN: (0.3, 6.0)},
+        {GAIN: 2.7},
     ),
     "pid_209": Law(
         "PID at 209 mm/s",
-        LINEAR, {SPEED: 209.0}, {KP: (0.001, 0.05), KI: (0.0, 0.01), KD: (0.0, 0.01)},
+        LINEAR,
+        {SPEED: 209.0},
+        {KP: (0.001, 0.05), KI: (0.0, 0.01), KD: (0.0, 0.01)},
         {KP: 0.014, KI: 0.001, KD: 0.0001},
     ),
     "p_free": Law(
         "P, duty = gain |e|, at the speed that fits best",
-        "ours.original_fit", {EXPONENT: 1.0}, {GAIN: (0.3, 6.0), SPEED: (150.0, 400.0)}, {GAIN: 2.7, SPEED: 210.0},
+        "ours.original_fit",
+        {EXPONENT: 1.0},
+        {GAIN: (0.3, 6.0), SPEED: (150.0, 400.0)},
+        {GAIN: 2.7, SPEED: 210.0},
     ),
     "power_free": Law(
         "duty = gain |e|^exponent at the speed that fits best",
-        "ours.original_fit", {}, {GAIN: (0.3, 4.0), EXPONENT: (0.2, 1.2), SPEED: (150.0, 400.0)},
+        "ours.original_fit",
+        {},
+        {GAIN: (0.3, 4.0), EXPONENT: (0.2, 1.2), SPEED: (150.0, 400.0)},
         {GAIN: 1.6, EXPONENT: 0.75, SPEED: 216.0},
     ),
-}  # fmt: skip
+}
 """By law and speed at full duty."""
 
 
@@ -88,18 +111,14 @@ def trajectories(moves: Mapping[str, Move]) -> dict[str, Trajectory]:
     }
 
 
-def fit_law(loops: Loops, moves: Mapping[str, Move], name: str, search: Search = "local") -> OutputErrorFit:
-    """The law ``name`` of :data:`LAWS`, fitted."""
+@measure
+def fit_law(lab: Lab, name: str, search: Search = "local") -> OutputErrorFit:
+    """The law ``name`` of :data:`LAWS`, fitted to Table 1."""
     law = LAWS[name]
-    loop = loops.get(law.block, "step_m190").using(law.fixed)
+    loop = lab.loop(law.block, "step_m190").using(law.fixed)
     return fit_output_error(
-        loop, trajectories(moves), law.bounds, start=law.start, search=search, max_condition=MAX_CONDITION
+        loop, trajectories(moves()), law.bounds, start=law.start, search=search, max_condition=MAX_CONDITION
     )
-
-
-def fit_all(loops: Loops, moves: Mapping[str, Move], search: Search = "local") -> dict[str, OutputErrorFit]:
-    """Every law of :data:`LAWS`, fitted."""
-    return {name: fit_law(loops, moves, name, search) for name in LAWS}
 
 
 class Played(NamedTuple):
@@ -124,35 +143,15 @@ class Played(NamedTuple):
         return float(PERIOD_S * (outside[-1] + 1)) if len(outside) else 0.0
 
 
-def play(
-    loops: Loops, moves: Mapping[str, Move], fits: Mapping[str, OutputErrorFit], names: tuple[str, ...]
-) -> dict[str, Played]:
-    """The fitted laws ``names`` over 4 s; all of them are settings of one block, so one batch does it."""
-    targets = np.array(sorted({m.target_mm for m in moves.values()} | set(TARGETS_MM)))
-    loop = loops.get(LAWS[names[0]].block, "step_m190")
-    settings = [{**LAWS[name].fixed, **fits[name].parameters} for name in names]
-    varied = {
-        k: np.repeat([s.get(k, loop.parameters[k]) for s in settings], len(targets)) for k in set().union(*settings)
-    }
-    varied[TARGET] = np.tile(targets, len(names))
+@measure
+def play(lab: Lab, name: str) -> Played:
+    """The fitted law over 4 s of every move of Table 1 and both steps of Figure 11."""
+    targets = np.array(sorted({m.target_mm for m in moves().values()} | set(TARGETS_MM)))
+    loop = lab.loop(LAWS[name].block, "step_m190")
+    settings = {**LAWS[name].fixed, **fit_law(lab, name).parameters}
+    varied = {k: np.full(len(targets), v) for k, v in settings.items()} | {TARGET: targets}
     batch = loop.batch(4.0, varied, record=("actual.position", "output"))
-    x, duty = (batch[s].reshape(len(names), len(targets), -1) for s in ("actual.position", "output"))
-    return {name: Played(targets, batch.time, x[i], duty[i]) for i, name in enumerate(names)}
-
-
-class OriginalResults(NamedTuple):
-    """What the claims and pictures of the original servo need."""
-
-    fits: dict[str, OutputErrorFit]
-    played: dict[str, Played]
-    """The laws that pictures show and claims judge, over 4 s."""
-
-
-def original_results(loops: Loops, moves: Mapping[str, Move]) -> OriginalResults:
-    """All fits from their starts, and the laws at their best."""
-    fits = fit_all(loops, moves)
-    played = play(loops, moves, fits, ("p_289", "power_289", "power_216", "p_209"))
-    return OriginalResults(fits, played | play(loops, moves, fits, ("pid_209",)))
+    return Played(targets, batch.time, batch["actual.position"], batch["output"])
 
 
 def duty_misfit(played: Played, moves: Mapping[str, Move]) -> dict[str, float]:

@@ -1,0 +1,1 @@
+"""What studies, reports and notebooks draw and print with: tables, numbers, units."""

@@ -1,0 +1,104 @@
+"""A table of results, and how its numbers and units are written: one form for terminal, HTML, Markdown and JSON."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+NOTHING = "–"
+"""What stands where there is no value."""
+
+UNITS = {
+    "um": "µm",
+    "um/m": "µm/m",
+    "N m": "N·m",
+    "N m/A": "N·m/A",
+    "mm/s^2": "mm/s²",
+    "kg m^2": "kg·m²",
+    "rad/(s V)": "rad/(s·V)",
+    "N s/m": "N·s/m",
+    "ohm": "Ω",
+    "1": "",
+}
+"""Units as the field prints them, by how they are written in ASCII; a pure number (``1``) has none."""
+
+_UNIT_OF_HEADER = re.compile(r"\(([^()]*(?:\([^()]*\))?)\)$")
+
+
+def unit(text: str) -> str:
+    """A unit for the eye; a unit that is not in :data:`UNITS` stays as it is."""
+    return UNITS.get(text, text)
+
+
+def header(text: str) -> str:
+    """The head of a column, ``name (unit)``, for the eye."""
+
+    def shown(match: re.Match[str]) -> str:
+        return f"({unit(match[1])})" if unit(match[1]) else ""
+
+    return _UNIT_OF_HEADER.sub(shown, text).rstrip()
+
+
+def number(value: Any, digits: int = 4) -> str:
+    """A value in ``digits`` significant digits: 0.2518, 37,222, 1.2e-07; texts stay, a dash for what does not exist."""
+    if value is None or (isinstance(value, float) and math.isnan(value)):
+        return NOTHING
+    if isinstance(value, bool):
+        return "yes" if value else "no"
+    if isinstance(value, str):
+        return value or NOTHING
+    if math.isinf(value):
+        return "never" if value > 0 else "−∞"
+    size = abs(value)
+    if value == int(value) and size < 1e15:
+        text = f"{int(value):,}"
+    elif size >= 10.0 ** (digits - 1):
+        text = f"{value:,.0f}"
+    else:
+        text = f"{value:.{digits}g}" if size >= 1e-4 else f"{value:.{max(2, digits - 2)}g}"
+    return text.replace("-", "−", 1) if text.startswith("-") else text
+
+
+@dataclass(frozen=True)
+class Table:
+    """Rows by their label, each with one value a column.
+
+    Args:
+        label: head of the column of labels.
+        columns: heads of the others, ``name (unit)`` with the unit in ASCII (``um``).
+        rows: values by label: numbers, texts, or None where there is none; infinity reads *never*.
+        digits: significant digits of the numbers.
+
+    Raises:
+        ValueError: a row with more or fewer values than columns.
+    """
+
+    label: str
+    columns: tuple[str, ...]
+    rows: Mapping[str, tuple[Any, ...]]
+    digits: int = 4
+
+    def __post_init__(self) -> None:
+        for name, values in self.rows.items():
+            if len(values) != len(self.columns):
+                raise ValueError(f"row {name!r}: {len(values)} values for {len(self.columns)} columns")
+
+    def heads(self) -> list[str]:
+        """The heads of all columns for the eye."""
+        return [header(text) for text in (self.label, *self.columns)]
+
+    def cells(self) -> list[list[str]]:
+        """The rows for the eye, the label first."""
+        return [[name, *(number(value, self.digits) for value in values)] for name, values in self.rows.items()]
+
+    def numeric(self) -> list[bool]:
+        """Of every column, the label's included, whether its values are numbers: those stand to the right."""
+        columns = [[row[k] for row in self.rows.values()] for k in range(len(self.columns))]
+        return [False, *(all(not isinstance(v, str) or v in ("yes", "no") for v in column) for column in columns)]
+
+    def as_dict(self) -> dict[str, Any]:
+        """The table for JSON: columns as they were given, and values by row."""
+        return {"label": self.label, "columns": list(self.columns), "rows": {k: list(v) for k, v in self.rows.items()}}
