@@ -13,7 +13,7 @@ INPUTS ?= 2000
 FIRST ?= 0
 
 help:
-	@echo "make demo    the lathe servo under three controllers, beside the paper's numbers"
+	@echo "make demo    the key claims of all five published systems, on one page"
 	@echo "make test    the tests, without the slow sweeps"
 	@echo "make same    what 81 commands compute, at BASE=COMMIT and in the working tree: every difference"
 	@echo "make mutants changes of src that no test notices: FILES=\"src/...\" or what differs from BASE=COMMIT, MAX=30"

@@ -3,8 +3,9 @@
     python docs/generate.py            writes docs/studies/generated and docs/reference/generated
 
 Nothing is computed here: claims, figures and notes come from the study, sheets from the blocks. Where the variable
-``LEADSCREW_STUDY_PAGES`` is ``keep``, no study is evaluated: pages that exist stay (in CI the tests have written them
-of the evaluation that they judge), and the page of a study that no test evaluated goes without its results.
+``LEADSCREW_STUDY_PAGES`` is ``keep``, pages that exist stay (in CI the tests have written them of the evaluation that
+they judge). Of those that do not, a study with contents is evaluated, which takes seconds; the page of another goes
+without its results.
 """
 
 from __future__ import annotations
@@ -14,13 +15,17 @@ import os
 import re
 import sys
 from collections import Counter
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 
-from leadscrew import catalogue
+from leadscrew import catalogue, escape
 from leadscrew.kernel.sheet import entries
 from leadscrew.report import tables
 from leadscrew.report.claim import Claim
+from leadscrew.report.report import Picture, Report, Section, TextTable
+from leadscrew.report.study import report_of
+from leadscrew.studies import results as new_results
+from leadscrew.studies.results import Results
 from leadscrew.studies.study import Study, StudyResult
 
 
@@ -88,14 +93,71 @@ def results(study: Study, folder: Path, result: StudyResult) -> list[str]:
     return parts
 
 
-def study_page(study: Study, folder: Path, result: StudyResult | None) -> str:
+# ---- a report as Markdown
+def text_cell(text: str) -> str:
+    """A cell whose text may hold code in backticks."""
+    clean = escape.markdown_doc(text, cell=True)
+    parts = re.split("(`[^`]*`)", clean)
+    return "".join(part if part.startswith("`") else re.sub(r"(?<!\\)([*_~$])", r"\\\1", part) for part in parts)
+
+
+def text_table(shown: TextTable) -> str:
+    """A table of a report; what is small below a first cell follows it after a line break."""
+    below = shown.below or [""] * len(shown.rows)
+    lines = [" | ".join(map(text_cell, shown.heads)), " | ".join("---:" if n else "---" for n in shown.numeric)]
+    for row, small in zip(shown.rows, below, strict=True):
+        first = text_cell(row[0]) + (f"<br><small>{text_cell(small)}</small>" if small else "")
+        lines.append(" | ".join([first, *map(text_cell, row[1:])]))
+    return "\n".join(f"| {line} |" for line in lines)
+
+
+def figure(study: str, shown: Picture, folder: Path) -> str:
+    """A figure, drawn into ``folder``."""
+    file = f"{study}_{shown.name}.svg"
+    shown.draw().savefig(folder / file, metadata={"Date": None})
+    return f":::{{figure}} {file}\n{escape.markdown_doc(shown.caption)}\n:::"
+
+
+def section(shown: Section, study: str, folder: Path, level: int = 2) -> Iterator[str]:
+    """A section of a report, and those below it."""
+    yield f"{'#' * level} {shown.title}"
+    yield from map(escape.markdown_doc, shown.paragraphs)
+    yield from map(text_table, shown.tables)
+    if shown.conclusion:
+        yield f"**{escape.markdown_doc(shown.conclusion)}**"
+    for picture in shown.pictures:
+        yield figure(study, picture, folder)
+    for below in shown.sections:
+        yield from section(below, study, folder, level + 1)
+
+
+def report_parts(report: Report, folder: Path) -> Iterator[str]:
+    """Conclusion, key figure, key claims, and the sections but that of the runs, which only a report has."""
+    yield escape.markdown_doc(" ".join(report.conclusion))
+    if report.key_picture is not None:
+        yield figure(report.name, report.key_picture, folder)
+    if report.key_table is not None:
+        yield from (f"## {report.key_title}", text_table(report.key_table))
+    yield ", ".join(f"{n} {verdict}" for verdict, n in report.counts.items()) + "."
+    for shown in report.sections:
+        if shown.anchor != "runs":
+            yield from section(shown, report.name, folder)
+
+
+def study_page(study: Study, folder: Path, result: StudyResult | Results | None) -> str:
     """The page of a study; its figures go to ``folder``."""
+    if isinstance(result, Results):
+        found = list(report_parts(report_of(result), folder))
+    elif result is not None:
+        found = results(study, folder, result)
+    else:
+        found = ["This build did not evaluate the study."]
     parts = [
         f"# {study.title}",
         f"{study.paper}",
         study.summary,
         f"```console\n$ leadscrew run {study.name}\n$ leadscrew list {study.name}\n```",
-        *(results(study, folder, result) if result is not None else ["This build did not evaluate the study."]),
+        *found,
     ]
     parts += ["## Controllers", table(["name", "block", "what it is"], (
         (name, block.name, tables.first_line(block.doc)) for name, block in study.controllers.items()
@@ -104,7 +166,14 @@ def study_page(study: Study, folder: Path, result: StudyResult | None) -> str:
         (s.name, s.duration_s, s.doc) for s in study.scenarios.values()
     ))]  # fmt: skip
     parts += ["## The paper, item by item", items_table(study)]
-    return "\n\n".join(parts) + "\n"
+    return "\n\n".join(filter(None, parts)) + "\n"
+
+
+def evaluated(study: Study) -> StudyResult | Results | None:
+    """The study, evaluated; None of one that takes long where pages are kept."""
+    if study.contents is not None:
+        return new_results.evaluate(study)
+    return None if kept() or study.evaluate is None else study.evaluate(lambda what, done: None)
 
 
 def blocks_page() -> str:
@@ -142,7 +211,7 @@ def everything(docs: Path) -> None:
     for name in catalogue.STUDIES:
         if not (kept() and page_of(docs, name).exists()):
             study = catalogue.study(name)
-            write_study(docs, study, None if kept() else study.evaluate(lambda what, done: None))
+            write_study(docs, study, evaluated(study))
 
 
 def page_of(docs: Path, name: str) -> Path:
@@ -150,7 +219,7 @@ def page_of(docs: Path, name: str) -> Path:
     return docs / "studies" / "generated" / f"{name}.md"
 
 
-def write_study(docs: Path, study: Study, result: StudyResult | None) -> None:
+def write_study(docs: Path, study: Study, result: StudyResult | Results | None) -> None:
     """The page of a study, of an evaluation of it or without one; the page itself comes last."""
     page = page_of(docs, study.name)
     page.parent.mkdir(parents=True, exist_ok=True)

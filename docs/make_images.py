@@ -24,6 +24,7 @@ from leadscrew.sensors.axis_reading import axis_reading
 from leadscrew.studies.fsmc_ballscrew.figures_beaten import beaten_pictures
 from leadscrew.studies.fsmc_ballscrew.figures_selftuned import selftuned_pictures
 from leadscrew.studies.fsmc_ballscrew.runs import Loops
+from leadscrew.studies.lab import Lab
 from leadscrew.studies.sofnn_tangent.figures_pieces import pieces_pictures
 from leadscrew.studies.sofnn_tangent.runs import Loops as Cuts
 from leadscrew.tune.job import Job
@@ -121,9 +122,10 @@ def main(folder: Path = Path(__file__).parent / "images") -> None:
     """Draws every image."""
     folder.mkdir(exist_ok=True)
     for image, (study, wanted) in IMAGES.items():
-        result = catalogue.study(study).evaluate(lambda what, done: None)
-        picture = next(p for p in result.pictures if p.name == wanted)
-        picture.draw().savefig(folder / f"{image}.png", dpi=110)
+        found = catalogue.study(study)
+        assert found.contents is not None
+        shown = next(f for f in found.contents().figures if f.name == wanted)
+        shown.draw(Lab(found)).savefig(folder / f"{image}.png", dpi=110)
     fuzzy_images(folder)
     tuning_images(folder)
     friction_images(folder)

@@ -1,8 +1,7 @@
-"""``leadscrew run`` and ``demo``: the report, its folder, the exit codes."""
+"""``leadscrew run``: the report, its folder, the exit codes."""
 
 from __future__ import annotations
 
-import json
 import shutil
 
 from leadscrew.kernel.run import load
@@ -67,11 +66,3 @@ def test_a_report_that_fails_half_way_leaves_the_older_one(call, study, tmp_path
     monkeypatch.setattr("leadscrew.report.html.render", full)
     assert "No space left" in call("run", study, "--out", out, code=2).stderr
     assert (out / "report.json").read_text() == before and [p.name for p in tmp_path.iterdir()] == ["report"]
-
-
-def test_demo_is_the_first_study_with_its_time(call, study, tmp_path, monkeypatch):
-    monkeypatch.setattr("leadscrew.cli.demo.STUDY", study)
-    monkeypatch.chdir(tmp_path)
-    said = call("demo").stdout
-    assert "The whole demo took" in said and str(tmp_path / "report" / "plain" / "report.html") in said
-    assert json.loads((tmp_path / "report" / "plain" / "report.json").read_text())["study"] == "plain"

@@ -6,8 +6,7 @@ from scipy.integrate import solve_ivp
 
 from leadscrew.identify.gain import Record, fit_gain
 from leadscrew.kernel.errors import DataError, ValueRefused
-from leadscrew.studies.vud_lathe.laws import gain_fits
-from leadscrew.studies.vud_lathe.laws import moves
+from leadscrew.studies.vud_lathe.laws import gain_fits, moves
 
 LAGS = (0.0008, 0.0015, 0.017)
 TIME = np.arange(21) * 0.1

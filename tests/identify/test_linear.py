@@ -14,8 +14,7 @@ from leadscrew.identify.linear.record import linear_record, read_linear
 from leadscrew.identify.linear.response import forced, free, sampled_response, step_of
 from leadscrew.identify.linear.servo_gain import servo_gain
 from leadscrew.kernel.errors import DataError, NameUnknown, ValueRefused
-from leadscrew.studies.vud_lathe.laws import gain_fits
-from leadscrew.studies.vud_lathe.laws import TABLE_1, moves
+from leadscrew.studies.vud_lathe.laws import TABLE_1, gain_fits, moves
 
 T = 1e-3
 

@@ -1,33 +1,110 @@
-"""``leadscrew demo``: the first study, start to end."""
+"""``leadscrew demo``: the key claims of all published systems, on one page."""
 
 from __future__ import annotations
 
+import shlex
+import time
+from collections.abc import Callable
+from concurrent.futures import Future, ThreadPoolExecutor, as_completed
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from leadscrew.cli.output import Json
-from leadscrew.cli.run import judged, leave
+from leadscrew.cli.door import MISSED
+from leadscrew.cli.output import Json, emit, progress
 
-STUDY = "vud_lathe"
+if TYPE_CHECKING:
+    from leadscrew.report.report import Report
+
+STUDIES: tuple[str, ...] = ("vud_lathe", "fsmc_ballscrew", "npid_xytable", "grey_turning", "sofnn_tangent")
+NEXT = (
+    "leadscrew run vud_lathe",
+    "leadscrew list npid_xytable",
+    "leadscrew simulate vud_lathe --controller ours.pd --scenario fig11a_step_m50",
+)
+"""What to try after the demo."""
 
 
 def demo(
-    out: Annotated[Path | None, typer.Option(help=f"Folder of the report; report/{STUDY} unless given.")] = None,
+    out: Annotated[Path | None, typer.Option(help="Folder of the pages (default: report/demo).")] = None,
     as_json: Json = False,
 ) -> None:
-    """Run the lathe study: every claim of the paper beside our number."""
-    if not as_json:
-        typer.echo(f"leadscrew run {STUDY}\n")
-    result, folder, wall = judged(STUDY, out, figures=True, as_json=as_json)
-    if not as_json:
-        typer.echo(f"\nThe whole demo took {wall:.1f} s. Open the report, it needs no network:")
-        typer.echo(f"  {(folder / 'report.html').resolve()}")
-        typer.echo("Then try:")
-        typer.echo(f"  leadscrew list {STUDY}")
-        typer.echo(
-            f"  leadscrew simulate {STUDY} --controller corrected.vud_beta_e --scenario fig11a_step_m50 "
-            "--set scenario.target_mm=-120"
+    """Run the key claims of all five published systems; write a page with a card for each.
+
+    Exit code 1 when a number is not the expected one.
+    """
+    from leadscrew.report import folder as reports
+    from leadscrew.report import index
+
+    began = time.perf_counter()
+    target = out if out is not None else Path("report") / "demo"
+    places = {name: reports.claimable(target / Path(name).stem.split(":")[0]) for name in STUDIES}
+    pages: dict[str, Path] = {}
+    with progress() as show_progress:
+        done = evaluated(show_progress)
+        for at, (name, (report, seconds)) in enumerate(done.items()):
+            show_progress(f"drawing {report.name}", 0.8 + 0.2 * at / len(done))
+            pages[name] = reports.put(report, places[name], wall_s=seconds)
+    found = {name: report for name, (report, _) in done.items()}
+    page = index.write(target, "Five published systems, rebuilt and judged", [places[name].name for name in STUDIES])
+    wall = time.perf_counter() - began
+    if as_json:
+        emit(
+            {
+                "kind": "leadscrew demo",
+                "schema_version": 1,
+                "wall_s": wall,
+                "studies": [reports.data(found[name], done[name][1], pages[name]) for name in STUDIES],
+                "report": str(page or target),
+            }
         )
-    leave(result)
+    else:
+        print_demo([found[name] for name in STUDIES], page or target, wall)
+    if any(report.missed for report in found.values()):
+        raise typer.Exit(MISSED)
+
+
+def evaluated(show_progress: Callable[[str, float], None]) -> dict[str, tuple[Report, float]]:
+    """The reports by name, with the seconds of each, side by side; their figures are not drawn yet."""
+    from leadscrew.kernel.one_thread import one_thread
+
+    def one(name: str) -> tuple[Report, float]:
+        began = time.perf_counter()
+        report = report_of(name)
+        return report, time.perf_counter() - began
+
+    with one_thread(), ThreadPoolExecutor(2) as side_by_side:
+        jobs: dict[Future[tuple[Report, float]], str] = {side_by_side.submit(one, name): name for name in STUDIES}
+        for number, job in enumerate(as_completed(jobs), start=1):
+            show_progress(f"{jobs[job]} done", 0.8 * number / len(jobs))
+    return {name: job.result() for job, name in jobs.items()}
+
+
+def report_of(name: str) -> Report:
+    """The key claims of a study; of one that has no contents yet, its paper's law beside the corrected one."""
+    from leadscrew import catalogue
+    from leadscrew.report import demo as pairs
+    from leadscrew.report.study import summary_of
+    from leadscrew.studies.results import evaluate
+
+    study = catalogue.study(name)
+    if study.contents is None and study.name in pairs.PAIRS:
+        return pairs.report_of(study, pairs.PAIRS[study.name])
+    return summary_of(evaluate(study, key=True), shlex.join(["leadscrew", "run", name]))
+
+
+def print_demo(found: list[Report], page: Path, wall: float) -> None:
+    """The conclusions, where the page is, and what to try next; 40 lines at most."""
+    from rich.text import Text
+
+    from leadscrew.report import text
+
+    columns = text.width()
+    lines: list[Text] = []
+    for report in found:
+        lines += [Text(line, "bold") for line in text.wrapped(f"{report.name}: {report.title}", columns)]
+        lines += [Text(line) for line in text.wrapped(" ".join(report.conclusion), columns)]
+        lines += [Text(line, "bold red") for line in text.limited(report.missed, columns, 3)]
+    lines += [Text(""), *text.ending([], page.resolve(), wall, columns), Text("Then try:")]
+    text.show([*lines, *(Text(f"  {command}") for command in NEXT)])

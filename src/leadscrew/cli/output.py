@@ -6,12 +6,15 @@ import json
 import sys
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 if TYPE_CHECKING:
     from rich.console import Console
+
+    from leadscrew.report.report import Report
 
 Json = Annotated[bool, typer.Option("--json", help="Print one JSON object instead.")]
 """The option that every command with a result has."""
@@ -25,6 +28,35 @@ def emit(value: Any) -> None:
     from leadscrew.report.strict import strict
 
     typer.echo(json.dumps(strict(value), allow_nan=False))
+
+
+def deliver(
+    report: Report,
+    page: Path,
+    wall_s: float,
+    *,
+    everything: bool = False,
+    as_json: bool = False,
+    notes: Sequence[str] = (),
+) -> None:
+    """How a command ends: prints its report, or that as JSON; exit code 1 when an expected number is missed.
+
+    ``page``: where the report was written; ``everything``: all tables, not the summary alone.
+    """
+    if as_json:
+        from leadscrew.report.folder import data
+
+        emit(data(report, wall_s, page))
+    else:
+        from leadscrew.report import text
+
+        columns = text.width()
+        lines = text.whole(report, columns) if everything else text.summary(report, columns)
+        text.show([*lines, *text.ending(notes, page, wall_s, columns)])
+    if report.missed:
+        from leadscrew.cli.door import MISSED
+
+        raise typer.Exit(MISSED)
 
 
 def console() -> Console:

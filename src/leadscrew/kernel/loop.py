@@ -245,7 +245,7 @@ class Loop:
     @cached_property
     def module(self) -> Module:
         """The module of this loop's steps: that of a program with the same steps where there is one, else a new one."""
-        known = programs.like(self._compiled_from())
+        known = programs.like(self.compiled_from())
         return known[0].module if known else Module()
 
     @cached_property
@@ -278,7 +278,7 @@ class Loop:
             signals=self.signals, method=self.method, sent=divmod(self.sent, self.substeps), seen=self.seen,
             continuous=self.continuous, rtol=self.rtol, atol=self.atol,
         )  # fmt: skip
-        key = self._compiled_from()
+        key = self.compiled_from()
         known = programs.like(key)
         for program in known:
             if program.plan.layout() == plan.layout():
@@ -287,7 +287,7 @@ class Loop:
         programs.add(key, program)
         return program
 
-    def _compiled_from(self) -> Hashable:
+    def compiled_from(self) -> Hashable:
         """What of a loop decides its program, but for the layout of its values."""
         blocks = tuple(
             b and (b.step, b.output, b.jacobian, b.signals, b.prepare, type(b.params), type(b.state))
@@ -295,6 +295,15 @@ class Loop:
         )
         options = (self.method, self.continuous, self.seen, self.rtol, self.atol, divmod(self.sent, self.substeps))
         return blocks, tuple(self.metrics), options
+
+    def adopt_program(self, other: Loop) -> None:
+        """Takes over the program of a loop with the same steps, where it fits: this loop is then not linked again."""
+        if self.compiled_from() == other.compiled_from():
+            self.__dict__["signals"] = other.signals
+            if self.fits(other.program):
+                self.__dict__["program"] = other.program
+            else:
+                del self.__dict__["signals"]
 
     def fits(self, program: Program) -> bool:
         """Whether a program built for another loop serves this one: the same places for the same things."""

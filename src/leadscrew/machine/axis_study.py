@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import replace
 from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from leadscrew.kernel.block import Block
-from leadscrew.kernel.errors import DataError, LeadscrewError, ValueRefused
+from leadscrew.kernel.errors import DataError, LeadscrewError
 from leadscrew.kernel.metrics import max_error, overshoot, rms_error, settling_time
 from leadscrew.kernel.sheet import checked_replace
 from leadscrew.machine import gains
@@ -18,7 +17,7 @@ from leadscrew.machine.file import MachineFile, read
 from leadscrew.machine.log import Played
 from leadscrew.machine.log import command as played
 from leadscrew.machine.scenarios import Load, Move, StepMove, command, load, position_of, scenarios
-from leadscrew.studies.study import Scenario, Study, StudyResult
+from leadscrew.studies.study import Scenario, Study
 
 if TYPE_CHECKING:
     from leadscrew.kernel.loop import Loop
@@ -55,19 +54,9 @@ def study(path: str | Path) -> Study:
     return Study(
         name=machine.name, title=f"The axis {machine.name}, as in {where.name}",
         paper=f"Identified from {said}." if said else "", controllers=controllers, scenarios=asked,
-        build=build, evaluate=_no_claims(where), folder=where.parent,
+        build=build, folder=where.parent,
         summary=f"{machine.model}, {machine.drive_unit} to {machine.position_unit}, {machine.period:g} s a period",
     )  # fmt: skip
-
-
-def _no_claims(where: Path) -> Callable[..., StudyResult]:
-    def evaluate(progress: Callable[[str, float], None]) -> StudyResult:
-        """A machine has no paper, and so no claims."""
-        raise ValueRefused(
-            f"{where.name} is a machine and has no claims to judge: leadscrew simulate, compare or tune run it"
-        )
-
-    return evaluate
 
 
 def left_open(path: str | Path) -> list[str]:

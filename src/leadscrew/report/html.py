@@ -4,16 +4,22 @@ from __future__ import annotations
 
 import base64
 import io
-from collections.abc import Callable, Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+import re
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any, NamedTuple
 
+from leadscrew.escape import html as escaped
 from leadscrew.escape import visible
 from leadscrew.report import tables
 
 if TYPE_CHECKING:
     from jinja2 import Template
+    from markupsafe import Markup
     from matplotlib.figure import Figure
 
+    from leadscrew.report.report import Picture as Shown
+    from leadscrew.report.report import Report, Section
     from leadscrew.studies.study import Picture, Study, StudyResult
 
 LARGEST_SVG = 600_000
@@ -35,7 +41,7 @@ def embedded(figure: Figure, name: str) -> str:
     return f"data:image/{kind};base64,{base64.b64encode(buffer.getvalue()).decode('ascii')}"
 
 
-def template(name: str, **filters: Callable[..., str]) -> Template:
+def template(name: str, **filters: Callable[..., Any]) -> Template:
     """A template of pages; every value in it is escaped for HTML."""
     from jinja2 import Environment, PackageLoader, StrictUndefined
 
@@ -71,3 +77,104 @@ def render(
         study=study, result=result, topics=topics, tally=tables.tally(result.claims),
         missed=tables.missed(result.claims), pictures=drawn, runs=runs, manifest=manifest,
     )  # fmt: skip
+
+
+# ---- a report as data
+PX_PER_INCH = 84
+"""Width that a figure keeps on a narrow window: a text of 7 points is then 8 pixels high."""
+
+
+def code(text: str) -> Markup:
+    """A text, escaped; what stands in backticks is code."""
+    from markupsafe import Markup
+
+    return Markup(re.sub("`([^`]+)`", r"<code>\1</code>", escaped(text)))
+
+
+class Drawn(NamedTuple):
+    """A figure as it stands in a page."""
+
+    source: str
+    """Of an image, as a ``data:`` address."""
+    width_in: float
+
+
+def _draw(picture: Shown) -> Drawn:
+    figure = picture.draw()
+    return Drawn(embedded(figure, picture.name), figure.get_figwidth())
+
+
+_drawing: list[Shown] = []
+"""What the processes of :func:`drawn` draw: they are copies of this one, and find here what it has measured."""
+
+
+def _drawn(at: int) -> Drawn:
+    return _draw(_drawing[at])
+
+
+def drawn(report: Report, progress: Callable[[str, float], None] = lambda what, done: None) -> dict[str, Drawn]:
+    """The figures of a report by name, drawn in a process a core where the system can copy a process."""
+    import multiprocessing
+    import os
+
+    wanted, figures = list(_pictures(report)), {}
+    cores = min(os.cpu_count() or 1, len(wanted))
+    if cores < 2 or "fork" not in multiprocessing.get_all_start_methods():
+        for at, picture in enumerate(wanted):
+            progress(f"drawing {picture.name}", at / len(wanted))
+            figures[picture.name] = _draw(picture)
+        return figures
+    import matplotlib.figure  # noqa: F401  before the copies are made
+
+    _drawing[:] = wanted
+    try:
+        with multiprocessing.get_context("fork").Pool(cores) as copies:
+            for at, done in enumerate(copies.imap(_drawn, range(len(wanted)))):
+                progress(f"drawing {wanted[at].name}", at / len(wanted))
+                figures[wanted[at].name] = done
+    finally:
+        _drawing.clear()
+    return figures
+
+
+def _pictures(report: Report) -> Iterator[Shown]:
+    def below(sections: Sequence[Section]) -> Iterator[Shown]:
+        for section in sections:
+            yield from section.pictures
+            yield from below(section.sections)
+
+    if report.key_picture is not None:
+        yield report.key_picture
+    yield from below(report.sections)
+
+
+def _without(report: Report, figures: Mapping[str, Drawn]) -> Report:
+    """The report with the pictures that are drawn alone, and without a section that has nothing else."""
+    sections = []
+    for section in report.sections:
+        left = replace(section, pictures=[p for p in section.pictures if p.name in figures])
+        if not section.pictures or left.pictures or left.tables or left.sections or left.paragraphs:
+            sections.append(left)
+    key = report.key_picture
+    return replace(report, sections=sections, key_picture=key if key is not None and key.name in figures else None)
+
+
+def page(report: Report, manifest: Mapping[str, Any], figures: Mapping[str, Drawn]) -> str:
+    """The page of a report; pictures that are not in ``figures`` are left out."""
+    from leadscrew.studies.claims import VERDICTS
+
+    report = _without(report, figures)
+    captions = {p.name: p.caption for p in _pictures(report)}
+    pictures = {
+        name: {
+            "name": name,
+            "caption": caption,
+            "source": figures[name].source,
+            "least_px": round(PX_PER_INCH * figures[name].width_in),
+            "own_px": round(96 * figures[name].width_in),
+        }
+        for name, caption in captions.items()
+    }
+    return template("study.html.j2", code=code).render(
+        report=report, manifest=manifest, pictures=pictures, verdicts=list(VERDICTS)
+    )

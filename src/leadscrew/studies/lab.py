@@ -70,7 +70,9 @@ class Lab:
         """The study's loop; ``options`` go to its ``build``."""
         block = self.study.controller(controller) if isinstance(controller, str) else controller
         asked = self.study.scenario(scenario) if isinstance(scenario, str) else scenario
-        return self.study.build(block, asked, **options)
+        loop = self.study.build(block, asked, **options)
+        loop.adopt_program(self.once(("program", loop.compiled_from()), lambda: loop))
+        return loop
 
     def run(self, controller: str, scenario: str, seconds: float | None = None, **options: Any) -> Run:
         """The run of a controller in a scenario, as long as the scenario unless ``seconds`` says otherwise.

@@ -120,11 +120,11 @@ def motor_torque_constant(lab):
     key=True,
 )
 def old_servo_accuracy(lab):
-    """Error of the original servo after 2 s, 95 % of the axes"""
+    """Original servo: error after 2 s"""
     error = spread(both_steps_um(lab, OLD, "encoder"))
     return Measured(
         ours=error.p95,
-        note=f"largest {error.largest:.1f} µm of {DRAWS} axes; the screw's grade is chosen "
+        note=f"95 % of {DRAWS} axes are below, the largest is {error.largest:.1f} µm; the screw's grade is chosen "
         "so that it fits, and the law is a stand-in",
     )
 
@@ -162,12 +162,13 @@ def neither_alone(lab):
     key=True,
 )
 def both_together(lab):
-    """New sensor and new controller: error after 2 s, 95 % of the axes"""
+    """Both of them new: error after 2 s"""
     error, pd = spread(both_steps_um(lab, CORRECTED, "grating")), spread(both_steps_um(lab, PD, "grating"))
     return Measured(
         corrected=error.p95,
         ours=pd.p95,
-        note=f"largest {error.largest:.2f} µm; ours: a plain PD on the same grating, so the accuracy is the sensor's",
+        note=f"95 % of {DRAWS} axes are below, the largest is {error.largest:.2f} µm; ours: a plain PD on the same "
+        "grating, so the accuracy is the sensor's",
     )
 
 
@@ -289,7 +290,7 @@ def curvature_of_the_old_law(lab, which):
 
 @claim("(10)", "equation 10", "step 3", "six sets", says="6", unit="sets", basis="arithmetic", key=True)
 def number_of_sets(lab):
-    """Number of sets that (10) gives for an accuracy of 0.05"""
+    """Number of sets by (10), for 0.05"""
     count = partition_count(TRUE, ACCURACY)
     return Measured(
         printed=count.half,
@@ -445,7 +446,7 @@ def base_is_complete(lab):
 
 @claim("Table 1, Table 2", "complete base", "step 4", says="36", unit="cells", basis="paper's data", key=True)
 def cells_from_data(lab):
-    """Cells of Table 2 that the samples of Table 1 give"""
+    """Rules of Table 2 that Table 1 gives"""
     return Measured(
         printed=rules(lab).covered,
         note=f"{len(rules(lab).dropped)} samples lie exactly between two sets; with them it is one cell more",
@@ -534,8 +535,11 @@ def contracted_membership(lab, case):
 
 @claim("example", "example 5", says="0.4998", basis="arithmetic", key=True)
 def next_duty(lab):
-    """Next duty of the worked example, with its 0.67 and without the floor of (19)"""
-    return Measured(printed=RHO**TAU * infer(TABLE_2_RULES_067, E / ALPHA_E, EC / ALPHA_EC))
+    """Next duty of the worked example"""
+    duty = RHO**TAU * infer(TABLE_2_RULES_067, E / ALPHA_E, EC / ALPHA_EC)
+    return Measured(
+        printed=duty, note="with the example's 0.67, and without the floor of (19), as it is computed there"
+    )
 
 
 @claim("example, (19), (21)", "example 5", "equation 19", "defuzzified sets", says="0.4998", basis="arithmetic")
@@ -580,11 +584,11 @@ def table_1_at_1_25_s(lab):
     key=True,
 )
 def speed_of_the_printed_law(lab):
-    """Speed on the way to −170 mm, for 1.25 s"""
+    """Speed on the way to −170 mm"""
     return Measured(
         printed=creep_mm_s(lab),
         note="the duty feeds back through (19): with rules that say 0.677, "
-        f"0.677^10 = {0.677**10:.3f} of full duty is left",
+        f"0.677^10 = {0.677**10:.3f} of full duty is left; 136 mm/s is 170 mm in 1.25 s",
     )
 
 
@@ -629,20 +633,20 @@ def old_servo_within_1_percent(lab, step):
 @claim(
     "after Figure 11",
     "original quicker",
-    says="a little slower",
+    says="slightly",
     unit="s",
     basis="reconstructed plant",
     over=STEPS,
     key=True,
 )
 def slower_than_the_old_servo(lab, step):
-    """VUD within 1 % of {case}, later than the original servo"""
+    """Later than the original at {case}"""
     old = metric(lab, OLD, step, "settling_1pct")
     late = [metric(lab, c, step, "settling_1pct") - old for c in (PAPER, CORRECTED)]
     return Measured.of(
         late,
         holds=[0.0 < s <= A_LITTLE_S for s in late],
-        note=f"'a little' is up to {A_LITTLE_S:g} s; the corrected law is quicker",
+        note=f"time to within 1 %; 'a little slower' is up to {A_LITTLE_S:g} s; the corrected law is quicker",
     )
 
 
@@ -678,7 +682,7 @@ def within_2_um(lab, step):
     key=True,
 )
 def error_after_2_s(lab, step):
-    """Largest error at {case} for t > 2 s"""
+    """Largest error at {case} after 2 s"""
     columns = (metric(lab, c, step, "error_after_2s") for c in (PAPER, CORRECTED, PD))
     return Measured.of(columns, note="the printed law is still on its way; the corrected one ends within half a count")
 

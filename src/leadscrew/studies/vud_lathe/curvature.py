@@ -25,6 +25,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
+from itertools import accumulate
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -176,12 +177,11 @@ def error_with_curvature(value: float, gain: float, exponent: float) -> float:
 
 def differentiate(x: np.ndarray, lag_s: float = STAGE_LAG_S, stages: int = 2, dt: float = PERIOD_S) -> np.ndarray:
     """The output of cascaded stages; before the first sample the signal stood still."""
-    from scipy.signal import lfilter
-
     a = math.exp(-dt / lag_s)
     y = np.asarray(x, dtype=float)
     for _ in range(stages):
-        y = lfilter([(1.0 - a) / dt, -(1.0 - a) / dt], [1.0, -a], y - y[0])
+        slopes = (1.0 - a) * np.diff(y, prepend=y[0]) / dt
+        y = np.fromiter(accumulate(slopes, lambda before, slope: a * before + slope), float, len(slopes))
     return y
 
 
