@@ -158,14 +158,14 @@ def put(
     from leadscrew.report import html
 
     target, saved = Path(folder), dict(runs or {})
-    with replacing(target, _is_report, "a report of ours") as beside:
+    with replacing(target, _is_report, "a report of ours") as beside, html.drawing(report, figures) as figures_of:
         for at, (key, run) in enumerate(saved.items()):
             progress(f"saving {key}", at / len(saved))
             scenario, _, controller = key.partition("/")
             if origin and not run.loop.origin:
                 run.loop.origin = {"study": origin, "controller": controller, "scenario": scenario, "changes": {}}
             run.save(beside / run_folder(key))
-        drawn = html.drawn(report, progress) if figures else {}
+        drawn = figures_of(progress)
         page = html.page(report, manifest(wall_s), drawn)
         (beside / "report.html").write_text(page, encoding="utf-8", newline="\n")
         card: dict[str, Any] = {"numbers": [list(n) for n in report.key_numbers]}

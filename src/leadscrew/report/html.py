@@ -4,8 +4,11 @@ from __future__ import annotations
 
 import base64
 import io
+import multiprocessing
+import os
 import re
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -91,6 +94,9 @@ def code(text: str) -> Markup:
     return Markup(re.sub("`([^`]+)`", r"<code>\1</code>", escaped(text)))
 
 
+Progress = Callable[[str, float], None]
+
+
 class Drawn(NamedTuple):
     """A figure as it stands in a page."""
 
@@ -104,36 +110,43 @@ def _draw(picture: Shown) -> Drawn:
     return Drawn(embedded(figure, picture.name), figure.get_figwidth())
 
 
-_drawing: list[Shown] = []
-"""What the processes of :func:`drawn` draw: they are copies of this one, and find here what it has measured."""
+class _Copy:
+    """In a copy of this process, what it draws: with all that has been measured, which no other process has."""
+
+    wanted: Sequence[Shown] = ()
+
+    @classmethod
+    def begin(cls, wanted: Sequence[Shown]) -> None:
+        cls.wanted = wanted
+
+    @classmethod
+    def draw(cls, at: int) -> Drawn:
+        return _draw(cls.wanted[at])
 
 
-def _drawn(at: int) -> Drawn:
-    return _draw(_drawing[at])
+@contextmanager
+def drawing(report: Report, figures: bool = True) -> Iterator[Callable[[Progress], dict[str, Drawn]]]:
+    """Begins to draw the figures of a report, in a process a core; gives a function that waits for them, by name.
 
-
-def drawn(report: Report, progress: Callable[[str, float], None] = lambda what, done: None) -> dict[str, Drawn]:
-    """The figures of a report by name, drawn in a process a core where the system can copy a process."""
-    import multiprocessing
-    import os
-
-    wanted, figures = list(_pictures(report)), {}
+    Where the system cannot copy a process, that function draws them itself.
+    """
+    wanted = list(_pictures(report)) if figures else []
     cores = min(os.cpu_count() or 1, len(wanted))
     if cores < 2 or "fork" not in multiprocessing.get_all_start_methods():
-        for at, picture in enumerate(wanted):
-            progress(f"drawing {picture.name}", at / len(wanted))
-            figures[picture.name] = _draw(picture)
-        return figures
+        yield lambda progress: _collected(wanted, map(_draw, wanted), progress)
+        return
     import matplotlib.figure  # noqa: F401  before the copies are made
 
-    _drawing[:] = wanted
-    try:
-        with multiprocessing.get_context("fork").Pool(cores) as copies:
-            for at, done in enumerate(copies.imap(_drawn, range(len(wanted)))):
-                progress(f"drawing {wanted[at].name}", at / len(wanted))
-                figures[wanted[at].name] = done
-    finally:
-        _drawing.clear()
+    with multiprocessing.get_context("fork").Pool(cores, _Copy.begin, (wanted,)) as copies:
+        drawn = copies.imap(_Copy.draw, range(len(wanted)))
+        yield lambda progress: _collected(wanted, drawn, progress)
+
+
+def _collected(wanted: Sequence[Shown], drawn: Iterable[Drawn], progress: Progress) -> dict[str, Drawn]:
+    figures = {}
+    for at, (picture, done) in enumerate(zip(wanted, drawn, strict=True)):
+        progress(f"drawing {picture.name}", at / len(wanted))
+        figures[picture.name] = done
     return figures
 
 

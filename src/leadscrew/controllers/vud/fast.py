@@ -21,7 +21,7 @@ not allow without the observer.
 ``speed_limit_mm_s`` and ``brake_limit`` keep the duty where a motor with a largest speed and current follows it as the
 linear chain does: ``|rho| <= speed_limit / K``, and ``|rho| <= brake_limit`` against the motion.
 
-Ours; settings and how they were found: ``leadscrew.studies.vud_lathe.controllers``, numbers and limits: ``docs/vud_fast.md``.
+Ours; settings and how they were found: ``leadscrew.studies.vud_lathe.controllers``; limits: ``docs/vud_fast.md``.
 """
 
 from __future__ import annotations
