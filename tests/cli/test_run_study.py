@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import shutil
+from contextlib import nullcontext
 from pathlib import Path
 
 import pytest
@@ -29,7 +30,7 @@ def tiny(tmp_path, monkeypatch):
 @pytest.fixture
 def pages(monkeypatch):
     """No figure is drawn: that takes a second."""
-    monkeypatch.setattr("leadscrew.report.html.drawn", lambda report, progress=None: {})
+    monkeypatch.setattr("leadscrew.report.html.drawing", lambda *_: nullcontext(lambda progress: {}))
 
 
 def test_the_summary_has_its_order_and_the_default_folder_is_listed(call, tiny):

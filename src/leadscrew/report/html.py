@@ -7,6 +7,8 @@ import io
 import multiprocessing
 import os
 import re
+import sys
+import warnings
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
@@ -132,12 +134,15 @@ def drawing(report: Report, figures: bool = True) -> Iterator[Callable[[Progress
     """
     wanted = list(_pictures(report)) if figures else []
     cores = min(os.cpu_count() or 1, len(wanted))
-    if cores < 2 or "fork" not in multiprocessing.get_all_start_methods():
+    if cores < 2 or sys.platform != "linux":
         yield lambda progress: _collected(wanted, map(_draw, wanted), progress)
         return
     import matplotlib.figure  # noqa: F401  before the copies are made
 
-    with multiprocessing.get_context("fork").Pool(cores, _Copy.begin, (wanted,)) as copies:
+    with warnings.catch_warnings():  # threads that Python 3.12 warns of: none of them runs now
+        warnings.simplefilter("ignore", DeprecationWarning)
+        copies = multiprocessing.get_context("fork").Pool(cores, _Copy.begin, (wanted,))
+    with copies:
         drawn = copies.imap(_Copy.draw, range(len(wanted)))
         yield lambda progress: _collected(wanted, drawn, progress)
 
