@@ -5,7 +5,7 @@ import time
 
 import pytest
 
-from leadscrew.kernel.errors import DataError
+from leadscrew.kernel.errors import BlockError, DataError, ValueRefused
 from leadscrew.studies import results
 from leadscrew.studies.claims import Measured, at_least, at_most, claim, equals, to_its_digits, verdict_of, within
 from leadscrew.studies.lab import Lab, measure
@@ -98,6 +98,7 @@ def test_a_number_out_of_its_tolerance_is_a_miss_and_a_broken_file_is_refused(tm
     missed = {m.id for m in results.misses({"a": 1.2, "b": "soon", "c": 1.0, "d": 1.0}, rows)}
     assert missed == {"a", "b", "c", "d"}
     assert [m.id for m in results.misses({"a": nan}, rows)] == ["a"]
+    assert [m.id for m in results.misses({"c": 1.0}, {"c": ("inf", inf)})] == ["c"], "a time that was never reached"
     (tmp_path / results.EXPECTED).write_text("id,target,tolerance\na,1.0,much\n")
     with pytest.raises(DataError, match=r"expected\.csv, line 2: expected id, target and tolerance"):
         results.expected(tmp_path)
@@ -115,5 +116,24 @@ def test_the_example_of_the_guide_is_a_complete_study(tmp_path, monkeypatch):
     assert (row.verdict, row.as_printed) == ("reproduced", pytest.approx(0.1))
     assert shown.table.rows["ours.pi"] == (pytest.approx(0.0, abs=1e-6),)
     assert found.figures[0].draw(found.lab).axes
-    results.write_expected(found)
+    file = results.write_expected(found)
     assert results.evaluate(catalogue.study("tiny.py:STUDY")).missed == []
+    with file.open("a") as rows:
+        rows.write("gone/ours,1.0,0\n")
+    assert [m.id for m in results.evaluate(catalogue.study("tiny.py:STUDY")).missed] == ["gone/ours"]
+
+
+def test_a_claim_that_raises_is_named_and_two_of_one_name_are_refused():
+    from dataclasses import replace
+
+    from tests.cli.tiny_study import STUDY
+
+    @claim("(2)", basis="arithmetic")
+    def broken(lab):
+        return Measured(printed={}["nothing"])
+
+    contents = STUDY.contents()
+    with pytest.raises(BlockError, match="broken could not be measured: KeyError: 'nothing'"):
+        results.evaluate(replace(STUDY, contents=lambda: contents._replace(claims=[broken])))
+    with pytest.raises(ValueRefused, match="more than one claim or experiment of the name broken"):
+        results.evaluate(replace(STUDY, contents=lambda: contents._replace(claims=[broken, broken])))

@@ -7,6 +7,7 @@ import io
 import multiprocessing
 import os
 import re
+import signal
 import sys
 import warnings
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
@@ -16,6 +17,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from leadscrew.escape import html as escaped
 from leadscrew.escape import visible
+from leadscrew.kernel.errors import BlockError, LeadscrewError
 from leadscrew.report import tables
 
 if TYPE_CHECKING:
@@ -108,8 +110,13 @@ class Drawn(NamedTuple):
 
 
 def _draw(picture: Shown) -> Drawn:
-    figure = picture.draw()
-    return Drawn(embedded(figure, picture.name), figure.get_figwidth())
+    try:
+        figure = picture.draw()
+        return Drawn(embedded(figure, picture.name), figure.get_figwidth())
+    except LeadscrewError:
+        raise
+    except Exception as error:
+        raise BlockError(f"{picture.name} could not be drawn: {type(error).__name__}: {error}") from error
 
 
 class _Copy:
@@ -120,6 +127,7 @@ class _Copy:
     @classmethod
     def begin(cls, wanted: Sequence[Shown]) -> None:
         cls.wanted = wanted
+        signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C ends the process that waits for this one
 
     @classmethod
     def draw(cls, at: int) -> Drawn:

@@ -140,7 +140,8 @@ def card_number(claim: Claim) -> KeyNumber:
 def missed_line(miss: Miss) -> str:
     """A number that is not the expected one."""
     target = f"{miss.target} ± {miss.tolerance:g}" if miss.tolerance else miss.target
-    return f"MISSED {miss.id}: {_exact(miss.value)}, expected {target}"
+    measured = "not measured" if miss.value is None else _exact(miss.value)
+    return f"MISSED {miss.id}: {measured}, expected {target}"
 
 
 def _exact(value: Any) -> str:

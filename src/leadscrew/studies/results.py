@@ -7,16 +7,18 @@ tolerance. A number that leaves its tolerance is a *miss*: ``leadscrew run`` pri
 from __future__ import annotations
 
 import csv
+import math
 import os
 import warnings
-from collections.abc import Callable, Iterator, Mapping
-from concurrent.futures import ThreadPoolExecutor, as_completed
+from collections import Counter
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from concurrent.futures import Future, ThreadPoolExecutor, as_completed
 from dataclasses import dataclass, field
 from importlib import import_module
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from leadscrew.kernel.errors import DataError, ValueRefused
+from leadscrew.kernel.errors import BlockError, DataError, LeadscrewError, ValueRefused
 from leadscrew.kernel.loop import DivergenceWarning, RunWarning
 from leadscrew.kernel.one_thread import one_thread
 from leadscrew.studies.claims import Claim, ClaimOf, Value
@@ -99,7 +101,8 @@ def evaluate(
     """The study's claims judged and its experiments run, side by side on all cores; with ``key`` its key claims alone.
 
     Raises:
-        ValueRefused: the study has no contents.
+        ValueRefused: the study has no contents, or two claims or experiments have one name.
+        BlockError: a claim, an experiment or the conclusion raised an exception.
         DataError: ``expected.csv`` is malformed.
     """
     if study.contents is None:
@@ -107,19 +110,46 @@ def evaluate(
     contents, lab = study.contents(), Lab(study)
     claims = [c for c in contents.claims if c.key or not key]
     experiments = [] if key else contents.experiments
+    _check_names(study, [*claims, *experiments])
     with one_thread(), warnings.catch_warnings(), ThreadPoolExecutor(os.cpu_count()) as side_by_side:
         warnings.simplefilter("ignore", DivergenceWarning)
         warnings.simplefilter("ignore", RunWarning)
-        judging = {side_by_side.submit(c.judged, lab): c for c in claims}
-        running = {side_by_side.submit(e.done, lab): e for e in experiments}
-        asked: dict[Any, ClaimOf | ExperimentOf] = {**judging, **running}
-        for number, done in enumerate(as_completed(asked), start=1):
-            progress(asked[done].name, number / len(asked))
+        judging = {side_by_side.submit(_measured, c.judged, lab): c for c in claims}
+        running = {side_by_side.submit(_measured, e.done, lab): e for e in experiments}
+        asked: dict[Future[Any], ClaimOf | ExperimentOf] = {**judging, **running}
+        try:
+            for number, done in enumerate(as_completed(asked), start=1):
+                done.result()
+                progress(asked[done].name, number / len(asked))
+        except BaseException:
+            side_by_side.shutdown(cancel_futures=True)
+            raise
         judged = [row for done in judging for row in done.result()]
-        conclusion = contents.conclusion(lab) if contents.conclusion else []
+        conclusion = _measured(contents.conclusion, lab) if contents.conclusion else []
     results = Results(study, judged, [done.result() for done in running], contents.figures, conclusion, lab)
-    results.missed.extend(misses(results.values(), expected(study.folder)))
+    rows, values = expected(study.folder), results.values()
+    results.missed.extend(misses(values, rows))
+    if not key:
+        results.missed.extend(Miss(name, None, *row) for name, row in rows.items() if name not in values)
     return results
+
+
+def _check_names(study: Study, asked: Sequence[ClaimOf | ExperimentOf]) -> None:
+    names = Counter(a.name for a in asked)
+    if twice := [name for name, count in names.items() if count > 1]:
+        raise ValueRefused(f"{study.name} has more than one claim or experiment of the name {twice[0]}")
+
+
+def _measured(measure: Callable[[Lab], Any], lab: Lab) -> Any:
+    """What a function of the study gives; a fault of it in a sentence that names the function."""
+    try:
+        return measure(lab)
+    except LeadscrewError:
+        raise
+    except Exception as error:
+        name = getattr(getattr(measure, "__self__", measure), "name", getattr(measure, "__name__", "a measure"))
+        text = f"{type(error).__name__}: {error}"
+        raise BlockError(f"{lab.study.name}: {name} could not be measured: {text}") from error
 
 
 # ---- expected.csv
@@ -156,7 +186,9 @@ def _same(value: Value, target: str, tolerance: float) -> bool:
         return value == target
     if isinstance(value, str) or value is None:
         return False
-    return value == number or abs(value - number) <= tolerance or (value != value and number != number)
+    if not (math.isfinite(value) and math.isfinite(number)):
+        return value == number or (math.isnan(value) and math.isnan(number))
+    return abs(value - number) <= tolerance
 
 
 def write_expected(results: Results) -> Path:
@@ -170,6 +202,7 @@ def write_expected(results: Results) -> Path:
                 rows.writerow((name, value, ""))
             else:
                 number = float(value or 0.0)
-                tolerance = known[name][1] if name in known else float(f"{RELATIVE * abs(number) + ABSOLUTE:.1g}")
-                rows.writerow((name, repr(number), f"{tolerance:g}"))
+                usual = RELATIVE * abs(number) + ABSOLUTE if math.isfinite(number) else 0.0
+                tolerance = known[name][1] if name in known and math.isfinite(known[name][1]) else usual
+                rows.writerow((name, repr(number), f"{tolerance:.1g}"))
     return file
