@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Sequence
 from functools import partial
 from typing import Any
@@ -19,6 +20,10 @@ COLUMNS_EXPLAINED = (
     "the method names. *Ours* is a controller or method of this program; the verdict on the paper does not use it. "
     "What was fitted to a statement counts as fitted, not as reproduced."
 ).replace("*", "")
+
+
+_MINUS = re.compile(r"(?<![\w.])-(?=\d)")
+"""A hyphen that is a minus."""
 
 
 def report_of(results: Results, saved: Sequence[tuple[str, str]] = (), command: str = "") -> Report:
@@ -77,7 +82,7 @@ def claims_table(claims: Iterable[Claim], short: bool = False) -> TextTable:
     heads = ["statement", "paper", "as printed", "corrected", *(["ours"] if ours else []), "unit", "verdict"]
     rows = [
         [
-            plain(c.statement),
+            _MINUS.sub("−", plain(c.statement)),
             says(c),
             number(c.as_printed),
             number(c.corrected),
@@ -133,7 +138,7 @@ def card_number(claim: Claim) -> KeyNumber:
     paper = f"{says(claim)} {unit(claim.unit)}".strip() if _is_number(claim.says) else says(claim)
     return KeyNumber(
         f"{number(_value(claim), 3)} {unit(claim.unit)}".strip(),
-        f"{plain(claim.statement)}: {whose} (paper: {paper})",
+        f"{_MINUS.sub('−', plain(claim.statement))}: {whose} (paper: {paper})",
     )
 
 
