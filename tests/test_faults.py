@@ -51,7 +51,7 @@ def root(tmp_path, monkeypatch):
 def test_the_forty_faults_can_all_be_made_and_their_tests_are_there():
     rows = faults(ROOT)
     assert {row: row.error(ROOT) for row in rows if row.error(ROOT)} == {}
-    assert len({row.line for row in rows}) == len(rows) == 40
+    assert len({row.line for row in rows}) == len(rows) >= 40
     for row in rows:
         code = (ROOT / row.file).read_text(encoding="utf-8")
         compile(row.made(code), row.file, "exec")
