@@ -387,7 +387,7 @@ def fast_axis(lab: Lab) -> Loop:
     from leadscrew.sensors.grating.ruler import grating_ruler
 
     names = ("settling_2um", "overshoot", "error_after_2s", "chatter")
-    return Loop(
+    loop = Loop(
         reference=step(initial=0.0, target=-50.0, time=0.0),
         controller=CONTROLLERS["ours.vud_fast"],
         plant=lathe_servo,
@@ -395,6 +395,8 @@ def fast_axis(lab: Lab) -> Loop:
         period=PERIOD_S,
         metrics={name: METRICS[name] for name in names},
     )
+    _ = loop.program  # built once, so that the loops derived from it share it
+    return loop
 
 
 def _worst(lab: Lab, block: Block, way: float | np.ndarray, changes: Mapping[str, Sequence[float] | np.ndarray]):
