@@ -83,13 +83,6 @@ def test_of_a_straight_law_the_circuit_reads_the_slope_and_of_a_power_law_no_cur
     assert straight == pytest.approx(0.929)
 
 
-def test_the_terms_of_the_chain_rule_add_up_to_the_second_derivative():
-    run = circuit.step_run(-190.0)
-    whole = np.gradient(np.gradient(run.duty, 0.001), 0.001)
-    rest = whole - sum(circuit.terms(run.e, run.ec, circuit.CUBIC).values())
-    assert np.abs(rest[100:-2]).max() < 1e-3 * np.abs(whole[100:-2]).max()
-
-
 def test_curvature_of_our_stand_in_is_its_second_difference():
     h, e = 1e-4, 0.3
 
@@ -99,15 +92,3 @@ def test_curvature_of_our_stand_in_is_its_second_difference():
     assert circuit.power_curvature(-e, 0.929, 0.618) == pytest.approx(
         abs(law(e + h) - 2 * law(e) + law(e - h)) / h**2, rel=1e-5
     )
-    where = circuit.error_with_curvature(1.96, 0.929, 0.618)
-    assert circuit.power_curvature(where, 0.929, 0.618) == pytest.approx(1.96)
-
-
-def test_partials_of_the_known_law_are_its_differences():
-    h, e, c = 1e-5, -0.6, 0.4
-    p = circuit.CUBIC
-    assert p.e(e, c) == pytest.approx((trials.law(e + h, c) - trials.law(e - h, c)) / (2 * h))
-    assert p.c(e, c) == pytest.approx((trials.law(e, c + h) - trials.law(e, c - h)) / (2 * h))
-    assert p.ee(e, c) == pytest.approx((p.e(e + h, c) - p.e(e - h, c)) / (2 * h))
-    assert p.cc(e, c) == pytest.approx((p.c(e, c + h) - p.c(e, c - h)) / (2 * h))
-    assert p.ec(e, c) == 0.0 == pytest.approx(p.e(e, c + h) - p.e(e, c - h))

@@ -76,17 +76,6 @@ def test_the_exponent_of_the_static_gain_is_a_minimum():
     assert total(best) < min(total(best - 0.005), total(best + 0.005))
 
 
-def test_the_static_law_leaves_residuals_that_its_slopes_do_not_see():
-    """At a least-squares minimum the residuals are orthogonal to the law's derivatives."""
-    fit = original.static_fit(MOVES)
-    e, rho = (np.abs(np.concatenate([getattr(m, part)[1:] for m in MOVES.values()])) for part in ("error", "duty"))
-    left = fit.gain * e**fit.exponent - rho
-    seen = e > 0
-    slopes = np.array([e[seen] ** fit.exponent, fit.gain * e[seen] ** fit.exponent * np.log(e[seen])])
-    assert np.abs(slopes @ left[seen]) == pytest.approx([0.0, 0.0], abs=1e-5)
-    assert fit.rms == pytest.approx(np.sqrt(np.mean(left**2)))
-
-
 def test_the_linear_laws_creep_where_the_power_law_has_arrived():
     for way in original.TARGETS_MM:
         assert original.play(lab(), "power_289").within_s(way, 0.010) < 2.0

@@ -52,8 +52,6 @@ READER_LAGS_S = np.array([0.003, 0.009, 0.012])
 """Lags of the grating reader; the paper has 6 ms."""
 FRICTIONS = np.array([0.005, 0.01, 0.02, 0.05])
 """Duties that friction takes off every command, moving or not."""
-WORN, WORN_SEED = 64, 7
-SPEED_RANGE_MM_S = (259.0, 334.0)
 
 Metrics = Mapping[str, np.ndarray]
 
@@ -120,18 +118,3 @@ def friction_sweep(lab: Lab, scenario: str, integral: bool, share: float) -> Met
         "actuator.subtract": np.ones(len(FRICTIONS)),
     }
     return lab.batch(block, scenario, changes, machine="dead_zone").metrics
-
-
-@measure
-def on_worn_axes(lab: Lab, law: str, scenario: str, play_mm: float) -> Metrics:
-    """A controller on the grating of :data:`WORN` axes: gain, play and what interpolation leaves, noise of 50 nm."""
-    rng = np.random.default_rng(WORN_SEED)
-    worn = {
-        "plant.full_duty_speed_mm_s": np.linspace(*SPEED_RANGE_MM_S, WORN),
-        "plant.backlash_mm": rng.uniform(0.0, play_mm, WORN),
-        "sensor.interpolation_1_mm": rng.uniform(0.0, 0.13e-3, WORN),
-        "sensor.interpolation_2_mm": rng.uniform(0.0, 0.07e-3, WORN),
-        "sensor.interpolation_phase": rng.uniform(0.0, 2.0 * np.pi, WORN),
-        "sensor.noise_mm": np.full(WORN, 50e-6),
-    }
-    return lab.batch(LAWS.get(law, law), scenario, worn, machine="screw", sensor="grating").metrics

@@ -24,7 +24,7 @@ so one signal holds five terms, and the quotient ``(d2u/dt2) / (d2e/dt2)`` is no
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from itertools import accumulate
 from typing import Any, NamedTuple
 
@@ -141,38 +141,9 @@ def local(samples: Samples, bandwidth: float) -> tuple[float, float]:
     return float(largest[0]), float(largest[1])
 
 
-class Partials(NamedTuple):
-    """Partial derivatives of a law u(e, c), each a function of e and c."""
-
-    e: Callable[[Any, Any], Any]
-    c: Callable[[Any, Any], Any]
-    ee: Callable[[Any, Any], Any]
-    ec: Callable[[Any, Any], Any]
-    cc: Callable[[Any, Any], Any]
-
-
-def _zero(e, c):
-    return 0.0 * e
-
-
-CUBIC = Partials(
-    e=lambda e, c: -(0.5 + 0.5 * TRUE[0] * e * e),
-    c=lambda e, c: -(0.1 + 0.5 * TRUE[1] * c * c),
-    ee=lambda e, c: -TRUE[0] * e,
-    ec=_zero,
-    cc=lambda e, c: -TRUE[1] * c,
-)
-"""Of :func:`law`."""
-
-
 def power_curvature(e, gain: float, exponent: float):
     """``|u_ee|`` of ``u = -sgn(e) gain |e|^exponent``; without bound towards e = 0."""
     return gain * exponent * (1.0 - exponent) * np.abs(e) ** (exponent - 2.0)
-
-
-def error_with_curvature(value: float, gain: float, exponent: float) -> float:
-    """The ``|e|`` at which the power law's ``|u_ee|`` has this value."""
-    return float((gain * exponent * (1.0 - exponent) / value) ** (1.0 / (2.0 - exponent)))
 
 
 def differentiate(x: np.ndarray, lag_s: float = STAGE_LAG_S, stages: int = 2, dt: float = PERIOD_S) -> np.ndarray:
@@ -183,19 +154,6 @@ def differentiate(x: np.ndarray, lag_s: float = STAGE_LAG_S, stages: int = 2, dt
         slopes = (1.0 - a) * np.diff(y, prepend=y[0]) / dt
         y = np.fromiter(accumulate(slopes, lambda before, slope: a * before + slope), float, len(slopes))
     return y
-
-
-def terms(e: np.ndarray, c: np.ndarray, law: Partials, dt: float = PERIOD_S) -> Mapping[str, np.ndarray]:
-    """The five terms of d2u/dt2 along a path, derivatives of e and c by central differences."""
-    e1, c1 = np.gradient(e, dt), np.gradient(c, dt)
-    e2, c2 = np.gradient(e1, dt), np.gradient(c1, dt)
-    return {
-        "u_ee e'^2": law.ee(e, c) * e1**2,
-        "2 u_ec e'c'": 2.0 * law.ec(e, c) * e1 * c1,
-        "u_cc c'^2": law.cc(e, c) * c1**2,
-        "u_e e''": law.e(e, c) * e2,
-        "u_c c''": law.c(e, c) * c2,
-    }
 
 
 class Scope(NamedTuple):

@@ -101,17 +101,6 @@ def played(lab: Lab, distance: float, limited: bool, seconds: float = 1.0) -> Pl
     return Played(PERIOD_S * np.arange(len(rows)), 1000.0 * error, speed, current)
 
 
-def reversal_peak_a(speed_limited: bool) -> float:
-    """Largest current after a full reversal of the duty at the highest speed, were there no limit of current."""
-    block = lathe_servo_limited(**{**UNLIMITED, "top_speed_mm_s": AXIS.top_speed_mm_s if speed_limited else 1e9})
-    p, s = _ready(block, PERIOD_S / 10), block.state
-    peak = 0.0
-    for k in range(5000):
-        s = block.step(p, s, -1.0 if k < 4000 else 1.0, PERIOD_S / 10)
-        peak = max(peak, abs(s.current)) if k >= 4000 else 0.0
-    return peak
-
-
 def standing_um(controller: str, least_duty: float) -> float:
     """The largest error, in whole counts of its sensor, at which a resting law asks for less than ``least_duty``.
 

@@ -165,20 +165,3 @@ def duty_misfit(played: Played, moves: Mapping[str, Move]) -> dict[str, float]:
         mine = played.duty[played.row(move.target_mm), at]
         found[name] = float(np.sqrt(np.mean((mine - move.duty)[1:] ** 2)))
     return found
-
-
-class StaticFit(NamedTuple):
-    """``|duty| = gain |e|^exponent`` through the samples of Table 1, no dynamics."""
-
-    gain: float
-    exponent: float
-    rms: float
-
-
-def static_fit(moves: Mapping[str, Move]) -> StaticFit:
-    """Duty over error, sample by sample, by least squares; without k = 0, where the duty is from before the step."""
-    from scipy.optimize import least_squares
-
-    error, duty = (np.abs(np.concatenate([getattr(m, part)[1:] for m in moves.values()])) for part in ("error", "duty"))
-    found = least_squares(lambda q: q[0] * error ** q[1] - duty, [1.0, 0.7])
-    return StaticFit(float(found.x[0]), float(found.x[1]), float(np.sqrt(np.mean(found.fun**2))))
