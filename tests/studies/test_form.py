@@ -47,7 +47,7 @@ def test_a_measure_that_fails_fails_for_everyone_and_one_that_takes_itself_is_re
     for _ in range(2):
         with pytest.raises(ValueError, match="no"):
             broken(lab)
-    with pytest.raises(RecursionError, match="circular"):
+    with pytest.raises(RecursionError, match="circular needs its own result"):
         circular(lab)
 
 
@@ -102,6 +102,10 @@ def test_a_number_out_of_its_tolerance_is_a_miss_and_a_broken_file_is_refused(tm
     (tmp_path / results.EXPECTED).write_text("id,target,tolerance\na,1.0,much\n")
     with pytest.raises(DataError, match=r"expected\.csv, line 2: expected id, target and tolerance"):
         results.expected(tmp_path)
+    for wrong in ("a,1.0,0.1\na,2.0,0.1\n", "a,1.0,-1\n", "a,1.0,nan\n"):
+        (tmp_path / results.EXPECTED).write_text(f"id,target,tolerance\n{wrong}")
+        with pytest.raises(DataError, match=r"expected\.csv, line \d: (an id|a tolerance)"):
+            results.expected(tmp_path)
     assert results.expected(tmp_path / "none") == {}
 
 
@@ -137,3 +141,37 @@ def test_a_claim_that_raises_is_named_and_two_of_one_name_are_refused():
         results.evaluate(replace(STUDY, contents=lambda: contents._replace(claims=[broken])))
     with pytest.raises(ValueRefused, match="more than one claim or experiment of the name broken"):
         results.evaluate(replace(STUDY, contents=lambda: contents._replace(claims=[broken, broken])))
+
+
+def test_measures_that_need_each_other_are_refused_also_across_threads(lab):
+    gate = threading.Barrier(2)
+
+    @measure
+    def first(lab):
+        gate.wait()
+        return second(lab)
+
+    @measure
+    def second(lab):
+        gate.wait()
+        return first(lab)
+
+    refused = []
+
+    def ask(function):
+        try:
+            function(lab)
+        except RecursionError as error:
+            refused.append(str(error))
+
+    threads = [threading.Thread(target=ask, args=(f,), daemon=True) for f in (first, second)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join(10.0)
+    assert len(refused) == 2 and all("needs its own result" in text for text in refused)
+
+
+def test_a_printed_number_may_have_an_exponent_or_thousands():
+    assert not to_its_digits("2.50e-6").met(0.0) and to_its_digits("2.50e-6").met(2.503e-6)
+    assert to_its_digits("1,250").met(1250.0) and to_its_digits("10").met(10.000000001)

@@ -13,7 +13,10 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
+from decimal import Decimal
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple
+
+from leadscrew.kernel.errors import BlockError
 
 if TYPE_CHECKING:
     from leadscrew.studies.lab import Lab
@@ -61,10 +64,10 @@ def equals(target: Value) -> Test:
 
 def to_its_digits(says: str) -> Test:
     """The value is the printed number, to half a unit of its last digit; a whole number exactly."""
-    decimals = len(says.partition(".")[2])
-    if not decimals:
-        return equals(float(says))
-    return within(float(says), 0.5 * 10.0**-decimals * (1.0 + 1e-9))
+    printed = Decimal(says.replace(",", "").replace("−", "-"))
+    exponent = int(printed.as_tuple().exponent)
+    slack = 1e-9 * abs(float(printed)) if exponent == 0 else 0.5 * 10.0**exponent * (1.0 + 1e-9)
+    return within(float(printed), slack)
 
 
 class Measured(NamedTuple):
@@ -165,10 +168,13 @@ class ClaimOf:
     def _judged(self, lab: Lab) -> Iterator[Claim]:
         for case, argument in self.over.items() or (("", None),):
             measured = self.measure(lab, argument) if case else self.measure(lab)
+            if not isinstance(measured, Measured):
+                raise BlockError(f"{lab.study.name}: {self.name} returned {measured!r}; expected Measured(...)")
             says = self.says if measured.says is None else measured.says
             own = Test("as the note says", bool) if isinstance(measured.holds, list) else measured.holds
             test = own or self.holds or _test_of(says)
-            words = (self.measure.__doc__ or self.name).strip().format(case=argument)
+            words = (self.measure.__doc__ or self.name).strip()
+            words = words.format(case=argument) if case else words
             printed, corrected, ours = map(_plain, measured[:3])
             yield Claim(
                 id=".".join(filter(None, (lab.study.name, self.name, case))),
@@ -196,7 +202,7 @@ def _plain(value: Any) -> Value:
 def _test_of(says: str) -> Test:
     try:
         return to_its_digits(says)
-    except ValueError:
+    except (ArithmeticError, TypeError, ValueError):
         return Test(f"= {says}", lambda value: (value == says) or (says == "yes" and value is True))
 
 

@@ -40,6 +40,7 @@ class Lab:
         self.study = study
         self._kept: dict[Hashable, Future[Any]] = {}
         self._computing: dict[Hashable, int] = {}
+        self._waiting: dict[int, Hashable] = {}
         self._lock = threading.Lock()
         self.runs: dict[str, Run] = {}
         """Runs of the study's own scenarios as they stand, by ``scenario/controller``: what a report saves."""
@@ -55,16 +56,31 @@ class Lab:
             if future is None:
                 future, mine = Future(), True
                 self._kept[key], self._computing[key] = future, threading.get_ident()
-            elif not future.done() and self._computing[key] == threading.get_ident():
-                raise RecursionError(f"to measure {key} takes itself")
+            elif not future.done():
+                self._wait(key)
         if mine:
             try:
                 future.set_result(compute())
             except BaseException as error:
                 future.set_exception(error)
                 raise
-        value: T = future.result()
+        try:
+            value: T = future.result()
+        finally:
+            self._waiting.pop(threading.get_ident(), None)
         return value
+
+    def _wait(self, key: Hashable) -> None:
+        """Notes that this thread waits for a value; refuses where its computation waits for this thread."""
+        me, wanted = threading.get_ident(), key
+        while not self._kept[wanted].done():
+            if (thread := self._computing[wanted]) == me:
+                name = key[0] if isinstance(key, tuple) else key
+                raise RecursionError(f"the measure {name} needs its own result")
+            if thread not in self._waiting:
+                break
+            wanted = self._waiting[thread]
+        self._waiting[me] = key
 
     def loop(self, controller: str | Block, scenario: str | Scenario, **options: Any) -> Loop:
         """The study's loop; ``options`` go to its ``build``."""

@@ -166,9 +166,13 @@ def expected(folder: Path) -> dict[str, tuple[str, float]]:
     with file.open(encoding="utf-8", newline="") as text:
         for line, row in enumerate(csv.DictReader(text), start=2):
             try:
-                rows[row["id"]] = row["target"], float(row["tolerance"] or 0.0)
+                name, row_value = row["id"], (row["target"], float(row["tolerance"] or 0.0))
             except (KeyError, TypeError, ValueError):
                 raise DataError(f"{file}, line {line}: expected id, target and tolerance") from None
+            if name in rows or not row_value[1] >= 0.0:
+                what = "an id that an earlier line has" if name in rows else "a tolerance below 0"
+                raise DataError(f"{file}, line {line}: {what}")
+            rows[name] = row_value
     return rows
 
 
@@ -194,7 +198,8 @@ def _same(value: Value, target: str, tolerance: float) -> bool:
 def write_expected(results: Results) -> Path:
     """Makes what was measured the expectation; a row that is there keeps its tolerance."""
     known, file = expected(results.study.folder), results.study.folder / EXPECTED
-    with file.open("w", encoding="utf-8", newline="") as text:
+    beside = file.with_suffix(".partial")
+    with beside.open("w", encoding="utf-8", newline="") as text:
         rows = csv.writer(text, lineterminator="\n")
         rows.writerow(("id", "target", "tolerance"))
         for name, value in results.values().items():
@@ -205,4 +210,5 @@ def write_expected(results: Results) -> Path:
                 usual = RELATIVE * abs(number) + ABSOLUTE if math.isfinite(number) else 0.0
                 tolerance = known[name][1] if name in known and math.isfinite(known[name][1]) else usual
                 rows.writerow((name, repr(number), f"{tolerance:.1g}"))
+    beside.replace(file)
     return file
