@@ -632,14 +632,14 @@ def old_servo_within_1_percent(lab, step):
 @claim(
     "after Figure 11",
     "original quicker",
-    says="a\u00a0little",
+    says="little",
     unit="s",
     basis="reconstructed plant",
     over=STEPS,
     key=True,
 )
 def slower_than_the_old_servo(lab, step):
-    """Later than the original at {case}, to 1 %"""
+    """Later than the original at {case}"""
     old = metric(lab, OLD, step, "settling_1pct")
     late = [metric(lab, c, step, "settling_1pct") - old for c in (PAPER, CORRECTED)]
     return Measured.of(
