@@ -77,9 +77,10 @@ class Lab:
             if (thread := self._computing[wanted]) == me:
                 name = key[0] if isinstance(key, tuple) else key
                 raise RecursionError(f"the measure {name} needs its own result")
-            if thread not in self._waiting:
+            further = self._waiting.get(thread)
+            if further is None:
                 break
-            wanted = self._waiting[thread]
+            wanted = further
         self._waiting[me] = key
 
     def loop(self, controller: str | Block, scenario: str | Scenario, **options: Any) -> Loop:

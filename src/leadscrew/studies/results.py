@@ -7,6 +7,7 @@ tolerance. A number that leaves its tolerance is a *miss*: ``leadscrew run`` pri
 from __future__ import annotations
 
 import csv
+import io
 import math
 import os
 import warnings
@@ -18,6 +19,7 @@ from importlib import import_module
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from leadscrew import newfile
 from leadscrew.kernel.errors import BlockError, DataError, LeadscrewError, ValueRefused
 from leadscrew.kernel.loop import DivergenceWarning, RunWarning
 from leadscrew.kernel.one_thread import one_thread
@@ -198,17 +200,16 @@ def _same(value: Value, target: str, tolerance: float) -> bool:
 def write_expected(results: Results) -> Path:
     """Makes what was measured the expectation; a row that is there keeps its tolerance."""
     known, file = expected(results.study.folder), results.study.folder / EXPECTED
-    beside = file.with_suffix(".partial")
-    with beside.open("w", encoding="utf-8", newline="") as text:
-        rows = csv.writer(text, lineterminator="\n")
-        rows.writerow(("id", "target", "tolerance"))
-        for name, value in results.values().items():
-            if isinstance(value, str):
-                rows.writerow((name, value, ""))
-            else:
-                number = float(value or 0.0)
-                usual = RELATIVE * abs(number) + ABSOLUTE if math.isfinite(number) else 0.0
-                tolerance = known[name][1] if name in known and math.isfinite(known[name][1]) else usual
-                rows.writerow((name, repr(number), f"{tolerance:.1g}"))
-    beside.replace(file)
+    text = io.StringIO()
+    rows = csv.writer(text, lineterminator="\n")
+    rows.writerow(("id", "target", "tolerance"))
+    for name, value in results.values().items():
+        if isinstance(value, str):
+            rows.writerow((name, value, ""))
+        else:
+            number = float(value or 0.0)
+            usual = RELATIVE * abs(number) + ABSOLUTE if math.isfinite(number) else 0.0
+            tolerance = known[name][1] if name in known and math.isfinite(known[name][1]) else usual
+            rows.writerow((name, repr(number), f"{tolerance:.1g}"))
+    newfile.save(text.getvalue(), file)
     return file
