@@ -91,7 +91,7 @@ def curvature_estimates(lab: Lab) -> tuple[Table, str]:
         fits[f"circuit, {name}, at e = −0.5"] = (float(read.over_e[k]), float(read.over_c[k])), None
     estimates = [value for name, (values, _) in fits.items() if name.startswith("Table 1") for value in values]
     return Table("fit", ("u_ee (1)", "u_cc (1)", "condition number (1)"), {k: (*v, c) for k, (v, c) in fits.items()}), (
-        f"Table 1 does not carry curvatures of 1.96 and 1.35: the method decides, {min(estimates):.2f} to {max(estimates):.0f}."
+        f"Table 1 does not carry 1.96 and 1.35: the method decides, {min(estimates):.2f} to {max(estimates):.0f}."
     )
 
 
