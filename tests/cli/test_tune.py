@@ -174,11 +174,10 @@ def test_a_lost_cluster_keeps_what_is_done(refused, call, tmp_path):
     with dask(tmp_path, 1) as (address, workers):
         running = process(*LATHE, "--budget", "100000", "-o", str(out), "--cluster", address)
         waited(lambda: len(list(tmp_path.glob("t.toml.journal/chunk_*"))) > 3, 120)
-        from distributed import Client
+        from leadscrew.tune.crew import crew
 
-        with Client(address) as client:
-            scheduler = client.run_on_scheduler(os.getpid)
-            os.kill(scheduler, signal.SIGKILL)
+        with crew(address) as cluster:
+            os.kill(cluster.client.run_on_scheduler(os.getpid), signal.SIGKILL)
             _, stderr = running.communicate(timeout=120)
     assert running.returncode == 2
     said = stderr.decode()

@@ -74,7 +74,6 @@ def test_the_table_of_emps_is_what_the_fit_finds():
                       ("data of the fit", "unseen half"))  # fmt: skip
     said = [found[1].split("|")[2].strip() for found in (fitted, unseen) if found]
     assert f"leaves {said[0]} mm there and {said[1]} mm on the unseen half" in WORDS
-    assert float(said[0]) < 0.5 * 1e3 * fit.stretches[0].rms
     chosen = identify_linear(linear_record(t, volts, position))
     assert chosen.structure == (4, 2, 0)
     assert f"{1e3 * chosen.stretches[1].rms:.2f} mm on the hold-out" in WORDS

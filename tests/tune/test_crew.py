@@ -86,6 +86,23 @@ def test_something_else_at_the_address_is_no_scheduler(monkeypatch):
 
 
 @pytest.mark.slow
+def test_a_scheduler_that_greets_in_a_crowd_is_asked_again(tmp_path, monkeypatch):
+    import distributed
+
+    real, asked = distributed.Client, []
+
+    def crowded(address, **options):
+        asked.append(address)
+        assert len(asked) > 1
+        return real(address, **options)
+
+    monkeypatch.setattr(distributed, "Client", crowded)
+    with dask(tmp_path, 1) as (address, _), crew(address) as cluster:
+        assert cluster.client.run_on_scheduler(os.getpid)
+    assert len(asked) == 2
+
+
+@pytest.mark.slow
 def test_a_scheduler_without_workers_is_said(tmp_path, monkeypatch):
     with dask(tmp_path, 0) as (address, _):
         monkeypatch.setattr("leadscrew.tune.crew.PATIENCE_S", 2.0)
