@@ -11,7 +11,7 @@ import pytest
 
 from leadscrew import catalogue, machine
 from leadscrew.cli import demo as demo_command
-from leadscrew.report import index
+from leadscrew.report import drawing, index
 from tests.cli.conftest import strict_json
 from tests.machine.test_machine_file import EMPS
 
@@ -30,7 +30,7 @@ def tiny(tmp_path, monkeypatch):
 @pytest.fixture
 def pages(monkeypatch):
     """No figure is drawn: that takes a second."""
-    monkeypatch.setattr("leadscrew.report.html.drawing", lambda *_: nullcontext(lambda progress: {}))
+    monkeypatch.setattr("leadscrew.report.drawing.beside", lambda *_: nullcontext(drawing.draw_none))
 
 
 def test_the_summary_has_its_order_and_the_default_folder_is_listed(call, tiny):

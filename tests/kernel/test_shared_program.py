@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from leadscrew.controllers.pid import pid
+from leadscrew.kernel.asked import trees
 from leadscrew.kernel.block import controller
 from leadscrew.kernel.loop import Loop
 from leadscrew.kernel.metrics import rms_error
@@ -69,6 +70,36 @@ def other(command, feedback):
 )
 def test_what_is_compiled_differently_has_a_program_of_its_own(changes):
     assert axis(**changes).program is not axis().program
+
+
+def gained(error, gain=2.0):
+    return gain * error
+
+
+@controller()
+def calls(command, feedback):
+    """A law whose gain is the default of what it calls."""
+    return gained(command - feedback)
+
+
+def test_a_loop_linked_after_others_is_the_one_linked_alone():
+    later = [{"controller": other}, {"metrics": {}}, {"computation_delay": 1e-3}, {"method": "rodas"}]
+    names = []
+    for forget in (False, True):
+        axis()
+        for changes in later:
+            programs.clear()
+            if forget:
+                trees.clear()
+            program = axis(**changes).program
+            names.append((program.name, program.batches))
+    assert names[: len(later)] == names[len(later) :] and len(set(names)) == len(later)
+
+
+def test_a_default_of_a_called_function_changed_between_two_loops_counts_in_the_second(monkeypatch):
+    before = first_output(calls)
+    monkeypatch.setattr(gained, "__defaults__", (6.0,))
+    assert first_output(calls) == 3.0 * before != 0.0
 
 
 GAIN = 20.0

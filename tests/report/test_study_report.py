@@ -7,7 +7,7 @@ from html.parser import HTMLParser
 
 import pytest
 
-from leadscrew.report import demo, html, text
+from leadscrew.report import demo, drawing, html, text
 from leadscrew.report.report import Report, TextTable
 from leadscrew.report.study import claims_table, report_of
 from leadscrew.studies.claims import VERDICTS
@@ -48,8 +48,7 @@ class Tags(HTMLParser):
 
 
 def test_the_page_is_whole_escaped_and_needs_no_network(report):
-    with html.drawing(report) as figures:
-        page = html.page(report, {"numpy": "<2>"}, figures(lambda what, done: None))
+    page = html.page(report, {"numpy": "<2>"}, drawing.draw_all(report, lambda what, done: None))
     tags = Tags()
     tags.feed(page)
     assert tags.open == [] and len(set(tags.ids)) == len(tags.ids)

@@ -57,6 +57,7 @@ def run_study(
     origin: str, study: Study, out: Path | None, *, figures: bool, everything: bool, accept: bool, as_json: bool
 ) -> None:
     """Evaluates a study, writes its report, prints its summary."""
+    from leadscrew.report import drawing
     from leadscrew.report import folder as reports
     from leadscrew.report.study import report_of
     from leadscrew.studies.results import evaluate, write_expected
@@ -64,7 +65,7 @@ def run_study(
     began = time.perf_counter()
     target = reports.claimable(out if out is not None else Path("report") / study.name)
     notes = []
-    with progress() as show_progress:
+    with progress() as show_progress, drawing.beside(study, figures) as draw:
         results = evaluate(study, show_progress)
         evaluated = time.perf_counter() - began
         if accept:
@@ -79,7 +80,7 @@ def run_study(
             wall_s=evaluated,
             runs=results.lab.runs,
             origin=origin,
-            figures=figures,
+            draw=draw,
             progress=show_progress,
         )
     if out is None:

@@ -18,6 +18,7 @@ import numpy as np
 
 from leadscrew.kernel.errors import DataError, ValueRefused
 from leadscrew.kernel.one_thread import one_thread
+from leadscrew.plants.linear import hold_matrices
 
 Hold = Literal["linear", "previous", "current"]
 """Between two samples the input runs in a straight line, keeps the earlier value, or has the later one already."""
@@ -54,15 +55,21 @@ class GainFit:
 
 def unit_travel(record: Record, lags_s: Sequence[float], hold: Hold = "linear") -> np.ndarray:
     """Position that a plant of unit gain would reach under the record's input."""
-    from scipy import signal
-
-    denominator = np.array([1.0, 0.0])
-    for lag in lags_s:
-        denominator = np.polymul(denominator, [lag, 1.0])
-    u = record.input
-    if hold == "current":
-        u = np.append(u[1:], u[-1])
-    return signal.lsim(([1.0], denominator), u, record.time_s, interp=hold == "linear")[1]
+    order = len(lags_s) + 2  # position, what each lag gives, input: each drives the one before
+    chain, ramp = np.diag(np.ones(order - 1), 1), np.zeros(order)
+    ramp[-1] = 1.0
+    for i, lag in enumerate(lags_s, start=1):
+        chain[i, i : i + 2] = -1.0 / lag, 1.0 / lag
+    dt = float(record.time_s[1] - record.time_s[0])
+    step, ramped = hold_matrices(chain, ramp, dt)
+    u = record.input[1:] if hold == "current" else record.input[:-1]
+    slopes = np.diff(record.input) / dt if hold == "linear" else np.zeros(len(u))
+    state, travel = np.zeros(order), np.zeros(len(u) + 1)
+    for k, (now, slope) in enumerate(zip(u, slopes, strict=True), start=1):
+        state[-1] = now
+        state = step @ state + ramped * slope
+        travel[k] = state[0]
+    return travel
 
 
 @one_thread()

@@ -259,7 +259,7 @@ class Path:
         for i in range(len(node.ops)):
             for x, mine, other in ((ends[i], kinds[i], kinds[i + 1]), (ends[i + 1], kinds[i + 1], kinds[i])):
                 if mine == WHOLE and other == FLOAT and not isinstance(x, ast.Constant):
-                    x.meets_float = True  # type: ignore[attr-defined]
+                    x.meets_float = self.item.marked = True  # type: ignore[attr-defined]
         return WHOLE
 
     def on_boolop(self, node: ast.BoolOp, env: Env) -> Value:
@@ -292,11 +292,10 @@ class Path:
         self.refuse(node, f"{what} of what is a whole number on one path and a float on another; write 0.0 for 0, or "
                           "float() around it")  # fmt: skip
 
-    @staticmethod
-    def wraps(node: ast.expr, kind: Value) -> None:
+    def wraps(self, node: ast.expr, kind: Value) -> None:
         """Marks an operation of whole numbers that may leave 64 bits."""
         if kind in (WHOLE, ANY):
-            node.wraps = True  # type: ignore[attr-defined]
+            node.wraps = self.item.marked = True  # type: ignore[attr-defined]
 
     def on_binop(self, node: ast.BinOp, env: Env) -> Value:
         kinds = (self.number(node.left, env), self.number(node.right, env))

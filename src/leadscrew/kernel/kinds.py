@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from leadscrew.kernel.sheet import hints, leaf_type
+from leadscrew.kernel.sheet import SILENT, leaf_type, notes
 from leadscrew.kernel.subset import is_named_tuple_type
 
 WHOLE, FLOAT, MIXED, SIGNAL, ANY = "whole", "float", "mixed", "signal", "any"
@@ -106,14 +106,14 @@ def renewed(value: Value, call: int) -> Value:
 
 def of_class(cls: Any, origin: str, key: str = "") -> Record:
     """What is known of a NamedTuple by its annotations; its arrays are named by their dotted keys."""
-    sheet = hints(cls)
+    sheet = notes(cls)
     parts: list[Value] = []
     for field in cls._fields:
-        hint, name = sheet.get(field), f"{key}.{field}" if key else field
-        if is_named_tuple_type(hint):
-            parts.append(of_class(hint, origin, name))
+        note, name = sheet.get(field, SILENT), f"{key}.{field}" if key else field
+        if is_named_tuple_type(note.base):
+            parts.append(of_class(note.base, origin, name))
             continue
-        kind = leaf_type(hint, cls._field_defaults.get(field))
+        kind = leaf_type(note, cls._field_defaults.get(field))
         parts.append(Array(origin, name) if kind == "array" else FLOAT if kind == "float" else WHOLE)
     return Record(cls, tuple(parts))
 

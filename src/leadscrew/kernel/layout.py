@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from leadscrew.kernel.sheet import hints, leaf_type
+from leadscrew.kernel.sheet import SILENT, Note, leaf_type, notes
 
 
 @dataclass(frozen=True)
@@ -52,18 +52,18 @@ class Layout:
         self.scalars: list[Leaf] = []
         self.arrays: list[Leaf] = []
         self.array_size = 0
-        self.tree = self._grow("", value, None)
+        self.tree = self._grow("", value, SILENT)
 
-    def _grow(self, key: str, value: Any, hint: Any) -> Leaf | Branch:
+    def _grow(self, key: str, value: Any, note: Note) -> Leaf | Branch:
         if is_branch(value):
             cls: Any = type(value)
-            sheet = hints(cls)
+            sheet = notes(cls)
             parts = tuple(
-                self._grow(f"{key}.{f}" if key else f, v, sheet.get(f))
+                self._grow(f"{key}.{f}" if key else f, v, sheet.get(f, SILENT))
                 for f, v in zip(value._fields, value, strict=True)
             )
             return Branch(key, type(value), parts)
-        kind = leaf_type(hint, value)
+        kind = leaf_type(note, value)
         if kind == "array":
             shape = np.shape(value)
             leaf = Leaf(key, kind, self.array_size, shape)

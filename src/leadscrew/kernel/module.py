@@ -10,13 +10,15 @@ from __future__ import annotations
 import ast
 import hashlib
 import types
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Any
+from functools import cached_property
+from typing import Any, cast
 
 import numpy as np
 
 from leadscrew.kernel import bits, guards
+from leadscrew.kernel.asked import Asked, same, source_of, trees
 from leadscrew.kernel.block import Block
 from leadscrew.kernel.branchless import branchless
 from leadscrew.kernel.drivers import holes
@@ -26,9 +28,9 @@ from leadscrew.kernel.fuse import Fuser
 from leadscrew.kernel.ieee import OPERATORS, Ieee, Table
 from leadscrew.kernel.normalise import Normaliser
 from leadscrew.kernel.scalarise import Scalariser, fields_of, without_copies, without_dead
-from leadscrew.kernel.sheet import hints, leaf_type
+from leadscrew.kernel.sheet import SILENT, leaf_type, notes
 from leadscrew.kernel.source import MISSING, lookup
-from leadscrew.kernel.subset import MATHS, NUMBERS, call, is_named_tuple_type
+from leadscrew.kernel.subset import MATHS, call, is_named_tuple_type
 from leadscrew.kernel.trees import copied, each, fingerprint
 from leadscrew.kernel.treework import treework
 
@@ -47,6 +49,11 @@ _RESERVED = {
 """Names that no definition of a module may have."""
 
 
+_CODES: dict[tuple[str, bool, str, int], types.CodeType] = {}
+MOST_CODES = 2048
+"""Functions that the Python engine keeps compiled, for other modules with the same tree."""
+
+
 @dataclass
 class Item:
     """One definition of the module."""
@@ -58,12 +65,29 @@ class Item:
     """``class``, ``array``, ``leaf`` or ``entry``."""
     value: Any = None
     trusted: bool = False
-    source: tuple[Any, ...] = ()
+    source: Sequence[Any] = ()
     """Of a function of the user: its code and defaults when it was added."""
+    marked: bool = False
+    """Whether something is noted on its nodes that the Python engine goes by."""
 
+    @cached_property
+    def print(self) -> str:
+        """The fingerprint of its tree."""
+        return fingerprint(self.node)
 
-def _compiled_from(function: Any) -> tuple[Any, ...]:
-    return (function.__code__, function.__defaults__)
+    def code(self) -> types.CodeType:
+        """What the Python engine executes."""
+        key = (self.print, self.trusted, self.filename, getattr(self.node, "lineno", 0))
+        made = None if self.marked else _CODES.get(key)
+        if made is None:
+            node = Ieee(self.trusted).visit(copied(self.node))
+            tree = ast.fix_missing_locations(ast.Module([node], type_ignores=[]))
+            made = compile(tree, self.filename, "exec")
+            if not self.marked:
+                if len(_CODES) >= MOST_CODES:
+                    _CODES.clear()
+                _CODES[key] = made
+        return made
 
 
 class Module:
@@ -105,25 +129,41 @@ class Module:
         self.names[id(hole)] = name
         self.kept.append(hole)
 
-    def note(self, holder: Any, name: str, value: Any) -> None:
-        """Remembers what a step read from outside itself: a name of a function, or an attribute of an object."""
-        content = value.tobytes() if isinstance(value, np.ndarray) else b""
-        self._reads[id(holder), name] = (holder, name, value, content)
-
     def is_current(self) -> bool:
         """Whether every function and every global, closure variable and table that was compiled in is unchanged."""
         for holder, name, value, content in self._reads.values():
             now: Any = (
                 lookup(holder, name) if isinstance(holder, types.FunctionType) else getattr(holder, name, MISSING)
             )
-            same = now is value or (type(now) is type(value) and isinstance(now, NUMBERS) and repr(now) == repr(value))
-            if not same or (content and now.tobytes() != content):
+            if not same(now, value) or (content and now.tobytes() != content):
                 return False
-        return all(_compiled_from(i.value) == i.source for i in self.items.values() if i.source)
+        return all(source_of(i.value) == i.source for i in self.items.values() if i.source)
 
     def argument_type(self, function: Callable[..., Any], argument: str) -> type | None:
         """The NamedTuple class of a step's ``p`` or ``s``, where the loop knows it."""
         return self.arguments.get((id(function), argument))
+
+    def constant(self, name: str) -> float | int | bool | None:
+        """The number that a named hole of the drivers stands for."""
+        return self.constants.get(name)
+
+    def outside(self, holder: Any, name: str, free: bool) -> Any:
+        """What a free name of a function, or an attribute of an object, stands for now; the module takes note."""
+        found = lookup(holder, name) if free else getattr(holder, name, MISSING)
+        content = found.tobytes() if isinstance(found, np.ndarray) else b""
+        self._reads[id(holder), name] = (holder, name, found, content)
+        return found
+
+    def _normalised(self, item: Item) -> None:
+        """Puts the tree of a function into its item."""
+        tree = trees.found(self, item.value, item.trusted, item.name)
+        if tree is None:
+            asked = Asked(self)
+            worker = Normaliser(cast(Module, asked), item.value, item.trusted)
+            item.node, item.filename = worker.run(item.name), worker.filename
+            item.print = trees.add(item.node, item.filename, item.trusted, item.value, asked).print
+        else:
+            item.node, item.filename, item.print = copied(tree.node), tree.filename, tree.print
 
     # ---- adding
     def callable(self, found: Any, trusted: bool = False) -> str:
@@ -162,12 +202,11 @@ class Module:
         if trusted is None:
             trusted = home.startswith("leadscrew.kernel.")
         name = self.fresh(function.__name__)
-        item = Item(name, ast.Pass(), "", kind, function, trusted, () if trusted else _compiled_from(function))
+        item = Item(name, ast.Pass(), "", kind, function, trusted, () if trusted else source_of(function))
         self._register(function, item)
         self._working.add(id(function))
         try:
-            worker = Normaliser(self, function, trusted)
-            item.node, item.filename = worker.run(name), worker.filename
+            self._normalised(item)
         except BaseException:
             del self.items[name], self.names[id(function)]
             raise
@@ -191,10 +230,9 @@ class Module:
         """Adds a driver as an entry under a name, specialised by the constants that hold now."""
         self.names.pop(id(driver), None)
         self._fuser = None
-        worker = Normaliser(self, driver, trusted=True)
         name = self.fresh(name)
         self.items[name] = Item(name, ast.Pass(), "", "entry", driver, True)
-        self.items[name].node, self.items[name].filename = worker.run(name), worker.filename
+        self._normalised(self.items[name])
         self.items[name] = self.items.pop(name)
         return name
 
@@ -204,9 +242,8 @@ class Module:
         given = [ast.arg(a) for a in args]
         taken = ast.arguments(posonlyargs=[], args=given, kwonlyargs=[], kw_defaults=[], defaults=[])
         node = ast.FunctionDef(  # type: ignore[call-arg]
-            name=name, args=taken, body=body, decorator_list=[], type_params=[]
+            name=name, args=taken, body=body, decorator_list=[], type_params=[], lineno=1, col_offset=0
         )
-        node = ast.fix_missing_locations(ast.copy_location(node, ast.Pass(lineno=1, col_offset=0)))
         self.items[name] = Item(name, node, f"<leadscrew {name}>", "leaf", None, True)
         return name
 
@@ -247,11 +284,11 @@ class Module:
         """The name of a NamedTuple class; nested ones are added first."""
         if id(cls) in self.names:
             return self.names[id(cls)]
-        sheet = hints(cls)
+        sheet = notes(cls)
         fields: list[ast.stmt] = []
         for field in cls._fields:
-            inner = sheet.get(field)
-            kind = self.named_tuple(inner) if is_named_tuple_type(inner) else leaf_type(inner, None)
+            note = sheet.get(field, SILENT)
+            kind = self.named_tuple(note.base) if is_named_tuple_type(note.base) else leaf_type(note, None)
             kind = "np.ndarray" if kind == "array" else kind
             target = ast.Name(field, ast.Store())
             fields.append(ast.AnnAssign(target, ast.parse(kind, mode="eval").body, None, simple=1))
@@ -303,7 +340,7 @@ class Module:
 
     def identity(self) -> str:
         """The hash of everything in the module: what an entry compiles to depends on nothing else."""
-        parts = (f"{i.kind} {i.name} {fingerprint(i.node)}" for i in sorted(self.items.values(), key=lambda i: i.name))
+        parts = (f"{i.kind} {i.name} {i.print}" for i in sorted(self.items.values(), key=lambda i: i.name))
         return hashlib.sha256("\n".join(parts).encode()).hexdigest()[:24]
 
     def arrays(self) -> dict[str, np.ndarray]:
@@ -332,7 +369,5 @@ class Module:
                 whole = item.kind == "array" and item.value.dtype.kind == "i"
                 space[item.name] = Table(item.value) if whole else item.value
                 continue
-            node = Ieee(item.trusted).visit(copied(item.node))
-            tree = ast.fix_missing_locations(ast.Module([node], type_ignores=[]))
-            exec(compile(tree, item.filename, "exec"), space)
+            exec(item.code(), space)
         return space

@@ -173,10 +173,9 @@ class Normaliser(Calls):
 
     def outside(self, holder: Any, name: str) -> Any:
         """What a free name of this function, or an attribute of an object, stands for; the module takes note."""
-        found = lookup(holder, name) if holder is self.function else getattr(holder, name, MISSING)
         if not self.trusted:
-            self.module.note(holder, name, found)
-        return found
+            return self.module.outside(holder, name, holder is self.function)
+        return lookup(holder, name) if holder is self.function else getattr(holder, name, MISSING)
 
     def constant(self, node: ast.expr) -> Any:
         """The number that an expression always has, or ``None``."""
@@ -186,7 +185,7 @@ class Normaliser(Calls):
             inner = self.constant(node.operand)
             return None if inner is None else -inner
         found = self.value(node)
-        found = self.module.constants.get(found.name) if isinstance(found, Constant) else found
+        found = self.module.constant(found.name) if isinstance(found, Constant) else found
         return found if isinstance(found, NUMBERS) else None
 
     def class_of(self, node: ast.expr) -> type | None:
@@ -207,7 +206,7 @@ class Normaliser(Calls):
     def named(self, node: ast.expr, found: Any) -> ast.expr:
         """Syntax for a free name's value: a frozen number, an array of the module, a function, a class."""
         if isinstance(found, Constant):
-            found = self.module.constants[found.name]
+            found = self.module.constant(found.name)
         if isinstance(found, NUMBERS):
             return ast.copy_location(self.held(node, found), node)
         if isinstance(found, np.ndarray):

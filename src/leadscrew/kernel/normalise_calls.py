@@ -10,7 +10,7 @@ import numpy as np
 
 from leadscrew.kernel import portable
 from leadscrew.kernel.block import Block
-from leadscrew.kernel.sheet import hints, leaf_type
+from leadscrew.kernel.sheet import SILENT, notes
 from leadscrew.kernel.source import MISSING
 from leadscrew.kernel.subset import MATHS, NUMBERS, SHAPERS, call, is_named_tuple_type, literal
 from leadscrew.kernel.trees import copied
@@ -106,14 +106,13 @@ class Calls(ast.NodeTransformer):
         return self.constructed(node, cls, given)
 
     def constructed(self, node: ast.AST, cls: Any, given: dict[str, ast.expr]) -> ast.expr:
-        sheet = hints(cls)
+        sheet = notes(cls)
         args = []
         for field in cls._fields:
             value = given[field]
-            kind = leaf_type(sheet.get(field), None) if not is_named_tuple_type(sheet.get(field)) else ""
-            base = getattr(sheet.get(field), "__origin__", sheet.get(field))
-            cast = kind in ("float", "int", "bool") and base in (float, int, bool) and not self.trusted
-            args.append(self.cast(kind, value) if cast else value)
+            note = sheet.get(field, SILENT)
+            cast = note.base in (float, int, bool) and not self.trusted
+            args.append(self.cast(note.type, value) if cast else value)
         return ast.copy_location(call(self.module.callable(cls, self.trusted), *args), node)
 
     def cast(self, kind: str, value: ast.expr) -> ast.expr:

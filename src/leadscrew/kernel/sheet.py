@@ -8,7 +8,7 @@ import typing
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import Any
+from typing import Any, NamedTuple
 
 from annotated_types import Ge, Gt, Interval, Le, Lt, Unit
 
@@ -125,23 +125,19 @@ def hints(cls: type) -> dict[str, Any]:
         return dict(getattr(cls, "__annotations__", {}))
 
 
-def leaf_type(hint: Any, value: Any) -> str:
-    """``float``, ``int``, ``bool`` or ``array`` from an annotation, or from the value where it says nothing."""
-    import numpy as np
+class Note(NamedTuple):
+    """What an annotation says: its type, with the type's name, and the fields of an :class:`Entry`."""
 
-    base = typing.get_args(hint)[0] if typing.get_origin(hint) is typing.Annotated else hint
-    name = base if isinstance(base, str) else getattr(base, "__name__", "")
-    if isinstance(value, np.ndarray | list) or name in ("ndarray", "NDArray"):
-        return "array"
-    if name in ("float", "int", "bool"):
-        return name
-    return "bool" if isinstance(value, bool) else "int" if isinstance(value, int) else "float"
+    base: Any
+    type: str
+    found: dict[str, Any]
 
 
-def entry_of(key: str, hint: Any, value: Any) -> Entry:
-    """What an annotation says of one value."""
+def note_of(hint: Any) -> Note:
+    """What an annotation says."""
+    base, *extras = typing.get_args(hint) if typing.get_origin(hint) is typing.Annotated else (hint,)
     found: dict[str, Any] = {}
-    for extra in typing.get_args(hint)[1:] if typing.get_origin(hint) is typing.Annotated else ():
+    for extra in extras:
         for part in extra if isinstance(extra, Interval) else (extra,):
             if isinstance(part, Unit):
                 found["unit"] = part.unit
@@ -153,7 +149,27 @@ def entry_of(key: str, hint: Any, value: Any) -> Entry:
             elif isinstance(part, Le | Lt):
                 found["below"] = float(part.le if isinstance(part, Le) else part.lt)  # type: ignore[arg-type]
                 found["below_open"] = isinstance(part, Lt)
-    return Entry(key, leaf_type(hint, value), value, **found)
+    return Note(base, base if isinstance(base, str) else getattr(base, "__name__", ""), found)
+
+
+@lru_cache(maxsize=2048)
+def notes(cls: type) -> dict[str, Note]:
+    """What the annotations of a NamedTuple say, by field."""
+    return {name: note_of(hint) for name, hint in hints(cls).items()}
+
+
+SILENT = Note(None, "", {})
+
+
+def leaf_type(note: Note, value: Any) -> str:
+    """``float``, ``int``, ``bool`` or ``array`` from an annotation, or from the value where it says nothing."""
+    import numpy as np
+
+    if isinstance(value, np.ndarray | list) or note.type in ("ndarray", "NDArray"):
+        return "array"
+    if note.type in ("float", "int", "bool"):
+        return note.type
+    return "bool" if isinstance(value, bool) else "int" if isinstance(value, int) else "float"
 
 
 def entries(value: Any, prefix: str = "") -> Iterator[Entry]:
@@ -161,13 +177,14 @@ def entries(value: Any, prefix: str = "") -> Iterator[Entry]:
     if value is None:
         return
     cls: Any = type(value)
-    sheet = hints(cls)
+    sheet = notes(cls)
     for name, item in zip(value._fields, value, strict=True):
         key = f"{prefix}{name}"
         if isinstance(item, tuple) and hasattr(item, "_fields"):
             yield from entries(item, f"{key}.")
             continue
-        yield entry_of(key, sheet.get(name), item)
+        note = sheet.get(name, SILENT)
+        yield Entry(key, leaf_type(note, item), item, **note.found)
 
 
 def checked_replace(value: Any, changes: Mapping[str, Any], where: str) -> Any:

@@ -17,6 +17,7 @@ from leadscrew.escape import file_name
 from leadscrew.kernel.errors import DataError
 from leadscrew.newfolder import replaceable, replacing
 from leadscrew.report.claim import SCHEMA_VERSION
+from leadscrew.report.drawing import Draw, draw_all
 from leadscrew.report.report import KIND, Report
 from leadscrew.report.strict import strict
 
@@ -147,7 +148,7 @@ def put(
     wall_s: float,
     runs: Mapping[str, Run] | None = None,
     origin: str = "",
-    figures: bool = True,
+    draw: Draw = draw_all,
     progress: Callable[[str, float], None] = lambda what, done: None,
 ) -> Path:
     """Writes a report, and the runs behind it, beside ``folder``, then puts it in its place; gives its page.
@@ -158,14 +159,14 @@ def put(
     from leadscrew.report import html
 
     target, saved = Path(folder), dict(runs or {})
-    with replacing(target, _is_report, "a report of ours") as beside, html.drawing(report, figures) as figures_of:
+    with replacing(target, _is_report, "a report of ours") as beside:
         for at, (key, run) in enumerate(saved.items()):
             progress(f"saving {key}", at / len(saved))
             scenario, _, controller = key.partition("/")
             if origin and not run.loop.origin:
                 run.loop.origin = {"study": origin, "controller": controller, "scenario": scenario, "changes": {}}
             run.save(beside / run_folder(key))
-        drawn = figures_of(progress)
+        drawn = draw(report, progress)
         page = html.page(report, manifest(wall_s), drawn)
         (beside / "report.html").write_text(page, encoding="utf-8", newline="\n")
         card: dict[str, Any] = {"numbers": [list(n) for n in report.key_numbers]}

@@ -4,20 +4,13 @@ from __future__ import annotations
 
 import base64
 import io
-import multiprocessing
-import os
 import re
-import signal
-import sys
-import warnings
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 from leadscrew.escape import html as escaped
 from leadscrew.escape import visible
-from leadscrew.kernel.errors import BlockError, LeadscrewError
 from leadscrew.report import tables
 
 if TYPE_CHECKING:
@@ -25,8 +18,8 @@ if TYPE_CHECKING:
     from markupsafe import Markup
     from matplotlib.figure import Figure
 
-    from leadscrew.report.report import Picture as Shown
-    from leadscrew.report.report import Report, Section
+    from leadscrew.report.drawing import Drawn
+    from leadscrew.report.report import Report
     from leadscrew.studies.study import Picture, Study, StudyResult
 
 LARGEST_SVG = 600_000
@@ -38,6 +31,11 @@ def embedded(figure: Figure, name: str) -> str:
     from matplotlib import rc_context
 
     buffer = io.BytesIO()
+    layout = figure.get_layout_engine()
+    if layout is not None:  # arranged here once: savefig would draw the whole figure for it, and then once more
+        figure.set_dpi(72)
+        layout.execute(figure)
+        figure.set_layout_engine("none")
     with rc_context({"svg.hashsalt": name}):
         figure.savefig(buffer, format="svg", metadata={"Date": None})
     kind = "svg+xml"
@@ -98,82 +96,6 @@ def code(text: str) -> Markup:
     return Markup(re.sub("`([^`]+)`", r"<code>\1</code>", escaped(text)))
 
 
-Progress = Callable[[str, float], None]
-
-
-class Drawn(NamedTuple):
-    """A figure as it stands in a page."""
-
-    source: str
-    """Of an image, as a ``data:`` address."""
-    width_in: float
-
-
-def _draw(picture: Shown) -> Drawn:
-    try:
-        figure = picture.draw()
-        return Drawn(embedded(figure, picture.name), figure.get_figwidth())
-    except LeadscrewError:
-        raise
-    except Exception as error:
-        raise BlockError(f"{picture.name} could not be drawn: {type(error).__name__}: {error}") from error
-
-
-class _Copy:
-    """In a copy of this process, what it draws: with all that has been measured, which no other process has."""
-
-    wanted: Sequence[Shown] = ()
-
-    @classmethod
-    def begin(cls, wanted: Sequence[Shown]) -> None:
-        cls.wanted = wanted
-        signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C ends the process that waits for this one
-
-    @classmethod
-    def draw(cls, at: int) -> Drawn:
-        return _draw(cls.wanted[at])
-
-
-@contextmanager
-def drawing(report: Report, figures: bool = True) -> Iterator[Callable[[Progress], dict[str, Drawn]]]:
-    """Begins to draw the figures of a report, in a process a core; gives a function that waits for them, by name.
-
-    Where the system cannot copy a process, that function draws them itself.
-    """
-    wanted = list(_pictures(report)) if figures else []
-    cores = min(os.cpu_count() or 1, len(wanted))
-    if cores < 2 or sys.platform != "linux":
-        yield lambda progress: _collected(wanted, map(_draw, wanted), progress)
-        return
-    import matplotlib.figure  # noqa: F401  before the copies are made
-
-    with warnings.catch_warnings():  # threads that Python 3.12 warns of: none of them runs now
-        warnings.simplefilter("ignore", DeprecationWarning)
-        copies = multiprocessing.get_context("fork").Pool(cores, _Copy.begin, (wanted,))
-    with copies:
-        drawn = copies.imap(_Copy.draw, range(len(wanted)))
-        yield lambda progress: _collected(wanted, drawn, progress)
-
-
-def _collected(wanted: Sequence[Shown], drawn: Iterable[Drawn], progress: Progress) -> dict[str, Drawn]:
-    figures = {}
-    for at, (picture, done) in enumerate(zip(wanted, drawn, strict=True)):
-        progress(f"drawing {picture.name}", at / len(wanted))
-        figures[picture.name] = done
-    return figures
-
-
-def _pictures(report: Report) -> Iterator[Shown]:
-    def below(sections: Sequence[Section]) -> Iterator[Shown]:
-        for section in sections:
-            yield from section.pictures
-            yield from below(section.sections)
-
-    if report.key_picture is not None:
-        yield report.key_picture
-    yield from below(report.sections)
-
-
 def _without(report: Report, figures: Mapping[str, Drawn]) -> Report:
     """The report with the pictures that are drawn alone, and without a section that has nothing else."""
     sections = []
@@ -190,7 +112,7 @@ def page(report: Report, manifest: Mapping[str, Any], figures: Mapping[str, Draw
     from leadscrew.studies.claims import VERDICTS
 
     report = _without(report, figures)
-    captions = {p.name: p.caption for p in _pictures(report)}
+    captions = {p.name: p.caption for p in report.pictures()}
     pictures = {
         name: {
             "name": name,

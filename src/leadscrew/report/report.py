@@ -5,7 +5,7 @@ Texts may hold code in backticks, and nothing else that a printer has to underst
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -105,3 +105,15 @@ class Report:
     command: str = ""
     """The command that makes it again."""
     kind: str = KIND
+
+    def pictures(self) -> Iterator[Picture]:
+        """All pictures, the key picture first."""
+
+        def below(sections: Sequence[Section]) -> Iterator[Picture]:
+            for section in sections:
+                yield from section.pictures
+                yield from below(section.sections)
+
+        if self.key_picture is not None:
+            yield self.key_picture
+        yield from below(self.sections)

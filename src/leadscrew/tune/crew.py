@@ -191,7 +191,8 @@ def _knock(address: str) -> None:
 
 def _greeted(address: str) -> Any:
     """A client of the scheduler; a busy one may send a message to all clients in the packet of its greeting, which
-    Dask's client asserts to be alone."""
+    Dask's client asserts to be alone.
+    """
     import distributed
 
     for _ in range(2):

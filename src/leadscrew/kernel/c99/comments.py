@@ -14,7 +14,7 @@ from typing import Any
 
 from leadscrew.escape import c_comment
 from leadscrew.kernel.module import Item
-from leadscrew.kernel.sheet import entry_of, hints
+from leadscrew.kernel.sheet import SILENT, notes
 from leadscrew.kernel.source import tree_of
 from leadscrew.kernel.subset import is_named_tuple_type
 
@@ -46,11 +46,11 @@ def place(item: Item) -> str:
 def fields(cls: Any) -> dict[str, str]:
     """One note for each field of a NamedTuple: help and unit from its annotation, or the string below it."""
     found = {}
-    sheet = hints(cls)
+    sheet = notes(cls)
     below = _strings(cls)
     for name in cls._fields:
-        entry = entry_of(name, sheet.get(name), 0.0)
-        parts = [entry.doc or below.get(name, ""), entry.unit]
+        said = sheet.get(name, SILENT).found
+        parts = [said.get("doc") or below.get(name, ""), said.get("unit", "")]
         found[name] = c_comment(", ".join(p for p in parts if p))
     return found
 
