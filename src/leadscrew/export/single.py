@@ -17,7 +17,7 @@ from leadscrew.kernel.c99.types import DOUBLE
 from leadscrew.kernel.ieee import Table, ieee_range
 from leadscrew.kernel.layout import is_branch
 from leadscrew.kernel.module import Module
-from leadscrew.kernel.trees import copied
+from leadscrew.kernel.trees import code_of, copied
 
 F = np.float32
 
@@ -124,8 +124,7 @@ def namespace(module: Module, source: Source) -> dict[str, Any]:
             space[item.name] = _rounded(doubles[item.name])
         else:
             node = _Single().visit(copied(item.node))
-            tree = ast.fix_missing_locations(ast.Module([node], type_ignores=[]))
-            exec(compile(tree, item.filename or "<single>", "exec"), space)
+            exec(code_of(ast.Module([node], type_ignores=[]), item.filename or "<single>"), space)
     return space
 
 

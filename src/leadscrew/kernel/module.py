@@ -31,7 +31,7 @@ from leadscrew.kernel.scalarise import Scalariser, fields_of, without_copies, wi
 from leadscrew.kernel.sheet import SILENT, leaf_type, notes
 from leadscrew.kernel.source import MISSING, lookup
 from leadscrew.kernel.subset import MATHS, call, is_named_tuple_type
-from leadscrew.kernel.trees import copied, each, fingerprint
+from leadscrew.kernel.trees import code_of, copied, each, expression, fingerprint
 from leadscrew.kernel.treework import treework
 
 _RESERVED = {
@@ -81,8 +81,7 @@ class Item:
         made = None if self.marked else _CODES.get(key)
         if made is None:
             node = Ieee(self.trusted).visit(copied(self.node))
-            tree = ast.fix_missing_locations(ast.Module([node], type_ignores=[]))
-            made = compile(tree, self.filename, "exec")
+            made = code_of(ast.Module([node], type_ignores=[]), self.filename)
             if not self.marked:
                 if len(_CODES) >= MOST_CODES:
                     _CODES.clear()
@@ -273,7 +272,7 @@ class Module:
             return self.names[id(value)]
         frozen = np.array(value, dtype=np.int64 if value.dtype.kind in "iub" else np.float64)
         name = self.fresh(hint.upper())
-        rows = ast.parse(f"np.array({frozen.tolist()!r}, dtype=np.{frozen.dtype.name})", mode="eval").body
+        rows = expression(f"np.array({frozen.tolist()!r}, dtype=np.{frozen.dtype.name})")
         for n in ast.walk(rows):
             if isinstance(n, ast.Name) and n.id in ("nan", "inf"):
                 n.id = f"np.{n.id}"
@@ -291,7 +290,7 @@ class Module:
             kind = self.named_tuple(note.base) if is_named_tuple_type(note.base) else leaf_type(note, None)
             kind = "np.ndarray" if kind == "array" else kind
             target = ast.Name(field, ast.Store())
-            fields.append(ast.AnnAssign(target, ast.parse(kind, mode="eval").body, None, simple=1))
+            fields.append(ast.AnnAssign(target, expression(kind), None, simple=1))
         name = self.fresh(cls.__name__)
         base: list[ast.expr] = [ast.Name("NamedTuple", ast.Load())]
         node = ast.ClassDef(name, base, [], fields or [ast.Pass()], [], type_params=[])  # type: ignore[call-arg]

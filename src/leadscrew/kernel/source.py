@@ -10,7 +10,7 @@ from functools import lru_cache
 from typing import Any
 
 from leadscrew.kernel.errors import SubsetError
-from leadscrew.kernel.trees import each
+from leadscrew.kernel.trees import each, parsed
 
 MISSING = object()
 
@@ -18,7 +18,7 @@ MISSING = object()
 @lru_cache(maxsize=256)
 def _functions(filename: str, text: str) -> dict[tuple[int, str], ast.FunctionDef]:
     found = {}
-    for node in each(ast.parse(text)):
+    for node in each(parsed(text)):
         if isinstance(node, ast.FunctionDef):
             first = min([node.lineno, *(d.lineno for d in node.decorator_list)])
             found[first, node.name] = node
@@ -43,7 +43,7 @@ def _alone(filename: str, first: int, name: str, text: str) -> ast.FunctionDef |
     if not lines or lines[0][:1].isspace():
         return None
     try:
-        nodes = ast.parse("\n".join(lines)).body
+        nodes = parsed("\n".join(lines)).body
     except SyntaxError:
         return None
     if len(nodes) != 1 or not isinstance(nodes[0], ast.FunctionDef) or nodes[0].name != name:

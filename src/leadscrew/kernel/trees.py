@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import ast
+import threading
+import types
 from collections.abc import Callable, Iterator, Mapping
 from typing import Any
 
@@ -13,6 +15,29 @@ _PLAIN = {"ctx", "op", "ops", "id", "attr", "arg", "kind", "type_comment", "type
 
 MARKS = ("is_local", "wraps", "meets_float")
 """What the normaliser and the flow note on nodes."""
+
+
+_ONE_AT_A_TIME = threading.RLock()
+"""CPython 3.11 counts the depth of a tree that it makes in one place for all threads, and fails where two make trees
+at a time: SystemError, "AST constructor recursion depth mismatch"."""
+
+
+def parsed(text: str) -> ast.Module:
+    """The tree of a text of Python."""
+    with _ONE_AT_A_TIME:
+        return ast.parse(text)
+
+
+def expression(text: str) -> ast.expr:
+    """The tree of an expression."""
+    with _ONE_AT_A_TIME:
+        return ast.parse(text, mode="eval").body
+
+
+def code_of(tree: ast.Module, filename: str) -> types.CodeType:
+    """A tree, compiled; what it lacks of line numbers is added."""
+    with _ONE_AT_A_TIME:
+        return compile(ast.fix_missing_locations(tree), filename, "exec")
 
 
 class _Inner(dict[type, tuple[str, ...]]):

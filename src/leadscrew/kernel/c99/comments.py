@@ -17,6 +17,7 @@ from leadscrew.kernel.module import Item
 from leadscrew.kernel.sheet import SILENT, notes
 from leadscrew.kernel.source import tree_of
 from leadscrew.kernel.subset import is_named_tuple_type
+from leadscrew.kernel.trees import parsed
 
 
 def block(lines: list[str], place: str = "") -> str:
@@ -57,7 +58,7 @@ def fields(cls: Any) -> dict[str, str]:
 
 def _strings(cls: Any) -> dict[str, str]:
     try:
-        tree = ast.parse(textwrap.dedent(inspect.getsource(cls)))
+        tree = parsed(textwrap.dedent(inspect.getsource(cls)))
     except (OSError, TypeError, SyntaxError):
         return {}
     found: dict[str, str] = {}
