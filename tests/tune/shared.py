@@ -129,6 +129,8 @@ def dask(folder: Path, workers: int) -> Iterator[tuple[str, list[subprocess.Pope
         found = waited(address)
         options = ("--nthreads", "1", "--no-nanny", "--no-dashboard", "--host", "127.0.0.1", "--memory-limit", "0")
         made = [start("dask_worker", found, *options) for _ in range(workers)]
+        logs = [folder / f"{number}.log" for number in range(1, workers + 1)]
+        waited(lambda: all("Registered to" in log.read_text() for log in logs), 120)
         yield found, made
     finally:
         for process in reversed(started):
