@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import multiprocessing
 import os
 import signal
 from types import SimpleNamespace
@@ -13,6 +14,7 @@ from leadscrew.report import drawing
 from leadscrew.report.report import Picture, Report, Section
 from leadscrew.studies.exhibits import FigureOf
 from leadscrew.studies.results import Contents
+from tests.tune.shared import waited
 
 MINE = os.getpid()
 
@@ -55,6 +57,7 @@ def cores(monkeypatch):
 def test_every_figure_is_there_even_if_a_copy_is_killed(cores, draws):
     study, report = study_of(*draws)
     with drawing.beside(study) as draw:
+        waited(lambda: not multiprocessing.active_children(), 60)  # the copy has drawn both, or was killed
         found = draw(report, lambda what, done: None)
     assert {name: figure.width_in for name, figure in found.items()} == {
         draw.__name__: 8.0 if draw is wide else 4.0 for draw in draws

@@ -54,7 +54,7 @@ class GainFit:
 
 
 def unit_travel(record: Record, lags_s: Sequence[float], hold: Hold = "linear") -> np.ndarray:
-    """Position that a plant of unit gain would reach under the record's input."""
+    """Position that a plant of unit gain would reach under the record's input; exact for what ``hold`` assumes."""
     order = len(lags_s) + 2  # position, what each lag gives, input: each drives the one before
     chain, ramp = np.diag(np.ones(order - 1), 1), np.zeros(order)
     ramp[-1] = 1.0
