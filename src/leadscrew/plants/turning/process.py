@@ -68,9 +68,7 @@ class TurningParams(NamedTuple):
     servo: FeedServo = FeedServo()
     radial: RadialServo = RadialServo()
     stiffness: Annotated[float, Unit("N/mm"), Gt(0), Doc("of tool and work along the feed")] = 20000.0
-    feed_force_ratio: Annotated[
-        float, Gt(0), Doc("force along the feed over the main force; 1: the digest's, 0.5: usual")
-    ] = 1.0
+    feed_force_ratio: Annotated[float, Gt(0), Doc("force along the feed over the main force; chosen; usual: 0.5")] = 1.0
     runout: Annotated[float, Unit("mm"), Ge(0), Doc("amplitude of the depth's change over a revolution")] = 0.01
 
 
