@@ -177,7 +177,7 @@ def pid_of_1995(s, command, feedback):
 
 @pytest.mark.slow
 def test_integral_control_hunts_around_the_target():
-    """0.9360 and 1.0650 m (another implementation) are the extremes between 34 and 50 s; the cycle is even, +-0.0639 m."""
+    """0.9360 and 1.0650 m are the extremes between 34 and 50 s; the cycle is even, +-0.0639 m."""
     hunted = replace(mass_lugre, output=moving)
     loop = Loop(
         reference=ramp(initial=1.0, rate=0.0), controller=pid_of_1995, plant=hunted, period=None, sample=0.01,
