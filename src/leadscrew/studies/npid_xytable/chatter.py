@@ -65,7 +65,7 @@ class Row(NamedTuple):
     hz: float
 
 
-def chatter_loop(lab: Lab, controller: str | Block = NPID, **load: float) -> Loop:
+def chatter_loop(lab: Lab, controller: str | Block = NPID, **load: Any) -> Loop:
     """A controller at rest on L*, under a load with a kick."""
     return lab.loop(controller, "constant_load", disturbance=kicked_load(**({"kick": KICK_V} | load)))
 
@@ -146,8 +146,8 @@ def kicked_um(lab: Lab) -> dict[float, float]:
 def slow_sweep(lab: Lab) -> tuple[np.ndarray, np.ndarray]:
     """Load in um, and peak to peak in um of each 0.1 s, up and down again, without the slow integral."""
     low, high = SWEEP_UM
-    load = {"size": load_volts(low), "rate": load_volts(high - low) / SWEEP_S, "turn_s": SWEEP_S, "kick": 0.0}
-    loop = chatter_loop(lab, NPID, **{key: float(value) for key, value in load.items()})
+    size, rate = float(load_volts(low)), float(load_volts(high - low)) / SWEEP_S
+    loop = chatter_loop(lab, NPID, size=size, rate=rate, turn_s=SWEEP_S, kick=0.0)
     run = loop.using({"controller.ki": 0.0}).run(2.0 * SWEEP_S, record=("true_error",))
     parts = 1e3 * run["true_error"].reshape(-1, round(0.1 / PERIOD_S))
     t = 0.1 * (np.arange(len(parts)) + 0.5)

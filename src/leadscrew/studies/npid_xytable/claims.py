@@ -84,16 +84,15 @@ ROW_CASES = {f"{r.rpm}_{r.hz:.1f}".replace(".", "_"): r for r in ROWS}
 
 
 # ---- measures
-def _in_readings(values: dict[str, object]) -> dict[str, np.ndarray]:
-    count = len(UNIT_MM)
-    many = {f"controller.{key}": np.tile(v, count) for key, v in READINGS.items()}
-    return many | {"reference.amplitude": np.repeat(UNIT_MM, 3)} | values
+def _in_readings() -> dict[str, np.ndarray]:
+    many = {f"controller.{key}": np.tile(v, len(UNIT_MM)) for key, v in READINGS.items()}
+    return many | {"reference.amplitude": np.repeat(UNIT_MM, 3)}
 
 
 @measure
 def traces(lab: Lab) -> np.ndarray:
     """Largest difference from the error without the nonlinear gain, in parts of the largest error; ``(3, 2)``."""
-    free = lab.batch(AS_PRINTED, "sine_1mm", _in_readings({}), SINE_S, record="true_error")["true_error"]
+    free = lab.batch(AS_PRINTED, "sine_1mm", _in_readings(), SINE_S, record="true_error")["true_error"]
     plain, *others = np.moveaxis(free[:, free.shape[1] // 3 :].reshape(len(UNIT_MM), 3, -1), 1, 0)
     return np.array([np.abs(e - plain).max(axis=1) / np.abs(plain).max(axis=1) for e in others]).T
 
@@ -102,7 +101,7 @@ def traces(lab: Lab) -> np.ndarray:
 def row_changes(lab: Lab) -> np.ndarray:
     """Reduction of the fifteen rows by the nonlinear gain, phases 0, percent; ``(3, 2, 15)``."""
     loops = [lab.loop(AS_PRINTED, f"spindle_{rpm}") for rpm in SPEEDS]
-    found = [amplitudes_um(loop.batch(20.0, _in_readings({}), record="true_error")) for loop in loops]
+    found = [amplitudes_um(loop.batch(20.0, _in_readings(), record="true_error")) for loop in loops]
     rows = np.concatenate([x.reshape(len(UNIT_MM), 3, -1) for x in found], axis=2)
     return np.asarray(100.0 * (1.0 - rows[:, 1:] / rows[:, :1]))
 
@@ -114,10 +113,10 @@ def random_phases(lab: Lab, amplitude_mm: float) -> Trial:
 
 def reduction_of(found: Trial) -> tuple[float, float]:
     """Mean reduction of the rows, and half its 95 % interval over the draws, percent."""
-    from scipy.stats import t
+    from scipy.special import stdtrit
 
     by_draw = found.reductions().mean(axis=1)
-    return float(by_draw.mean()), float(t.ppf(0.975, by_draw.size - 1) * by_draw.std(ddof=1) / np.sqrt(by_draw.size))
+    return float(by_draw.mean()), float(stdtrit(by_draw.size - 1, 0.975) * by_draw.std(ddof=1) / np.sqrt(by_draw.size))
 
 
 @measure

@@ -175,9 +175,18 @@ def tried(
 
 
 @measure
-def trial(lab: Lab, controller: str, amplitude_mm: float = 1.0, draws: int = DRAWS, **how: bool) -> Trial:
+def trial(
+    lab: Lab,
+    controller: str,
+    amplitude_mm: float = 1.0,
+    draws: int = DRAWS,
+    *,
+    encoder: bool = True,
+    spindle: bool = True,
+    box: bool = False,
+) -> Trial:
     """:func:`tried`, once."""
-    return tried(lab, controller, amplitude_mm, draws, **how)
+    return tried(lab, controller, amplitude_mm, draws, encoder=encoder, spindle=spindle, box=box)
 
 
 # ---- sines and constant loads

@@ -33,7 +33,7 @@ from leadscrew.studies.exhibits import figure
 from leadscrew.studies.lab import Lab
 from leadscrew.studies.npid_xytable import chatter, friction, spindle
 from leadscrew.studies.npid_xytable.calibration import PERIOD_S
-from leadscrew.studies.npid_xytable.claims import AMPLITUDES, NPID, PID, RETUNED, random_phases
+from leadscrew.studies.npid_xytable.claims import NPID, PID, RETUNED
 from leadscrew.studies.npid_xytable.controllers import CONTROLLERS
 from leadscrew.studies.npid_xytable.cutting import FEW, TOLD, lines_um, trial
 from leadscrew.studies.npid_xytable.experiments import BOXED, chatter_rows
@@ -146,7 +146,7 @@ def draw_spectrum(lab: Lab, name: str, printed: dict[int, tuple[float, ...]]) ->
     error = 1e3 * run["true_error"][len(run.time) // 2 :]
     seen = spectrum(Sampling(len(error), 0.0, PERIOD_S), error, "hann")
     shown = (seen.frequencies > 0.0) & (seen.frequencies <= HIGHEST_HZ)
-    axes.vlines(seen.frequencies[shown], 1e-5, np.maximum(seen.amplitudes[shown], 1e-5), color=colour(name), label=name)
+    axes.plot(seen.frequencies[shown], seen.amplitudes[shown], linewidth=0.9, color=colour(name), label=name)
     axes.plot(LINES_HZ, lines_um(lab, name, "spindle_1000"), marker="x", **POINTS, label="by least squares")
     axes.plot(LINES_HZ, printed[1000], ".", color=ORANGE, markersize=9, label="Table II")
     axes.set(yscale="log", ylim=(1e-4, 30.0), xlim=(0.0, HIGHEST_HZ), xlabel="frequency (Hz)", ylabel="amplitude (µm)")
@@ -226,17 +226,6 @@ def errors_1000(lab: Lab) -> Figure:
     return fig
 
 
-@figure("Mean reduction of a run's rows by NPID against the amplitude of the motion, random phases of the forces.")
-def reduction_by_amplitude(lab: Lab) -> Figure:
-    fig, axes = grid(7.0, 4.0)
-    axes.axhspan(8.0, 40.0, color="0.88", label="paper: 8 to 40 %")
-    values = [random_phases(lab, a).reductions().mean(axis=1) for a in AMPLITUDES.values()]
-    axes.boxplot(values, widths=0.5, medianprops={"color": colour(NPID), "lw": 2})
-    axes.set_xticks(np.arange(len(values)) + 1, [f"{a:g}" for a in AMPLITUDES.values()])
-    axes.set(xlabel="amplitude of the motion (mm)", ylabel="mean reduction of five rows (%)")
-    return with_legend(fig, axes)
-
-
 @figure("RMS error of every run on the twelve plants of the box, three spindle speeds.")
 def box_errors(lab: Lab) -> Figure:
     fig, axes = grid(7.5, 4.2)
@@ -309,21 +298,3 @@ def spindle_sweep(lab: Lab) -> Figure:
     panels[1].minorticks_off()
     panels[1].set_xlabel("spindle speed (1/min)")
     return with_legend(fig, panels[0], columns=3)
-
-
-@figure("Estimated speed of the spindle over the one that the controller was told: 2 % off, right, and growing.")
-def spindle_speed_found(lab: Lab) -> Figure:
-    fig, panels = grid(8.6, 4.0, 1, 2, sharey=True)
-    inks = dict(zip(SPEEDS, (BLUE, ORANGE, GREEN), strict=True))
-    still, growing = spindle.wrongly_told(lab, spindle.FINDS), spindle.moving_speed(lab, spindle.DRIFT, 0.0)
-    for axes, found in zip(panels, (still, growing), strict=True):
-        for rpm, estimate in zip(found.rpm, found.estimate, strict=True):
-            values = 100.0 * (estimate - 1.0)
-            axes.plot(found.time, values, color=inks[int(rpm)], linewidth=1.1, label=f"{rpm:,} 1/min")
-        axes.set_xlabel("time (s)")
-    for share in (-spindle.OFF, 0.0, spindle.OFF):
-        panels[0].axhline(100.0 * share, **GUIDE)
-    true = [100.0 * ((1.0 - spindle.OFF) * (1.0 + spindle.DRIFT * t) - 1.0) for t in (0.0, 20.0)]
-    panels[1].plot([0.0, 20.0], true, color=BLACK, linestyle=":", linewidth=1.0, label="true")
-    panels[0].set_ylabel("estimate off the told speed (%)")
-    return with_legend(fig, panels[1], columns=4)

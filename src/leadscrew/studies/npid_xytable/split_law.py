@@ -107,7 +107,7 @@ class Reduction(NamedTuple):
 
 def reduction(ours: Trial, theirs: Trial) -> Reduction:
     """Rows of the first against those of the second under the same draws; intervals by the jackknife over the draws."""
-    from scipy.stats import t
+    from scipy.special import stdtrit
 
     amounts = [np.array([x.at(rpm) for rpm in SPEEDS]).swapaxes(0, 1).reshape(-1, 15) for x in (ours, theirs)]
     draws = len(amounts[0])
@@ -118,7 +118,7 @@ def reduction(ours: Trial, theirs: Trial) -> Reduction:
 
     def off(without: np.ndarray) -> np.ndarray:
         spread = np.sqrt((draws - 1) / draws * np.sum((without - without.mean(axis=0)) ** 2, axis=0))
-        return np.asarray(t.ppf(0.975, draws - 1) * spread)
+        return np.asarray(stdtrit(draws - 1, 0.975) * spread)
 
     every = np.arange(draws)
     found = rows(every)
@@ -167,8 +167,8 @@ def _value(block: Block, key: str) -> float:
 
 @measure
 def proofs(lab: Lab) -> list[Certificate]:
-    """The law under every load and command: on the nominal plant, then on the twelve of the box."""
-    return [driven(around_large(SPLIT, plant), (0.0, 1.0)) for plant in ({}, *box_plants())]
+    """The law under every load and command: on the nominal plant, then on the four of the box with the largest gain."""
+    return [driven(around_large(SPLIT, plant), (0.0, 1.0)) for plant in ({}, *box_plants()[-4:])]
 
 
 class Response(NamedTuple):
