@@ -298,9 +298,9 @@ def law_with_a_proof(lab: Lab) -> tuple[Table, str]:
     rest = [float(split.rest_du_mv(lab, [block])[0]) for block in (split.SPLIT, split.LINEAR)]
     small, large = (rows[f"{mm} mm, with the spindle's lines"][2] for mm in (1, 15))
     return Table("motion", columns, rows), (
-        f"It is proved under every command and load on {proved} of {len(proofs)} plants (Ms {ms[0]:.3f} against {ms[1]:.3f}, "
-        f"{rest[0]:.3f} against {rest[1]:.3f} mV at rest) and at least {small:.0f} % below the linear one on every row "
-        f"at 1 mm while the spindle cuts; at 15 mm its worst row is {abs(large):.0f} % "
+        f"It is proved under every command and load on {proved} of {len(proofs)} plants (Ms {ms[0]:.3f} against "
+        f"{ms[1]:.3f}, {rest[0]:.3f} against {rest[1]:.3f} mV at rest) and at least {small:.0f} % below the linear one "
+        f"on every row at 1 mm while the spindle cuts; at 15 mm its worst row is {abs(large):.0f} % "
         f"{'below' if large > 0.0 else 'above'}."
     )
 
