@@ -19,7 +19,7 @@ from leadscrew.kernel.block import Block
 from leadscrew.studies.lab import Lab, measure
 from leadscrew.studies.npid_xytable.calibration import DEAD_TIME_S, PERIOD_S
 from leadscrew.studies.npid_xytable.cutting import load_volts
-from leadscrew.studies.npid_xytable.laws import GAINS, STATIC_GAIN, curve, error_of_slope
+from leadscrew.studies.npid_xytable.laws import GAINS, STATIC_GAIN, curve
 
 if TYPE_CHECKING:
     from leadscrew.analysis.stability.cycles import CyclePrediction
@@ -205,8 +205,3 @@ def predicted_um(lab: Lab, row: Row, many: bool) -> float:
 
     cycle = biggest(predicted(lab, row.load_um * TAKEN_OVER, row.e_max, row.delay_s, many))
     return 0.0 if cycle is None else 1e3 * float(cycle.peak_to_peak)
-
-
-def threshold_um(lab: Lab) -> float:
-    """The error at rest from which on L* chatters: where the slope is its gain limit."""
-    return error_of_slope(linear(lab).gain_limit())

@@ -1,4 +1,4 @@
-"""The curve of the nonlinear gain, ``phi(e) = K(e) e`` of Table I: slope, inverse, rest under a load, compression.
+"""The curve of the nonlinear gain, ``phi(e) = K(e) e`` of Table I: its slope, its inverse, compression.
 
 A load is given by what the curve must carry, um: ``v = d / Kp`` for a load ``d`` in V. At rest ``phi(e) = v`` but for
 the finite gain of the axis.
@@ -44,28 +44,6 @@ def slope(e_um: Any, e_max: float = 3.0, alpha: float = 0.5) -> Any:
     size = np.abs(e_um)
     x = alpha * np.minimum(size, e_max)
     return np.cosh(x) + np.where(size <= e_max, x * np.sinh(x), 0.0)
-
-
-def at_rest_um(load_um: Any, e_max: float = 3.0) -> np.ndarray:
-    """Error at rest under loads, the integral still empty."""
-    from scipy.optimize import brentq
-
-    loads = np.atleast_1d(np.asarray(load_um, dtype=float))
-    return np.array(
-        [brentq(lambda e, v=v: 1e3 * curve(1e-3 * e, e_max) + e / STATIC_GAIN - v, 0.0, v + 1.0) for v in loads]
-    )
-
-
-def load_of(e_um: float, e_max: float = 3.0) -> float:
-    """The load whose rest is at this error, um."""
-    return float(1e3 * curve(1e-3 * e_um, e_max) + e_um / STATIC_GAIN)
-
-
-def error_of_slope(wanted: float) -> float:
-    """The error in um at which the slope of Table I's curve is this."""
-    from scipy.optimize import brentq
-
-    return float(brentq(lambda e: float(slope(e)) - wanted, 0.1, GAINS.e_max))
 
 
 def straight_fit() -> tuple[np.ndarray, np.ndarray, np.ndarray, float]:

@@ -120,18 +120,3 @@ def best_pid(most: float, seed: int = 1) -> Gains:
     box = [(np.log(a), np.log(b)) for a, b in ((0.3, 5.0), (1.0, 2000.0), (0.001, 0.02))]
     found = differential_evolution(plain.cost, box, args=(most,), seed=seed, popsize=25, maxiter=250, tol=1e-9)
     return Gains(*np.exp(found.x).tolist())
-
-
-def still_to_gain(most: float) -> float:
-    """By how many percent a local search that starts at :data:`BEST` still lowers the mean ``|H|``."""
-    from scipy.optimize import minimize
-
-    plain = _Plain()
-    p = BEST[most].params
-    start = np.log([p.kp, p.ki, p.kd])
-    simplex = start + np.vstack([np.zeros(3), 0.05 * np.eye(3)])
-    done = minimize(
-        plain.cost, start, (max(most, plain.peak(Gains(p.kp, p.ki, p.kd))),), "Nelder-Mead",
-        options={"initial_simplex": simplex, "xatol": 1e-7, "fatol": 1e-9, "maxfev": 2000},
-    )  # fmt: skip
-    return 100.0 * (1.0 - float(np.exp(done.fun)) / float(plain.through(Gains(p.kp, p.ki, p.kd)).mean()))

@@ -116,8 +116,3 @@ def base_hz(orders: tuple[int, ...] = ORDERS) -> float:
     """The fundamental whose multiples are nearest to the printed frequencies, by least squares, Hz."""
     n, labels = np.array(orders, dtype=float), np.array([r.hz for r in ROWS[: len(orders)]])
     return float(n @ labels / (n @ n))
-
-
-def label_errors_hz(orders: tuple[int, ...] = ORDERS) -> np.ndarray:
-    """Printed frequency less the multiple of the fitted fundamental, for each line, Hz."""
-    return np.array([r.hz for r in ROWS[: len(orders)]]) - base_hz(orders) * np.array(orders)
