@@ -11,6 +11,7 @@ from collections.abc import Mapping
 from leadscrew.controllers import (
     adaptive_resonant,
     cascade_ppi,
+    dead_zone_inverse,
     input_dob,
     inverse_feed_forward,
     learned_feed_forward,
@@ -47,5 +48,7 @@ CONTROLLERS: Mapping[str, Block] = {
     **repetitive.TUNINGS,
     **learned_feed_forward.TUNINGS,
     **tracking_differentiator.TUNINGS,
+    "ours.pid_dead_zone": dead_zone_inverse.dead_zone_inverse(pid, width=0.02, softness=1e-3),
+    "ours.pid_quiet": pid(kp=0.368723, ki=62.219044, kd=0.002937, filter_s=0.001726),
 }
-"""By name."""
+"""By name. ``ours.pid_quiet`` is the end of :func:`leadscrew.studies.npid_xytable.split_law.best_linear`."""

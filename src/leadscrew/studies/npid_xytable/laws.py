@@ -1,6 +1,9 @@
-"""The compression law: what NPID does to an error that a PID would leave, quasi-statically; and phases fitted with it.
+"""The curve of the nonlinear gain, ``phi(e) = K(e) e`` of Table I: its slope, its inverse, compression.
 
-High loop gain and ``C`` about ``Kp`` in this band make ``C phi(e_NPID) = C e_PID``, so
+A load is given by what the curve must carry, um: ``v = d / Kp`` for a load ``d`` in V. At rest ``phi(e) = v`` but for
+the finite gain of the axis.
+
+Compression: high loop gain and ``C`` about ``Kp`` in this band make ``C phi(e_NPID) = C e_PID``, so
 
     e_NPID(t) = phi^-1(e_PID(t)),      phi(e) = K(e) e
     e_PID(t)  = e_1 sin th + sum_n a_n sin(n th + p_n),      n = 3, 5, 7, 9, 11,  th: phase of the fundamental error
@@ -12,15 +15,46 @@ table can be explained by the law; it predicts nothing.
 
 from __future__ import annotations
 
-from functools import lru_cache
+import math
 from types import MappingProxyType
+from typing import Any
 
 import numpy as np
 
-from leadscrew.controllers.npid import npid, scaled_error
-from leadscrew.studies.npid_xytable.calibration import BASE_HZ, LINES_HZ, ORDERS, responses
-from leadscrew.studies.npid_xytable.columns import NPID_UM, PID_UM
+from leadscrew.controllers.npid import gain, npid, scaled_error
+from leadscrew.plants.xy_table_cutting import xy_table_cutting
+from leadscrew.studies.npid_xytable.calibration import responses
+from leadscrew.studies.npid_xytable.table2 import BASE_HZ, LINES_HZ, NPID_UM, ORDERS, PID_UM
 
+GAINS, AXIS = npid.params, xy_table_cutting.params
+STATIC_GAIN = GAINS.kp * AXIS.gain / AXIS.stiffness
+"""Of the loop for slow changes, its slow integral apart."""
+X = GAINS.alpha * GAINS.e_max
+STEEPEST = math.cosh(X) + X * math.sinh(X)
+"""Slope just below e_max, 5.5463: the largest local gain."""
+
+
+def curve(e: Any, e_max: float = 3.0, alpha: float = 0.5) -> Any:
+    """``phi`` of Table I on arrays, mm to mm."""
+    return e * np.cosh(alpha * np.minimum(1e3 * np.abs(e), e_max))
+
+
+def slope(e_um: Any, e_max: float = 3.0, alpha: float = 0.5) -> Any:
+    """``phi'`` at an error in um, from below at ``e_max``."""
+    size = np.abs(e_um)
+    x = alpha * np.minimum(size, e_max)
+    return np.cosh(x) + np.where(size <= e_max, x * np.sinh(x), 0.0)
+
+
+def straight_fit() -> tuple[np.ndarray, np.ndarray, np.ndarray, float]:
+    """e_max from 0 to 3 in steps of 0.01, K(e_max), the straight line of least squares, and its R^2."""
+    x = np.linspace(0.0, 3.0, 301)
+    k = np.array([gain(GAINS._replace(e_max=max(v, 1e-9)), 1e-3 * v) for v in x.tolist()])
+    line = np.polyval(np.polyfit(x, k, 1), x)
+    return x, k, line, float(1.0 - np.sum((k - line) ** 2) / np.sum((k - k.mean()) ** 2))
+
+
+# ---- compression
 FITTED_UM = 3.0
 """Amplitude of the following error under PID that fits best; it is e_max."""
 
@@ -35,17 +69,12 @@ FITTED = MappingProxyType(
 
 TURN = 2.0 * np.pi * np.arange(720) / 720.0
 _ERRORS = np.concatenate([np.linspace(0.0, 3.0, 3001), [1e4]])
-
-
-@lru_cache
-def _law() -> tuple[np.ndarray, np.ndarray]:
-    return np.array([1e3 * scaled_error(npid.params, 1e-3 * e) for e in _ERRORS]), _ERRORS
+_SCALED = np.array([1e3 * scaled_error(GAINS, 1e-3 * e) for e in _ERRORS])
 
 
 def uncompressed(e_um: np.ndarray) -> np.ndarray:
     """``phi^-1``, for errors in um; ``phi`` is straight beyond ``e_max``, and tabulated every nm before."""
-    scaled, errors = _law()
-    return np.asarray(np.sign(e_um) * np.interp(np.abs(e_um), scaled, errors))
+    return np.asarray(np.sign(e_um) * np.interp(np.abs(e_um), _SCALED, _ERRORS))
 
 
 def pid_error(rpm: int, phases: np.ndarray, motion_um: float) -> np.ndarray:

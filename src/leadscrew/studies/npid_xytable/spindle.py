@@ -15,8 +15,8 @@ Beside it, in closed form, for a line of ``d`` volt at ``w`` that is not held an
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
-from typing import TYPE_CHECKING, NamedTuple
+from itertools import product
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -26,10 +26,14 @@ from leadscrew.controllers.pid import TUNINGS as PID
 from leadscrew.controllers.resonant import resonant
 from leadscrew.controllers.response import TableModel, law_response, table_response
 from leadscrew.controllers.wrapping import prepared, takes_motion
+from leadscrew.disturbances.wandering_spindle import wandering_spindle
 from leadscrew.kernel.block import Block
 from leadscrew.plants.xy_table_cutting import xy_table_cutting
+from leadscrew.studies.lab import Lab, measure
 from leadscrew.studies.npid_xytable.calibration import DEAD_TIME_S, PERIOD_S
-from leadscrew.studies.npid_xytable.runs import Loops
+from leadscrew.studies.npid_xytable.cutting import line_volts
+from leadscrew.studies.npid_xytable.scenarios import CUT_S
+from leadscrew.studies.npid_xytable.table2 import SPEEDS
 
 if TYPE_CHECKING:
     from leadscrew.kernel.loop import Loop
@@ -91,14 +95,15 @@ def amplitude(error: np.ndarray, frequency: float) -> float:
     return float(2.0 * abs(np.mean(error * turn)))
 
 
-def _loop(loops: Loops, name: str) -> Loop:
+def _loop(lab: Lab, name: str) -> Loop:
     plant = xy_table_cutting(teeth=TEETH, spindle_v=1e-3 * RUNOUT_MV, tooth_v=1e-3 * TOOTH_MV)
-    return loops.get(SWEPT[name], "sine_1mm", metrics={}, plant=plant)
+    return lab.loop(SWEPT[name], "sine_1mm", plant=plant)
 
 
-def sweep(loops: Loops, name: str) -> Sweep:
+@measure
+def sweep(lab: Lab, name: str) -> Sweep:
     """All speeds side by side."""
-    loop = _loop(loops, name)
+    loop = _loop(lab, name)
     varied: dict[str, np.ndarray] = {"plant.spindle_hz": RPM / 60.0}
     if name == "resonant":
         varied |= {
@@ -163,31 +168,81 @@ GHOST_RPM = 22_200.0
 """Teeth at 1,480 Hz, which fold to 520 Hz."""
 
 
-class SpindleSweep:
-    """Everything that claims and pictures need, each made once."""
+def closed_form(name: str) -> Sweep:
+    """The same for a linear controller without resonators."""
+    spindle = np.array([RUNOUT_MV * line(SWEPT[name], rpm / 60.0).sampled for rpm in RPM])
+    tooth = np.array([TOOTH_MV * line(SWEPT[name], tooth_hz(rpm)).sampled for rpm in RPM])
+    return Sweep(spindle, tooth, np.full(len(RPM), np.nan))
 
-    def __init__(self, loops: Loops) -> None:
-        self.loops = loops
 
-    @cached_property
-    def swept(self) -> dict[str, Sweep]:
-        """By name of :data:`SWEPT`."""
-        return {name: sweep(self.loops, name) for name in SWEPT}
+@measure
+def ghost_um(lab: Lab) -> float:
+    """Error at the samples at 520 Hz, teeth at 1,480 Hz, under a resonator at 520 Hz; um, by simulation."""
+    seen = seen_hz(tooth_hz(GHOST_RPM))
+    varied = {"plant.spindle_hz": [GHOST_RPM / 60.0], "controller.spindle_hz": [seen], "controller.teeth": [1]}
+    error = _loop(lab, "resonant").batch(RUN_S, varied, record=("true_error",))["true_error"][0, -COUNTS:]
+    return 1e3 * amplitude(error, seen)
 
-    @cached_property
-    def expected(self) -> dict[str, Sweep]:
-        """The closed form for the linear ones without resonators."""
-        found = {}
-        for name in ("paper.pid", "ours.pid_ms_159", "ours.pid_ms_185"):
-            spindle = np.array([RUNOUT_MV * line(SWEPT[name], rpm / 60.0).sampled for rpm in RPM])
-            tooth = np.array([TOOTH_MV * line(SWEPT[name], tooth_hz(rpm)).sampled for rpm in RPM])
-            found[name] = Sweep(spindle, tooth, np.full(len(RPM), np.nan))
-        return found
 
-    @cached_property
-    def ghost_um(self) -> float:
-        """Error at the samples at 520 Hz, teeth at 1,480 Hz, under a resonator at 520 Hz; um, by simulation."""
-        loop = _loop(self.loops, "resonant")
-        varied = {"plant.spindle_hz": [GHOST_RPM / 60.0], "controller.spindle_hz": [seen_hz(tooth_hz(GHOST_RPM))]}
-        error = loop.batch(RUN_S, varied | {"controller.teeth": [1]}, record=("true_error",))["true_error"][0, -COUNTS:]
-        return 1e3 * amplitude(error, seen_hz(tooth_hz(GHOST_RPM)))
+# ---- a speed that is not known
+OFF = 0.02
+"""How far the speed is off, either way."""
+DRIFT = 1e-3
+"""Change of the speed a second, as a share of it."""
+WANDER_S = 10.0
+NEAR = 5e-4
+"""The speed counts as found when it stays within this share of itself."""
+ESTIMATE = "controller.spindle.spindle_hz"
+FINDS, IS_TOLD = "ours.resonant_adaptive", "ours.resonant_full"
+
+
+@dataclass(frozen=True)
+class Cuts:
+    """Runs of 1 mm at 0.7 Hz under Table II's lines and the spindle's; the first axis is the run."""
+
+    rpm: np.ndarray
+    """Told, 1/min."""
+    share: np.ndarray
+    """Turned, less 1, over told."""
+    rms: np.ndarray
+    """um, of the last half."""
+    time: np.ndarray
+    estimate: np.ndarray
+    """Estimated speed over the told one, over time; empty for a controller that estimates none."""
+
+    def found_after(self) -> np.ndarray:
+        """Time from which on the estimate stays within :data:`NEAR` of the speed, s."""
+        off = np.abs(self.estimate / (1.0 + self.share[:, None]) - 1.0) > NEAR
+        last = off.shape[1] - 1 - np.argmax(off[:, ::-1], axis=1)
+        return np.where(off.any(axis=1), self.time[np.minimum(last + 1, len(self.time) - 1)], 0.0)
+
+
+@measure
+def wrongly_told(lab: Lab, controller: str) -> Cuts:
+    """The three speeds, each right and off by 2 % to either side."""
+    rpm, share = (np.array(x) for x in zip(*product(SPEEDS, (-OFF, 0.0, OFF)), strict=True))
+    phases = np.random.default_rng(7).uniform(0.0, 2.0 * np.pi, (7, 13 * len(rpm)))[:, : len(rpm)]
+    varied: dict[str, Any] = {
+        "controller.inner.spindle_hz": rpm / 60.0,
+        "plant.spindle_hz": rpm / 60.0 * (1.0 + share),
+        "plant.spindle_phase": phases[5],
+        "plant.tooth_phase": phases[6],
+        **line_volts(rpm, phases[:5].T),
+    }
+    shown = (ESTIMATE,) if controller == FINDS else ()
+    done = lab.batch(controller, "measured_1000", varied, CUT_S, record=("true_error", *shown))
+    estimate = done[ESTIMATE][:, ::20] / (rpm / 60.0)[:, None] if shown else np.zeros((len(rpm), 0))
+    return Cuts(rpm, share, 1e3 * done.metrics["rms_error"], done.time[::20], estimate)
+
+
+@measure
+def moving_speed(lab: Lab, drift: float, wander: float) -> Cuts:
+    """Three speeds that start 2 % below what was told and grow, or that wander about it with a period of 10 s."""
+    load = wandering_spindle(drift=drift, wander=wander, wander_s=WANDER_S)
+    loop = lab.loop(FINDS, "measured_1000", disturbance=load, changes={"plant.spindle_v": 0.0, "plant.tooth_v": 0.0})
+    rpm, start = np.array(SPEEDS), -OFF if drift else 0.0
+    varied: dict[str, Any] = line_volts(rpm, np.zeros((3, 5)), "disturbance.lines")
+    varied |= {"controller.inner.spindle_hz": rpm / 60.0, "disturbance.spindle_hz": rpm / 60.0 * (1.0 + start)}
+    done = loop.batch(CUT_S, varied, record=("true_error", ESTIMATE))
+    estimate = done[ESTIMATE][:, ::20] / (rpm / 60.0)[:, None]
+    return Cuts(rpm, np.full(3, start), 1e3 * done.metrics["rms_error"], done.time[::20], estimate)

@@ -1,4 +1,4 @@
-"""Moonshot M4: a nonlinear law with a proof, against the best linear PID that is as robust and as quiet at rest.
+"""A nonlinear law with a proof, against the best linear PID that is as robust and as quiet at rest.
 
 The rule of the comparison. *As robust*: the peak of the sensitivity Ms of the linear PID bounds that of the nonlinear
 loop linearised at **every** error, not only at rest. *As quiet*: at rest, with an encoder of 0.5 um and 0.1 um of
@@ -18,27 +18,28 @@ from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 
+from leadscrew.analysis.stability.certificate import Certificate
+from leadscrew.analysis.stability.driven import driven
 from leadscrew.analysis.stability.linear import LinearLoop
 from leadscrew.controllers.npid_split import NPIDSplitParams, NPIDSplitState, npid_split, paths
 from leadscrew.controllers.pid import pid
 from leadscrew.kernel.block import Block, controller
 from leadscrew.kernel.sheet import Ge, Le
-from leadscrew.studies.npid_xytable.calibration import LINES_HZ, PERIOD_S
-from leadscrew.studies.npid_xytable.columns import PID_UM
-from leadscrew.studies.npid_xytable.runs import Loops
-from leadscrew.studies.npid_xytable.scenarios import SPEEDS
-from leadscrew.studies.npid_xytable.trials import BOX, Trial, trial
+from leadscrew.studies.lab import Lab, measure
+from leadscrew.studies.npid_xytable.calibration import PERIOD_S
+from leadscrew.studies.npid_xytable.controllers import CONTROLLERS
+from leadscrew.studies.npid_xytable.cutting import BOX, Trial, tried
+from leadscrew.studies.npid_xytable.rejection import opened
+from leadscrew.studies.npid_xytable.table2 import LINES_HZ, PID_UM, SPEEDS
 
 MS = 1.6
 """Peak of the sensitivity that both may have."""
 REST_DU_MV = 0.5
 """Change of the output at rest that both may have, mV."""
-LINEAR = pid(kp=0.368723, ki=62.219044, kd=0.002937, filter_s=0.001726)
+LINEAR = CONTROLLERS["ours.pid_quiet"]
 """What :func:`best_linear` finds."""
 SPLIT = npid_split
 """The law that is compared: sought as :func:`searched` does, by an earlier form of it, and rounded by hand."""
-SHARE = 0.9
-"""Of the motion's voltage that feed-forward gives both, where it is said."""
 SHARES = np.linspace(0.0, 1.0, 11)
 """Slopes of ``large`` at which the loop is linearised."""
 OFFSETS = 8
@@ -60,20 +61,9 @@ def shared(p, s, command, feedback, dt):
     return paths(p.law, s, (1.0 - p.share) * error, p.share * error, dt)
 
 
-def loop_of(block: Block, changes: dict[str, float] | None = None) -> LinearLoop:
-    """The sampled loop of a linear controller and the table, its parameters changed by ``plant.*`` keys of the box."""
-    from leadscrew.analysis.stability.loop import sampled_loop
-    from leadscrew.kernel.loop import Loop
-    from leadscrew.plants.xy_table_cutting import xy_table_cutting
-    from leadscrew.references.sine import sine
-
-    plant = xy_table_cutting(**{key.removeprefix("plant."): value for key, value in (changes or {}).items()})
-    return sampled_loop(Loop(reference=sine, controller=block, plant=plant, period=PERIOD_S, metrics={}), name="L*")
-
-
 def frozen(block: Block, share: float, changes: dict[str, float] | None = None) -> LinearLoop:
     """The loop of an npid_split where the slope of ``large`` is ``share``."""
-    return loop_of(shared.using(**_law(block), share=float(share)), changes)
+    return opened(shared.using(**_law(block), share=float(share)), changes)
 
 
 def around_large(block: Block, changes: dict[str, float] | None = None) -> LinearLoop:
@@ -88,13 +78,6 @@ def around_large(block: Block, changes: dict[str, float] | None = None) -> Linea
     quiet = low.b - 0.25 * firm_less_quiet
     return LinearLoop(low.a - quiet @ low.c, firm_less_quiet, low.c, low.d, low.dt, name="L* with npid_split",
                       notes=low.notes, from_blocks=True)  # fmt: skip
-
-
-def fed(block: Block) -> Block:
-    """A law with inverse-plant feed-forward: a voltage of the command alone, under which the proof holds as it is."""
-    from leadscrew.controllers.inverse_feed_forward import inverse_feed_forward
-
-    return inverse_feed_forward(block, share=SHARE)
 
 
 class Reduction(NamedTuple):
@@ -114,17 +97,17 @@ class Reduction(NamedTuple):
         return int(np.argmin(self.rows))
 
     @property
-    def said(self) -> str:
+    def words(self) -> str:
         """Mean and smallest row with their intervals."""
         return (
-            f"mean {self.mean:.1f} +- {self.mean_off:.1f} %, smallest {self.rows.min():.1f} +- "
+            f"mean {self.mean:.1f} ± {self.mean_off:.1f} %, smallest {self.rows.min():.1f} ± "
             f"{self.row_off[self.least]:.1f} % ({self.draws} draws a speed, 95 %)"
         )
 
 
 def reduction(ours: Trial, theirs: Trial) -> Reduction:
     """Rows of the first against those of the second under the same draws; intervals by the jackknife over the draws."""
-    from scipy.stats import t
+    from scipy.special import stdtrit
 
     amounts = [np.array([x.at(rpm) for rpm in SPEEDS]).swapaxes(0, 1).reshape(-1, 15) for x in (ours, theirs)]
     draws = len(amounts[0])
@@ -135,7 +118,7 @@ def reduction(ours: Trial, theirs: Trial) -> Reduction:
 
     def off(without: np.ndarray) -> np.ndarray:
         spread = np.sqrt((draws - 1) / draws * np.sum((without - without.mean(axis=0)) ** 2, axis=0))
-        return np.asarray(t.ppf(0.975, draws - 1) * spread)
+        return np.asarray(stdtrit(draws - 1, 0.975) * spread)
 
     every = np.arange(draws)
     found = rows(every)
@@ -155,16 +138,15 @@ def _law(block: Block) -> dict[str, Any]:
     return {**found, "law.es_um": p.es_um}
 
 
-def rest_du_mv(loops: Loops, blocks: list[Block]) -> np.ndarray:
+def rest_du_mv(lab: Lab, blocks: list[Block]) -> np.ndarray:
     """Rms change of the output from sample to sample at rest, mV, of controllers of one kind.
 
     The table is asked to stand at :data:`OFFSETS` places within a count; the last three quarters of 4 s count.
     """
     from leadscrew.kernel.metrics import chatter
     from leadscrew.references.step import step
-    from leadscrew.studies.npid_xytable.scenarios import SCENARIOS
 
-    loop = loops.get(blocks[0], SCENARIOS["quiet"], reference=step(target=0.0),
+    loop = lab.loop(blocks[0], "quiet", reference=step(target=0.0),
                      metrics={"chatter": chatter(from_time=0.25 * REST_S)})  # fmt: skip
     places = 5e-4 * np.arange(OFFSETS) / OFFSETS
     varied: dict[str, Any] = {"reference.target": np.tile(places, len(blocks))}
@@ -183,6 +165,12 @@ def _value(block: Block, key: str) -> float:
     return float(found)
 
 
+@measure
+def proofs(lab: Lab) -> list[Certificate]:
+    """The law under every load and command: on the nominal plant, then on the four of the box with the largest gain."""
+    return [driven(around_large(SPLIT, plant), (0.0, 1.0)) for plant in ({}, *box_plants()[-4:])]
+
+
 class Response(NamedTuple):
     """The table's sampled response, with its dead time."""
 
@@ -198,10 +186,10 @@ class Response(NamedTuple):
 def response() -> Response:
     """On a grid for Ms, and at the lines of Table II."""
     gain = pid(kp=1.0, ki=0.0, kd=0.0)
-    plain = loop_of(gain)
+    plain = opened(gain)
     w = np.unique(np.concatenate([np.geomspace(1.0, 1500.0, 200), np.linspace(200.0, np.pi / PERIOD_S, 400)]))
     lines = 2.0 * np.pi * np.array(LINES_HZ)
-    box = [loop_of(gain, changes).response(w) for changes in box_plants()]
+    box = [opened(gain, changes).response(w) for changes in box_plants()]
     at_lines = np.exp(1j * lines * PERIOD_S), plain.response(lines)
     return Response(np.exp(1j * w * PERIOD_S), plain.response(w), *at_lines, box)
 
@@ -226,7 +214,7 @@ def linear_rows(gains: np.ndarray) -> np.ndarray:
     return np.asarray(np.array(list(PID_UM.values())) * ratio)
 
 
-def best_linear(loops: Loops, ms: float = MS, du_mv: float = REST_DU_MV, seed: int = 1, rounds: int = 60) -> Block:
+def best_linear(lab: Lab, ms: float = MS, du_mv: float = REST_DU_MV, seed: int = 1, rounds: int = 60) -> Block:
     """The PID with the smallest mean row of Table II under both bounds, by differential evolution (seeded)."""
     from scipy.optimize import differential_evolution
 
@@ -236,7 +224,7 @@ def best_linear(loops: Loops, ms: float = MS, du_mv: float = REST_DU_MV, seed: i
         tame = over < 1.0
         du = np.full(len(over), np.inf)
         if tame.any():
-            du[tame] = rest_du_mv(loops, [_pid(g) for g in gains.T[tame]])
+            du[tame] = rest_du_mv(lab, [_pid(g) for g in gains.T[tame]])
         score = np.array([linear_rows(g).mean() for g in gains.T])
         loud = np.where(np.isfinite(du), np.maximum(0.0, du / du_mv - 1.0), 10.0)
         return np.asarray(score + 5.0 * over + 5.0 * loud)
@@ -279,7 +267,7 @@ def split_room(gains: np.ndarray) -> float:
 
 
 def searched(
-    loops: Loops, start: Block = SPLIT, ms: float = MS, du_mv: float = REST_DU_MV, room: float = 1.1, tries: int = 500,
+    lab: Lab, start: Block = SPLIT, ms: float = MS, du_mv: float = REST_DU_MV, room: float = 1.1, tries: int = 500,
     seed: int = 1, progress: Callable[[float], None] = lambda _: None,
 ) -> Block:  # fmt: skip
     """A random search from ``start`` for smaller rows, with and without the spindle's lines, under both bounds."""
@@ -290,19 +278,19 @@ def searched(
         if over > 1.0:
             return 10.0 + over
         block = split_of(gains)
-        loud = max(0.0, float(rest_du_mv(loops, [block])[0]) / du_mv - 1.0)
-        cut = trial(loops, block, draws=1, encoder_um=0.0, noise_um=0.0).rows / base
-        free = trial(loops, block, draws=1, encoder_um=0.0, noise_um=0.0, spindle=False).rows / base
+        loud = max(0.0, float(rest_du_mv(lab, [block])[0]) / du_mv - 1.0)
+        cut = tried(lab, block, draws=1, encoder=False).rows / base
+        free = tried(lab, block, draws=1, encoder=False, spindle=False).rows / base
         return float(np.mean(cut) + 0.5 * np.mean(free)) + 5.0 * (over + loud)
 
     draw, width = np.random.default_rng(seed), 0.15
     best = np.log(gains_of(start))
     score = worth(np.exp(best))
     for _ in range(tries):
-        tried = best + width * draw.normal(size=9) * (draw.random(9) < 0.5)
-        found = worth(np.exp(tried))
+        candidate = best + width * draw.normal(size=9) * (draw.random(9) < 0.5)
+        found = worth(np.exp(candidate))
         better = found < score
-        best, score = (tried, found) if better else (best, score)
+        best, score = (candidate, found) if better else (best, score)
         width = min(1.3 * width, 0.5) if better else max(0.985 * width, 0.01)
         progress(score)
     return split_of(np.exp(best))
