@@ -17,7 +17,7 @@ from leadscrew.neural.performance_shape import READINGS, Shape, reading, shape_o
 from leadscrew.neural.safety import Safety, crossing, safety, table_faults
 from leadscrew.neural.searches import cma_search, pymoo_search
 from leadscrew.neural.training import METHODS, train
-from leadscrew.studies.sofnn_tangent.performance_runs import nets
+from leadscrew.studies.sofnn_tangent.trainings import nets
 
 COUNTS = {"18": 18, "18_linear": 18, "19": 19, "24": 24, "25": 25, "16_four_hidden": 16, "16_five_hidden": 16}
 

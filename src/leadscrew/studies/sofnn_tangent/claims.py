@@ -446,7 +446,16 @@ def step_passes_the_areas(lab):
     )
 
 
-@claim("Table 1", "by that analogy", "table 1", "symmetry of Table 1", says="0", unit="pairs", basis="paper's data")
+@claim(
+    "Table 1",
+    "by that analogy",
+    "table 1",
+    "symmetry of Table 1",
+    says="0",
+    unit="pairs",
+    basis="paper's data",
+    key=True,
+)
 def uneven_cells(lab):
     """Mirrored cells of Table 1 that do not have the opposite correction, by analogy with the areas"""
     network = np.array([[measured(GOLDEN, e, ec) for e in LEVELS] for ec in LEVELS])
@@ -682,6 +691,7 @@ def improvement_by_offline_training(lab):
     unit="%",
     basis="reconstructed plant",
     holds=above_zero,
+    key=True,
 )
 def least_gain_by_updating(lab):
     """Least gain in a cell by updating the rules, against the same rules held"""

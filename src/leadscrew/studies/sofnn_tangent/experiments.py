@@ -37,7 +37,18 @@ from leadscrew.studies.sofnn_tangent.cuts import (
 )
 from leadscrew.studies.sofnn_tangent.delay import ASSUMED, K_E, TRUE, delay_map, on_the_wave, radius
 from leadscrew.studies.sofnn_tangent.laws import LEVELS_PER_DEG
-from leadscrew.studies.sofnn_tangent.pieces import SWAP_AT, WAYS, series, swapped, uncompensated, with_prior
+from leadscrew.studies.sofnn_tangent.pieces import (
+    AHEAD,
+    FALLING_NET,
+    ON_THE_OTHER_PLANT,
+    SWAP_AT,
+    WAYS,
+    WITH_NEW_MATERIAL,
+    series,
+    swapped,
+    uncompensated,
+    with_prior,
+)
 from leadscrew.studies.sofnn_tangent.scenarios import LAP_COUNT, LINES, MATERIAL_NAMES, PERIOD_S
 
 
@@ -549,14 +560,15 @@ def piece_after_piece(lab: Lab) -> tuple[Table, str]:
     """
     rows: dict[str, tuple[Any, ...]] = {}
     for way, (_, plan) in WAYS.items():
-        found, other = series(lab, way), series(lab, way, mismatch=True)
-        after = swapped(lab, way).mean(axis=-1)
+        found = series(lab, way)
+        other = series(lab, way, mismatch=True) if way in ON_THE_OTHER_PLANT else None
+        after = swapped(lab, way).mean(axis=-1) if way in WITH_NEW_MATERIAL else None
         rows[way] = (
             *(found.mean(k) for k in (1, 2, 3)),
             found.mean(6) if plan.count == 6 else None,
             float(found.lateral[2].mean(axis=-1).max()),
-            *(other.mean(k) for k in (1, 3)),
-            *(float(after[k - 1]) for k in (SWAP_AT, SWAP_AT + 1)),
+            *(None if other is None else other.mean(k) for k in (1, 3)),
+            *(None if after is None else float(after[k - 1]) for k in (SWAP_AT, SWAP_AT + 1)),
         )
     for name, first_piece in (
         ("feed-forward, taught by other lines and materials", with_prior),
@@ -575,7 +587,7 @@ def piece_after_piece(lab: Lab) -> tuple[Table, str]:
         "new material (deg)",
         "the next (deg)",
     )
-    both, ahead = rows["paper.sofnn_pnn and the table, falling gains"], rows["adaptive feed-forward"]
+    both, ahead = rows[FALLING_NET], rows[AHEAD]
     return Table("what goes on", columns, rows), (
         f"The paper's network with a table of offsets reaches {both[2]:.2f}° in the third piece and {both[3]:.2f}° in "
         f"the sixth; feed-forward has {ahead[0]:.2f}° in the first, but {ahead[6]:.2f}° on the other plant, the table "

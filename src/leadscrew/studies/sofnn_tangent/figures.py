@@ -36,7 +36,14 @@ from leadscrew.studies.sofnn_tangent.cuts import (
 from leadscrew.studies.sofnn_tangent.delay import ASSUMED, K_E, TRUE, delay_map
 from leadscrew.studies.sofnn_tangent.experiments import laps
 from leadscrew.studies.sofnn_tangent.laws import even_part
-from leadscrew.studies.sofnn_tangent.pieces import SWAP_AT, WAYS, series, swapped
+from leadscrew.studies.sofnn_tangent.pieces import (
+    ON_THE_OTHER_PLANT,
+    SWAP_AT,
+    WAYS,
+    WITH_NEW_MATERIAL,
+    series,
+    swapped,
+)
 from leadscrew.studies.sofnn_tangent.scenarios import LAP_COUNT, LINES, MATERIAL_NAMES, SAMPLE_MM, line
 
 if TYPE_CHECKING:
@@ -286,8 +293,8 @@ def pieces_error(lab: Lab) -> Figure:
     fig, panels = grid(9.0, 5.0, 1, 2, sharey=True)
     floor = float(np.mean(list(texture_floor(lab).values())))
     for axes, mismatch, title in zip(panels, (False, True), ("plant as believed", "with unknown terms"), strict=True):
-        for way, (colour, mark) in WAY_PENS.items():
-            found = series(lab, way, mismatch=True) if mismatch else series(lab, way)
+        for way in ON_THE_OTHER_PLANT if mismatch else WAYS:
+            found, (colour, mark) = series(lab, way, mismatch=True) if mismatch else series(lab, way), WAY_PENS[way]
             at = range(1, len(found.rms) + 1)
             look = {"color": colour, "marker": mark, "markersize": 4, "linewidth": 1.2, "capsize": 2, "label": way}
             axes.errorbar(at, [found.mean(j) for j in at], yerr=[found.spread(j) for j in at], **look)
@@ -301,8 +308,8 @@ def pieces_error(lab: Lab) -> Figure:
 @figure(f"RMS deviation of flowers, cut in fabric and from piece {SWAP_AT} on in foam, mean of five runs.")
 def pieces_swap(lab: Lab) -> Figure:
     fig, axes = grid(7.0, 4.6)
-    for way, (colour, mark) in WAY_PENS.items():
-        runs = swapped(lab, way)
+    for way in WITH_NEW_MATERIAL:
+        runs, (colour, mark) = swapped(lab, way), WAY_PENS[way]
         at = np.arange(1, len(runs) + 1)
         look = {"color": colour, "marker": mark, "markersize": 4, "linewidth": 1.2, "capsize": 2, "label": way}
         axes.errorbar(at, runs.mean(axis=1), yerr=runs.std(axis=1, ddof=1), **look)

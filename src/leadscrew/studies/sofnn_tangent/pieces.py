@@ -204,6 +204,11 @@ WAYS: dict[str, tuple[str | Block | None, Plan]] = {
 }
 
 
+TABLE_ALONE, FALLING_NET, TUNED_TABLE, AHEAD = (w for w in WAYS if w != "paper.sofnn_pnn and the table")
+ON_THE_OTHER_PLANT = (TABLE_ALONE, FALLING_NET, AHEAD)
+WITH_NEW_MATERIAL = (TABLE_ALONE, TUNED_TABLE, AHEAD)
+
+
 @measure
 def series(lab: Lab, way: str, mismatch: bool = False) -> Pieces:
     """Pieces of three lines in three materials, five runs each; three pieces where the plant is not as believed."""
