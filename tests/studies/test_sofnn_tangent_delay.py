@@ -12,7 +12,6 @@ from leadscrew.studies.sofnn_tangent.delay import (
     delay_map,
     kalman_gain,
     radius,
-    tooth_gain,
 )
 from tests.studies.tangent_lab import lab
 
@@ -42,34 +41,14 @@ def test_the_steady_gain_of_the_filter_is_where_its_covariance_comes_to_rest():
     assert kalman_gain(0.01, 0.05) == pytest.approx(p / (p + 0.01), rel=1e-12)
 
 
-def test_slopes_at_rest_are_those_of_the_printed_table_and_of_the_trained_rules():
-    assert TABLE_SLOPE == 1.0
-    assert pytest.approx(2.038709 / 2.0, abs=1e-6) == RULE_SLOPE
+CASES = [(6, 4, 6 / 90, 0.8541), (6, 14, 6 / 90, 0.8541), (12, 4, 6 / 90, 0.8541), (4, 4, 6 / 90, 1.0)]
 
 
-@pytest.mark.parametrize(
-    ("assumed", "late", "k_e", "kappa"),
-    [
-        (6, 4, 6 / 90, 0.8541),
-        (6, 14, 6 / 90, 0.8541),
-        (12, 4, 6 / 90, 0.8541),
-        (4, 4, 6 / 90, 1.0),
-        (8, 2, 0.2, 0.8541),
-    ],
-)
-def test_the_largest_root_is_the_growth_of_the_loop_stepped_in_time(assumed, late, k_e, kappa):
-    found = radius(assumed, late, k_e, kappa=kappa)
-    assert growth(assumed, late, k_e, kappa) == pytest.approx(found, abs=1e-3)
-
-
-def test_the_largest_root_of_the_accumulating_form_is_its_growth():
-    found = radius(6, 7, 6 / 45, kg=0.7, accumulate=True)
-    assert growth(6, 7, 6 / 45, kalman_gain(), True, 0.7) == pytest.approx(found, abs=1e-3)
-
-
-def test_a_comb_whose_loop_gain_is_below_one_at_its_teeth_settles_with_any_delay():
-    assert tooth_gain(6, 6 / 90) < 1.0
-    assert max(radius(6, m, 6 / 90) for m in range(40)) < 1.0
+@pytest.mark.parametrize("case", [*CASES, (8, 2, 0.2, 0.8541), (6, 7, 6 / 45, 0.8541, True, 0.7)])
+def test_the_largest_root_is_the_growth_of_the_loop_stepped_in_time(case):
+    assumed, late, k_e, kappa, *rest = case
+    options = dict(zip(("accumulate", "kg"), rest, strict=False))
+    assert growth(*case) == pytest.approx(radius(assumed, late, k_e, kappa=kappa, **options), abs=1e-3)
 
 
 def test_replaced_at_once_as_printed_the_comb_is_unstable_for_most_delays():

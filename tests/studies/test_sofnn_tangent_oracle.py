@@ -10,69 +10,38 @@ from leadscrew.studies.sofnn_tangent.cuts import FIXED, NONE, PID, PNN, TABLE, T
 from tests.studies import tangent_oracle as oracle
 from tests.studies.tangent_lab import lab
 
-SAFEGUARDS_OFF = {"controller.leak": 0.0, "controller.freeze": False}
-LITERAL = {**SAFEGUARDS_OFF, "controller.delay": 6}
-NETWORKS = {
-    "fixed": (FIXED, {}, oracle.FIXED),
-    "table": (TABLE, LITERAL, oracle.LITERAL_TABLE),
-    "network": (PNN, LITERAL, oracle.LITERAL_NET),
-    "tuned": (TUNED, SAFEGUARDS_OFF, oracle.TUNED),
-}
+LITERAL = {"controller.leak": 0.0, "controller.freeze": False, "controller.delay": 6}
 QUIET = "wave_fabric_quiet"
 
 
 def test_the_uncompensated_cut_is_the_same_sample_by_sample():
-    run, expected_ = lab().run(NONE, QUIET), oracle.cut(*oracle.wave(), None, W0)
-    n = len(expected_.e)
-    assert np.abs(run["actual.deviation"][1 : n + 1] - expected_.e).max() < 1e-8
-    assert np.abs(run["actual.lateral"][1 : n + 1] - expected_.lateral).max() < 1e-8
+    run, second = lab().run(NONE, QUIET), oracle.cut(*oracle.wave(), None, W0)
+    n = len(second.e)
+    assert np.abs(run["actual.deviation"][1 : n + 1] - second.e).max() < 1e-8
+    assert np.abs(run["actual.lateral"][1 : n + 1] - second.lateral).max() < 1e-8
 
 
 def test_a_pid_is_the_same_sample_by_sample():
     """A derivative behind no lag: the lag of the product is by backward Euler, that of the oracle exact."""
-    expected_ = oracle.cut(*oracle.wave(), oracle.Control(pid=(0.7, 14.0, 0.005), filter_s=1e-6), W0).e
+    second = oracle.cut(*oracle.wave(), oracle.Control(pid=(0.7, 14.0, 0.005), filter_s=1e-6), W0).e
     live = lab().loop(PID, QUIET).using({"controller.filter_s": 0.0}).start()
-    assert np.abs(deviations(live, len(expected_)) - expected_).max() < 1e-8
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("name", NETWORKS)
-def test_networks_are_the_same_sample_by_sample(name):
-    """Four rules at a time against dense matrices in Joseph form; the loop's first sample is before the line."""
-    controller, changes, control = NETWORKS[name]
-    expected_ = oracle.cut(*oracle.wave(), control, W0, waiting=1)
-    e = deviations(lab().loop(controller, QUIET).using(changes).start(), len(expected_.e))
-    assert np.abs(e - expected_.e).max() < 1e-7
+    assert np.abs(deviations(live, len(second)) - second).max() < 1e-8
 
 
 @pytest.mark.slow
 def test_a_change_of_material_under_noise_is_the_same_sample_by_sample():
     """Texture and noise of the product's run go into the oracle; the flower is cut there by its polar equation."""
-    controller, changes, control = NETWORKS["table"]
     signals = ("actual.deviation", "disturbance.texture", "feedback.deviation")
-    run = lab().loop(controller, "flower_change").using(changes).run(7.9, record=signals)
+    run = lab().loop(TABLE, "flower_change").using(LITERAL).run(7.9, record=signals)
     heading, curvature = oracle.flower()
     e, texture = run["actual.deviation"], run["disturbance.texture"]
     noise = run["feedback.deviation"] - np.r_[np.zeros(4), e[:-4]]
     assert np.std(noise) == pytest.approx(0.15, rel=0.1) and np.std(texture) == pytest.approx(0.25, rel=0.3)
     n = len(texture) - 1
     half = int(np.argmax(np.arange(n) * 0.5 >= 0.25 * len(heading)))
-    line = heading[:n], curvature[:n]
     more = {"later": "foam", "change": half, "texture": texture, "noise": noise, "waiting": 1}
-    assert np.abs(e[1 : n + 1] - oracle.cut(*line, control, W0, **more).e).max() < 1e-6
-
-
-@pytest.mark.slow
-def test_a_tighter_clamp_cuts_as_in_the_second_writing():
-    from leadscrew.studies.sofnn_tangent.cuts import in_material, started
-
-    tight = np.clip(W0, -3, 3)
-    control = oracle.Control(k_e=6 / 45, learn="accumulate", kg=0.7, clamp=3.0)
-    wave = oracle.wave()
-    expected_ = oracle.cut(*wave, control, tight, material="foam", waiting=1)
-    loop = lab().loop(TUNED, QUIET).using(in_material("foam") | SAFEGUARDS_OFF | {"controller.clamp": 3.0})
-    assert deviations(started(loop, weights=tight), len(wave[0])) == pytest.approx(expected_.e, abs=1e-6)
-    assert np.abs(expected_.weights).max() == 3.0
+    second = oracle.cut(heading[:n], curvature[:n], oracle.LITERAL_TABLE, W0, **more).e
+    assert np.abs(e[1 : n + 1] - second).max() < 1e-6
 
 
 @pytest.mark.slow
@@ -89,7 +58,7 @@ def test_a_step_with_a_wrong_delay_is_that_of_the_second_writing(assumed, late):
 
 @pytest.mark.slow
 def test_nine_cells_by_the_second_writing_have_the_means_of_the_study():
-    """Lines, textures and noises of its own: the mean RMS of nine cells and five runs within 0.03 deg."""
+    """Lines, textures and noises of its own: the mean RMS of nine cells and three runs within 0.03 deg."""
     controls = {
         FIXED: oracle.FIXED,
         TABLE: oracle.LITERAL_TABLE._replace(delay=4),
@@ -104,10 +73,10 @@ def test_nine_cells_by_the_second_writing_have_the_means_of_the_study():
         for line in lines:
             n = len(line[0])
             for material in oracle.MATERIALS:
-                for seed in range(11, 16):
+                for seed in range(11, 14):
                     rng = np.random.default_rng(seed)
                     texture, noise = oracle.texture_of(n, 0.5, rng), 0.15 * rng.standard_normal(n)
                     e = oracle.cut(*line, control, W0, material, texture=texture, noise=noise).e
-                    found.append(oracle.numbers(e)[0])
+                    found.append(np.sqrt(np.mean(e**2)))
         mean = float(study_[f"all_controllers/{name}/RMS deviation (deg)"][0])
         assert np.mean(found) == pytest.approx(mean, abs=0.03), name

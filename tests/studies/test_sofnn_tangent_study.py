@@ -6,12 +6,10 @@ import numpy as np
 import pytest
 
 from leadscrew.catalogue import study
-from leadscrew.neural.performance import GOLDEN
-from leadscrew.studies import results
 from leadscrew.studies.lab import Lab
 from leadscrew.studies.sofnn_tangent import scenarios
 from leadscrew.studies.sofnn_tangent.claims import changed, changed_deviation
-from leadscrew.studies.sofnn_tangent.cuts import NONE, PID, PNN, Recall, cells, stays_within
+from leadscrew.studies.sofnn_tangent.cuts import NONE, PID, cells
 from leadscrew.studies.sofnn_tangent.experiments import _answer
 from leadscrew.studies.sofnn_tangent.laws import folded, jumps, passed_areas, sets_of
 from tests.budget import WHOLE
@@ -21,19 +19,10 @@ STUDY = study("sofnn_tangent")
 
 
 # ---- loops
-def test_every_scenario_runs_and_controllers_of_all_kinds_fit():
-    kinds = ("paper.sofnn_pnn", "corrected.sofc", "corrected.fnn", "ours.pid")
-    pairs = [(name, "wave_fabric") for name in kinds] + [("ours.pid", s) for s in STUDY.scenarios]
-    for name, scenario in pairs:
+def test_controllers_and_scenarios_fit():
+    kinds = list(STUDY.controllers) if WHOLE else ["paper.sofnn_pnn", "corrected.sofc", "corrected.fnn"]
+    for name, scenario in [(k, "wave_fabric") for k in kinds] + [("ours.pid", s) for s in STUDY.scenarios]:
         assert STUDY.loop(name, scenario).signals["output"] is not None, (name, scenario)
-
-
-@pytest.mark.slow
-def test_every_controller_fits_into_every_scenario():
-    for i, name in enumerate(STUDY.controllers):
-        for j, scenario in enumerate(STUDY.scenarios):
-            if WHOLE or (i + j) % 3 == 0:
-                assert STUDY.loop(name, scenario).signals["output"] is not None, (name, scenario)
 
 
 def test_scenarios_on_different_lines_and_materials_share_a_program():
@@ -68,22 +57,6 @@ def test_a_change_of_material_leaves_the_first_half_as_it_was():
 
 
 # ---- the paper
-def test_every_numbered_part_of_the_paper_is_an_item():
-    text = (STUDY.folder / "paper_items.csv").read_text(encoding="utf-8")
-    items = {line.split(",")[0] for line in text.splitlines()}
-    wanted = [f"figure {i}" for i in range(1, 8)] + [f"equation {i}" for i in range(1, 4)]
-    wanted += [f"step {i}" for i in range(1, 8)] + ["table 1", "area I", "area II", "area III"]
-    assert {*wanted, "conclusion 1", "conclusion 2"} <= items and len(text.splitlines()) == 111
-
-
-def test_the_verdicts_of_the_key_claims_are_those_that_follow_from_their_numbers():
-    found = results.evaluate(STUDY, key=True)
-    verdicts = {c.id.removeprefix("sofnn_tangent."): c.verdict for c in found.claims}
-    assert verdicts["cells_better_than.nothing"] == "reproduced"
-    assert verdicts["cells_better_than.fixed_rules"] == verdicts["change_by_learning"] == "reproduced with a change"
-    assert verdicts["cells_memorised"] == "not reproduced"
-
-
 # ---- worked by hand
 def test_the_set_of_a_level_is_the_nearest_and_half_way_it_is_both():
     names = [sets_of(v) for v in (-2.0, 0.0, 2.71, 3.0, -2.63, -0.56, 9.0)]
@@ -105,26 +78,8 @@ def test_an_angle_folded_to_the_half_circle_jumps_where_it_passes_the_vertical()
     assert jumps(folded(np.linspace(0.0, 720.0, 1000))) == 4
 
 
-def test_the_time_to_stay_within_a_band_is_that_after_the_last_sample_outside():
-    row = np.array([9.0, 3.0, 1.0, -2.5, 1.9, 0.0])
-    assert stays_within(row, 2.0) == 4 and stays_within(row, 2.0, since=4) == 0
-    assert math.isnan(stays_within(row[:4], 2.0))
-
-
 def test_a_step_response_worked_by_hand():
     """Half a second of rest, then -4, -2, -1, 0.5, -0.1 deg and rest: settled after the fourth sample."""
     e = np.concatenate([np.full(50, 9.0), [-4.0, -2.0, -1.0, 0.5, -0.1], np.zeros(20)])
     assert _answer(e, 50) == pytest.approx((0.076, 0.04))
     assert math.isinf(_answer(np.concatenate([np.zeros(50), np.full(50, -4.13)]), 50)[1])
-
-
-def test_the_share_that_is_kept_counts_from_the_held_prior():
-    assert Recall(1.16, 1.00, 0.46, 0.84).kept == pytest.approx(100.0 * 16.0 / 54.0)
-
-
-def test_a_network_given_to_the_papers_controller_is_the_one_that_corrects():
-    from leadscrew.studies.sofnn_tangent.claims import with_net
-
-    pushed = GOLDEN._replace(out_bias=0.03)
-    loop = lab().loop(PNN, "straight").using(with_net(pushed))
-    assert loop.blocks["controller"].params.net.out_bias == 0.03

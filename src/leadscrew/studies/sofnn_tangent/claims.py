@@ -58,7 +58,7 @@ from leadscrew.studies.sofnn_tangent.laws import (
     sets_of,
     uneven_pairs,
 )
-from leadscrew.studies.sofnn_tangent.scenarios import LINES, PERIOD_S, line, samples_of
+from leadscrew.studies.sofnn_tangent.scenarios import LINE_WORDS, LINES, PERIOD_S, line, samples_of
 
 QUIET, QUIET_SAMPLES = "wave_fabric_quiet", 923
 CELLS = 9
@@ -208,12 +208,13 @@ def rules_that_learn(lab):
     says="adaptive",
     unit="%",
     basis="reconstructed plant",
-    over={name: name for name in LINES},
+    over={name: (name, words) for name, words in LINE_WORDS.items()},
     holds=above_zero,
     key=True,
 )
-def less_after_a_change(lab, line):
-    """Less deviation than fixed rules after fabric became foam, {case}"""
+def less_after_a_change(lab, case):
+    """Less deviation than fixed rules after fabric became foam, {case[1]}"""
+    line, _ = case
     pid = less_behind_a_change(lab, PID, line)
     return Measured.of(
         (less_behind_a_change(lab, c, line) for c in (ROUNDED, PNN, TUNED)),
@@ -309,11 +310,11 @@ def deviation_by_the_sign_of_e(lab):
     says="0",
     unit="jumps",
     basis="arithmetic",
-    over={name: name for name in LINES},
+    over={name: (name, words) for name, words in LINE_WORDS.items()},
 )
-def jumps_of_the_angle(lab, name):
-    """Jumps of the tangential angle along the {case}"""
-    heading = line(name).heading
+def jumps_of_the_angle(lab, case):
+    """Jumps of the tangential angle along the {case[1]}"""
+    heading = line(case[0]).heading
     off = folded(heading + 1.0) - folded(heading)
     return Measured(
         jumps(folded(heading)),
@@ -503,8 +504,8 @@ def delays_that_are_borne(lab):
 
     printed, corrected = bears(kappa=1.0), bears()
     inside = [late for late in TRUE_DELAYS if radius(6, late, K_E["6/15"]) < 1.0]
-    return Measured(
-        *(", ".join(map(str, found)) or "none" for found in (printed, corrected)),
+    return Measured.of(
+        [", ".join(map(str, found)) or "none" for found in (printed, corrected)],
         holds=[bool(printed), bool(corrected)],
         note=f"by the roots of the linear loop, m of 1 to 16; printed: reached at once; corrected: the filter goes "
         f"{100.0 * kalman_gain():.0f} % of the way; with six times the gain and m = 6 true delays of "

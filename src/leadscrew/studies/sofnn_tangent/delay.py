@@ -100,15 +100,6 @@ def radius(assumed: int, late: int, k_e: float, **options: float | bool) -> floa
     return float(np.abs(np.roots(characteristic(assumed, late, k_e, **options))).max())  # type: ignore[arg-type]
 
 
-def tooth_gain(assumed: int, k_e: float, gain: float = 0.95) -> float:
-    """Largest gain of the loop at a tooth of the comb, but for the rules' own part and whatever the delay."""
-    kappa = kalman_gain()
-    w = 2.0 * np.pi * np.arange(1, assumed // 2 + 1) / assumed
-    axis = np.abs((1.0 - AXIS_KEEP) / (1.0 - AXIS_KEEP * np.exp(-1j * w)))
-    comb = 2.0 * (1.0 - kappa) * np.sin(0.5 * w)
-    return float((sofnn.params.k_d * k_e * gain * kappa * TABLE_SLOPE * axis / comb).max())
-
-
 # ---- simulated
 K_E = {"6/90": 6.0 / 90.0, "6/30": 6.0 / 30.0, "6/15": 6.0 / 15.0}
 """Levels per degree: as printed, and with three and six times the gain."""

@@ -565,7 +565,7 @@ def piece_after_piece(lab: Lab) -> tuple[Table, str]:
         after = swapped(lab, way).mean(axis=-1) if way in WITH_NEW_MATERIAL else None
         rows[way] = (
             *(found.mean(k) for k in (1, 2, 3)),
-            found.mean(6) if plan.count == 6 else None,
+            found.mean(6) if plan.total == 6 else None,
             float(found.lateral[2].mean(axis=-1).max()),
             *(None if other is None else other.mean(k) for k in (1, 3)),
             *(None if after is None else float(after[k - 1]) for k in (SWAP_AT, SWAP_AT + 1)),
@@ -574,8 +574,8 @@ def piece_after_piece(lab: Lab) -> tuple[Table, str]:
         ("feed-forward, taught by other lines and materials", with_prior),
         ("no compensation", uncompensated),
     ):
-        mine, other = (first_piece(lab, mismatch).mean(1) for mismatch in (False, True))
-        rows[name] = (mine, *[None] * 4, other, *[None] * 3)
+        believed, unknown = (first_piece(lab, mismatch).mean(1) for mismatch in (False, True))
+        rows[name] = (believed, *[None] * 4, unknown, *[None] * 3)
     columns = (
         "piece 1 (deg)",
         "piece 2 (deg)",

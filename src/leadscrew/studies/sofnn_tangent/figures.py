@@ -211,7 +211,7 @@ def learned_rules(lab: Lab) -> Figure:
         for (j, i), value in np.ndenumerate(values):
             if abs(value) > 0.005:
                 colour = "white" if abs(value) > 5.5 else BLACK
-                axes.text(i, j, f"{value:.1f}".replace("-", "−"), ha="center", va="center", fontsize=7, color=colour)
+                axes.text(i, j, f"{value:z.1f}".replace("-", "−"), ha="center", va="center", fontsize=7, color=colour)
     panels[0].set_ylabel("EC (set)")
     fig.colorbar(image, ax=list(panels), label="consequent (level)", shrink=0.8)
     return fig

@@ -74,7 +74,8 @@ class Pieces(NamedTuple):
 class Plan(NamedTuple):
     """What the pieces of every line have in common."""
 
-    count: int
+    total: int
+    """How many."""
     gains: tuple[float, ...] = ()
     """Of the table, from piece to piece; none: there is no table."""
     carry: bool = False
@@ -139,8 +140,8 @@ def _cut_line(
     table_key = "controller.table" if inner == "controller." else "controller.taught.table"
     seen = "feedback.deviation" if takes_cut_line(block) else "feedback"
     table = np.zeros((cells, PLACES))
-    numbers = np.zeros((len(METRICS), plan.count, len(plan.materials), plan.runs))
-    for j in range(plan.count):
+    numbers = np.zeros((len(METRICS), plan.total, len(plan.materials), plan.runs))
+    for j in range(plan.total):
         swapped = plan.swap and j + 1 >= SWAP_AT
         columns = material_columns(["foam"] * len(plan.materials) if swapped else plan.materials, plan.runs)
         columns |= {inner + key: value for key, value in known.items()}
@@ -213,14 +214,14 @@ WITH_NEW_MATERIAL = (TABLE_ALONE, TUNED_TABLE, AHEAD)
 def series(lab: Lab, way: str, mismatch: bool = False) -> Pieces:
     """Pieces of three lines in three materials, five runs each; three pieces where the plant is not as believed."""
     controller, plan = WAYS[way]
-    return pieces(lab, controller, plan._replace(count=3) if mismatch else plan, changes=unknown_plant(mismatch))
+    return pieces(lab, controller, plan._replace(total=3) if mismatch else plan, changes=unknown_plant(mismatch))
 
 
 @measure
 def swapped(lab: Lab, way: str) -> np.ndarray:
     """RMS deviation of eight flowers ``[piece, run]``, deg: in fabric, and in foam from :data:`SWAP_AT` on."""
     controller, plan = WAYS[way]
-    plan = plan._replace(count=8, materials=("fabric",), swap=True)
+    plan = plan._replace(total=8, materials=("fabric",), swap=True)
     return pieces(lab, controller, plan, lines=("flower",)).rms[:, 0, 0]
 
 

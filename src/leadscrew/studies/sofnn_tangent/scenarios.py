@@ -45,6 +45,7 @@ LENGTHS_MM = {"wave": 461.541, "flower": 394.960, "rrect": 454.248}
 """The lines and how long they are; the rounded rectangle is gone along one and a half times."""
 LAPS = {"wave": 1.0, "flower": 1.0, "rrect": 1.5}
 LINES = tuple(LAPS)
+LINE_WORDS = {"wave": "wave", "flower": "flower", "rrect": "rounded rectangle"}
 MATERIAL_NAMES = ("fabric", "leather", "foam")
 MAX_OFFSET_DEG = 15.0
 """Largest offset of the tangential axis."""
