@@ -423,7 +423,7 @@ def level_in_the_area(lab, area):
         values,
         says=area.says,
         holds=[share >= 0.5 for share in shares],
-        note=f"measure: a membership of one half in {area.says}, whose peak is {peak:g}; Table 1 has "
+        note=f"measure: a membership of one half in {area.says}, whose peak is {peak:+g}; Table 1 has "
         f"{shares[0]:.2f}, the network {shares[1]:.2f}",
     )
 
@@ -465,8 +465,8 @@ def uneven_cells(lab):
     return Measured(
         len(pairs),
         len(uneven_pairs(np.round(network, 9))),
-        note=f"of {TABLE_1.size // 2} pairs, at worst {largest.value:g} and {largest.mirror:g} at (E, EC) = "
-        f"({largest.e}, {largest.ec}) and ({-largest.e}, {-largest.ec}); {rises(TABLE_1, 0) + rises(TABLE_1, 1)} steps "
+        note=f"of {TABLE_1.size // 2} pairs, at worst {largest.value:+g} and {largest.mirror:+g} at (E, EC) = "
+        f"({largest.e}, {largest.ec}) and the mirrored cell; {rises(TABLE_1, 0) + rises(TABLE_1, 1)} steps "
         "from cell to cell rise; corrected: a network without biases, which is odd",
     )
 
@@ -647,8 +647,8 @@ def steady_deviation_compensated(lab):
     none, *rest = (float(step(lab, c)["actual.deviation"][-1]) for c in (NONE, ROUNDED, PNN, PID))
     return Measured.of(
         (100.0 * (1.0 - abs(e) / abs(none)) for e in rest),
-        note=f"{none:.2f}° become {rest[0]:.2f}° and {rest[1]:.4f}°; the printed ranges give a loop gain of 1/6, which "
-        f"leaves six sevenths; corrected: {NEAR}",
+        note=f"{abs(none):.2f}° become {abs(rest[0]):.2f}° and {abs(rest[1]):.4f}°; the printed ranges give a loop gain "
+        f"of 1/6, which leaves six sevenths; corrected: {NEAR}",
     )
 
 

@@ -390,7 +390,7 @@ def late_camera(lab: Lab) -> tuple[Table, str]:
     literal, tuned = K_E["6/90"], 2.0 * K_E["6/90"]
     rows = {}
     for late in (0, 1, 2, 4, 6, 8, 12, 16, 24):
-        rows[f"{late} samples"] = (
+        rows[f"{late} sample{'s' * (late != 1)}"] = (
             on_the_wave(lab, TABLE, late, delay=4),
             radius(4, late, literal),
             on_the_wave(lab, TABLE, late, delay=6),
@@ -410,12 +410,15 @@ def late_camera(lab: Lab) -> tuple[Table, str]:
         "fixed rules (deg)",
         "fixed rules, ec in deg/s (deg)",
     )
+    added = next(late for late, row in rows.items() if row[5] > 1.0)
+    second = next(late for late, row in rows.items() if row[7] > 2.0 * row[6])
     at = {name: delay_map(lab, K_E[name]) for name in ("6/90", "6/15")}
     share = {name: f"{found.same} of {found.settled.size}" for name, found in at.items()}
     return Table("late by", columns, rows), (
-        f"Equation (3) bears any delay at the printed scales, added corrections do not from 8 samples on, and ec in "
-        f"degrees a second from 1 on; the roots are right at {share['6/90']} pairs of delays (m to {ASSUMED[-1]}, "
-        f"true to {TRUE[-1]}), at six times the gain at {share['6/15']}."
+        f"Equation (3) leaves {max(row[0] for row in rows.values()):.2f}° at most, whatever the delay; added "
+        f"corrections are unstable from {added} on, ec in degrees a second from {second} on; the roots are right at "
+        f"{share['6/90']} pairs of delays (m to {ASSUMED[-1]}, true to {TRUE[-1]}), at six times the gain at "
+        f"{share['6/15']}."
     )
 
 
@@ -548,7 +551,8 @@ def other_weights(lab: Lab) -> tuple[Table, str]:
     both, tuned = rows["literal, both 0.01"], rows["tuned"]
     return Table("loop, what learns", columns, rows), (
         f"All three groups take the paper's loop to {both[0]:.2f}°, tuned scales alone to {tuned[0]:.2f}°; the centre "
-        f"of NS, −2 at the start, ends at {np.mean(ends):.2f} on the wave, and the rules no longer mean what they say."
+        f"of NS, −2 at the start, ends at −{abs(np.mean(ends)):.2f} on the wave, and the rules no longer mean what "
+        "they say."
     )
 
 

@@ -156,7 +156,9 @@ def table_1_and_network(lab: Lab) -> Figure:
     uneven = (even_part(TABLE_1) != 0.0) & (np.abs(TABLE_1) >= np.abs(TABLE_1[::-1, ::-1]))
     for (i, j), value in np.ndenumerate(TABLE_1):
         colour = "white" if abs(value) > 4.0 else BLACK
-        panels[0].text(j - 6, i - 6, f"{value:g}", ha="center", va="center", fontsize=6.5, color=colour)
+        panels[0].text(
+            j - 6, i - 6, f"{value:g}".replace("-", "−"), ha="center", va="center", fontsize=6.5, color=colour
+        )
         if uneven[i, j]:
             panels[0].add_patch(Rectangle((j - 6.45, i - 6.45), 0.9, 0.9, fill=False, edgecolor=BLACK, linewidth=1.0))
     return fig
