@@ -647,8 +647,8 @@ def steady_deviation_compensated(lab):
     none, *rest = (float(step(lab, c)["actual.deviation"][-1]) for c in (NONE, ROUNDED, PNN, PID))
     return Measured.of(
         (100.0 * (1.0 - abs(e) / abs(none)) for e in rest),
-        note=f"{abs(none):.2f}° become {abs(rest[0]):.2f}° and {abs(rest[1]):.4f}°; the printed ranges give a loop gain "
-        f"of 1/6, which leaves six sevenths; corrected: {NEAR}",
+        note=f"{abs(none):.2f}° become {abs(rest[0]):.2f}° and {abs(rest[1]):.4f}°; the printed ranges give a loop "
+        f"gain of 1/6, which leaves six sevenths; corrected: {NEAR}",
     )
 
 
