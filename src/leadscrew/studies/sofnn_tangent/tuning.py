@@ -17,9 +17,8 @@ import csv
 import warnings
 from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import lru_cache
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -28,8 +27,10 @@ from leadscrew.controllers.sofnn import ACCUMULATE, STORED, fnn, sofc, sofnn
 from leadscrew.controllers.tangent.tangent_dob import tangent_dob
 from leadscrew.kernel.block import Block
 from leadscrew.neural.performance import NETWORK
-from leadscrew.studies.sofnn_tangent.lines import LAPS
-from leadscrew.studies.sofnn_tangent.runs import MOST_DEG, Loops
+from leadscrew.studies.sofnn_tangent.scenarios import LINES, MAX_OFFSET_DEG
+
+if TYPE_CHECKING:
+    from leadscrew.studies.lab import Lab
 
 BUDGET = 1000
 """Evaluations of a search."""
@@ -59,7 +60,7 @@ WALKED: Box = LEARNED | {"q": (1e-6, 10.0)}
 
 LAWS: dict[str, Law] = {
     "pid": Law(
-        pid(max_output=MOST_DEG),
+        pid(max_output=MAX_OFFSET_DEG),
         {"kp": (0.02, 5.0), "ki": (0.5, 200.0), "kd": (1e-4, 0.2), "filter_s": (0.001, 0.5)},
         "PID",
     ),
@@ -108,7 +109,7 @@ def spread(points: np.ndarray, box: Box) -> dict[str, np.ndarray]:
     return dict(zip(box, np.clip(np.exp(low + (high - low) * points), *ends).T, strict=True))
 
 
-def costs(loops: Loops, law: str, values: Mapping[str, np.ndarray]) -> np.ndarray:
+def costs(lab: Lab, law: str, values: Mapping[str, np.ndarray]) -> np.ndarray:
     """Mean RMS deviation of each setting, deg; all meet the same textures and noises.
 
     Run by run: in a batch every run has a noise of its own.
@@ -119,18 +120,18 @@ def costs(loops: Loops, law: str, values: Mapping[str, np.ndarray]) -> np.ndarra
     found = np.zeros(count)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", DivergenceWarning)
-        for line in LAPS:
-            scenario = loops.asked(f"{line}_fabric")
-            loop = loops.get(LAWS[law].block, scenario).using(seed=TUNED_ON)
+        for line in LINES:
+            scenario = lab.study.scenario(f"{line}_fabric")
+            loop = lab.loop(LAWS[law].block, scenario).using(seed=TUNED_ON)
             for n in range(count):
                 asked = loop.using({f"controller.{key}": float(column[n]) for key, column in values.items()})
                 for k in range(RUNS):
                     rms = asked.run(scenario.duration_s, record=(), every=0, run=k).metrics["rms_error"]
-                    found[n] += (rms if np.isfinite(rms) else LOST_DEG) / (RUNS * len(LAPS))
+                    found[n] += (rms if np.isfinite(rms) else LOST_DEG) / (RUNS * len(LINES))
     return found
 
 
-def found_anew(loops: Loops, law: str, search: int, budget: int = BUDGET) -> Tuned:
+def found_anew(lab: Lab, law: str, search: int, budget: int = BUDGET) -> Tuned:
     """One search: the same law, seed and budget find the same setting."""
     from leadscrew.tune.optimisers import OPTIMISERS, Answer, Search
 
@@ -140,7 +141,7 @@ def found_anew(loops: Loops, law: str, search: int, budget: int = BUDGET) -> Tun
     def evaluate(points: np.ndarray) -> Answer:
         nonlocal best
         columns = spread(points, box)
-        found = costs(loops, law, columns)
+        found = costs(lab, law, columns)
         at = int(np.argmin(found))
         if found[at] < best[0]:
             best = float(found[at]), np.array([column[at] for column in columns.values()])
@@ -170,7 +171,6 @@ def write(found: list[Tuned], file: Path = FILE) -> None:
         rows.writerows(as_row(each) for each in found)
 
 
-@lru_cache(maxsize=1)
 def kept() -> tuple[Tuned, ...]:
     """What the searches found, as kept."""
     with FILE.open(newline="", encoding="utf-8") as file:

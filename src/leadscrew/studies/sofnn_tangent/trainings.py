@@ -1,8 +1,8 @@
-"""Trainings of the performance network for the claims: many seeds, methods and readings, kept as two small CSV files.
+"""Trainings of the performance network: many seeds, methods and readings, kept as small CSV files.
 
 ``data/performance_trainings.csv`` has a row a training, ``data/performance_nets.csv`` the networks that the closed loop
-is tried with, ``data/performance_histories.csv`` how the RMSE falls. :func:`remake` makes them again, in some minutes;
-a slow test compares a part.
+is tried with, ``data/performance_histories.csv`` how the RMSE falls. :func:`remake` makes them again, in some
+minutes; a slow test compares a part.
 """
 
 from __future__ import annotations
@@ -10,7 +10,6 @@ from __future__ import annotations
 import csv
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
-from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -38,7 +37,7 @@ NAMES = {
 SIZES = (6, 10, 12, 20, 30, 40)
 """Hidden neurons of the networks of several sizes, all with biases."""
 QUARTER = 0.25
-"""Step of the difference quotient that the digest gives as a slope: its golden network has -0.62 so, -0.60 at 0."""
+"""Step of the difference quotient ``quarter``, levels."""
 COLUMNS = (
     "reading", "method", "seed", "rmse", "largest", "exact", "within_one", "slope", "quarter", "origin", "most_weight",
 )  # fmt: skip
@@ -210,7 +209,6 @@ def write_histories(seeds: int = 3) -> None:
             lines.writerows([method, seed, round(each * (k + 1)), f"{search.history[k]:.5g}"] for k in kept)
 
 
-@cache
 def histories() -> dict[tuple[str, int], np.ndarray]:
     """RMSE (second column) after evaluations (first), by method and seed."""
     found: dict[tuple[str, int], list[tuple[float, float]]] = {}
@@ -220,7 +218,6 @@ def histories() -> dict[tuple[str, int], np.ndarray]:
     return {key: np.array(rows) for key, rows in found.items()}
 
 
-@cache
 def trainings() -> tuple[Row, ...]:
     """The kept trainings."""
     with TRAININGS.open(newline="", encoding="utf-8") as lines:
@@ -230,7 +227,6 @@ def trainings() -> tuple[Row, ...]:
         )
 
 
-@cache
 def nets() -> dict[str, Performance]:
     """The kept networks for the closed loop, by name, see :func:`chosen`."""
     with NETS.open(newline="", encoding="utf-8") as lines:
