@@ -55,7 +55,7 @@ def test_nothing_is_concluded_from_a_spindle_too_slow_or_a_start_in_the_cut():
 
 
 def plain_inversion(readings, p, target):
-    """The digest's update, written anew on lists, with NumPy's interpolation."""
+    """The update, written anew on lists, with NumPy's interpolation."""
     x, turns, y = (np.array([r[i] for r in readings]) for i in (0, 1, 2))
     k_hat, variance, feed, u, out = p.first_k, 1.0, 0.0, 0.0, []
     for k in range(len(x)):
@@ -74,7 +74,7 @@ def plain_inversion(readings, p, target):
     return np.array(out)
 
 
-def test_the_inversion_is_the_digests_update():
+def test_the_inversion_is_the_update_written_anew():
     run = cut(TUNINGS["ours.inversion"]).run(4.0, record=["feedback", "output"])
     readings = list(zip(run["feedback.travel"], run["feedback.turns"], run["feedback.force"], strict=True))
     assert np.allclose(run["output"], plain_inversion(readings, power_law_inversion.params, 150.0), atol=1e-10)
