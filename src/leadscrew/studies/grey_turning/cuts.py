@@ -341,8 +341,8 @@ class Row(NamedTuple):
     def of(cls, y: np.ndarray, force: np.ndarray) -> Row:
         """The row of filtered and true forces."""
         seen = read(y)
-        means = (seed_mean(values) for values in (seen.overshoot, seen.rise_s, seen.steady))
-        return cls(*means, float(read(force).overshoot.mean()))
+        overshoot, rise, steady = (seed_mean(values) for values in (seen.overshoot, seen.rise_s, seen.steady))
+        return cls(overshoot, rise, steady, float(read(force).overshoot.mean()))
 
 
 @measure

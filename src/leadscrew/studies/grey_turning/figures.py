@@ -19,7 +19,7 @@ from leadscrew.studies.grey_turning.cuts import BOTH, WRITTEN, Cuts, fixed, long
 from leadscrew.studies.grey_turning.equal_effort import PLANTS, PREDICTORS, against
 from leadscrew.studies.grey_turning.force_control import ALL, TFC, TFC_FF
 from leadscrew.studies.grey_turning.linear_force_loop import first_part
-from leadscrew.studies.grey_turning.random_plants import drawn
+from leadscrew.studies.grey_turning.random_plants import FACTOR_SETS, drawn
 from leadscrew.studies.grey_turning.readings import BAD_OVERSHOOT, BAD_STEADY
 from leadscrew.studies.grey_turning.scenarios import FORCE_N, PERIOD_S
 from leadscrew.studies.lab import Lab
@@ -212,8 +212,8 @@ def stable_gains(lab: Lab) -> Figure:
 # ---- comparisons
 @figure("Overshoot of TFC and GPFC with the same factors on 300 random plants: share of the draws below a value.")
 def random_plants(lab: Lab) -> Figure:
-    fig, panels = grid(8.4, 3.6, 1, 3, sharey=True)
-    for panel, factors in zip(panels, ("s9", "s9_half", "stfc"), strict=True):
+    fig, panels = grid(8.4, 3.6, 1, 2, sharey=True)
+    for panel, factors in zip(panels, FACTOR_SETS, strict=True):
         for law in BOTH:
             panel.ecdf(np.maximum(drawn(lab, f"{NAMES[law]}_{factors}").overshoot, 0.3), **look(law))
         panel.axvline(BAD_OVERSHOOT, **GUIDE)

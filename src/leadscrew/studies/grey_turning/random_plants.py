@@ -46,7 +46,7 @@ MACHINES: dict[str, dict[str, tuple[float, float]]] = {
 COUNTS = {"plant_f": 300, "plant_n": 400}
 SEED = 9
 SCENARIO, SECONDS = "fig6_fixed_depth", 3.0
-FACTOR_SETS = ("s9", "s9_half", "stfc")
+FACTOR_SETS = ("s9_half", "stfc")
 """Scaling factors that TFC and GPFC are compared with."""
 
 

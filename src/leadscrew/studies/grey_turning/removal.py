@@ -16,15 +16,18 @@ Fixed removal rate: the tuned TFC on the force, the spindle speed regulated to 9
 from __future__ import annotations
 
 import math
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
 from leadscrew.controllers.force.tunings import TUNINGS as FORCE
 from leadscrew.plants.turning.workpiece import stretches
 from leadscrew.studies.grey_turning.lathe import RECORD, constant_feed, force_law, running, three_loops, whole_lathe
-from leadscrew.studies.grey_turning.scenarios import FORCE_N
+from leadscrew.studies.grey_turning.scenarios import FORCE_N, PERIOD_S
 from leadscrew.studies.lab import Lab, measure
+
+if TYPE_CHECKING:
+    from leadscrew.kernel.loop import Loop
 
 LENGTH_MM, STRETCH_MM, DIAMETER_MM = 40.0, 10.0, 50.0
 LIMIT_N = 1.1 * FORCE_N
@@ -84,6 +87,14 @@ def changes_of(bar: str) -> dict[str, Any]:
 
 
 @measure
+def lathe_of_ours(lab: Lab) -> Loop:
+    """The whole lathe with our controller of the force; its program made, to be shared by both bars."""
+    loop = whole_lathe(three_loops(FORCE[OURS]))
+    loop.batch(PERIOD_S, {}, runs=1, record=RECORD)
+    return loop
+
+
+@measure
 def turned(lab: Lab, bar: str) -> Bar:
     """The fuzzy controllers, the fixed removal rate and the constant feeds in one batch; ours in another."""
     rows: list[dict[str, Any]] = [force_law(name) for name in FUZZY for _ in range(SEEDS)]
@@ -92,7 +103,7 @@ def turned(lab: Lab, bar: str) -> Bar:
     rest = {"controller.removal.rate": 0.0, "controller.feed.lower": 0.0, "controller.feed.upper": 1.0}
     keys = {key: np.array([(rest | row)[key] for row in rows]) for key in rest | rows[0]}
     run = running(lab).using(changes_of(bar)).batch(LONGEST_S, keys, record=RECORD)
-    own = whole_lathe(three_loops(FORCE[OURS])).using(changes_of(bar)).batch(OURS_S, {}, runs=SEEDS, record=RECORD)
+    own = lathe_of_ours(lab).using(changes_of(bar)).batch(OURS_S, {}, runs=SEEDS, record=RECORD)
     found = {n: counted(run, slice(i * SEEDS, (i + 1) * SEEDS)) for i, n in enumerate((*FUZZY, REGULATED))}
     found[OURS] = counted(own, slice(0, SEEDS))
     first = SEEDS * (len(FUZZY) + 1)
