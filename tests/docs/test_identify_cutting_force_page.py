@@ -8,8 +8,7 @@ from typer.testing import CliRunner
 
 from leadscrew.cli import app
 from leadscrew.identify.cutting_force import fit_forces
-from leadscrew.studies.grey_turning import published_cuts
-from tests.docs import sessions
+from tests.docs import published_cuts, sessions
 from tests.docs.snippets import ROOT
 
 PAGE = ROOT / "docs" / "identify_cutting_force.md"

@@ -91,8 +91,8 @@ def test_a_controller_that_reads_the_programme_is_told_the_depth_that_is_cut():
     loop, varied = lab().loop("ours.inversion", SCENARIO), draws("plant_f", 3)
     done = loop.batch(0.1, known(loop, varied), record=("command.depth",))
     assert np.array_equal(done["command.depth"][:, 0], varied["plant.depth.start"])
-    told, untold = (drawn(lab(), "ours.constant_force", count=3, told=told).iae for told in (True, False))
-    assert not np.array_equal(told, untold)
+    known_, unknown = (drawn(lab(), "ours.constant_force", count=3, depth_known=k).iae for k in (True, False))
+    assert not np.array_equal(known_, unknown)
 
 
 @pytest.mark.slow

@@ -4,21 +4,17 @@ import math
 
 import numpy as np
 import pytest
-from scipy.stats import linregress
 from turning_oracle import Fuzzy, Lathe, grey, run
 
 from leadscrew import catalogue
 from leadscrew.controllers.grey_fuzzy.rule_tables import TABLES
 from leadscrew.controllers.grey_fuzzy.tunings import FACTORS
-from leadscrew.identify.cutting_force import fit_forces
-from leadscrew.identify.cutting_force_table import read_force_table
 from leadscrew.sensors.load_cell import load_cell
 from leadscrew.studies import results
-from leadscrew.studies.grey_turning import cuts, laws, protection, published_cuts, removal
+from leadscrew.studies.grey_turning import cuts, laws, protection, removal
 from leadscrew.studies.grey_turning.cuts import BOTH, Case, Cuts, Row, better, compared, together
 from leadscrew.studies.grey_turning.readings import SeedMean, read, seed_mean
 from tests.budget import WHOLE
-from tests.docs.snippets import ROOT
 from tests.studies.turning_lab import lab
 
 STUDY = catalogue.study("grey_turning")
@@ -256,7 +252,7 @@ def test_noise_free_rows_of_the_scenarios_are_those_of_a_second_program():
         assert rows[f"{law}_s9"].steady.mean == pytest.approx(100.0 * np.abs(y[-50:] / 150.0 - 1.0).mean(), abs=0.02)
 
 
-# ---- protection, and the published cuts
+# ---- protection
 @pytest.mark.slow
 def test_a_guard_holds_after_the_crossing_and_a_cell_that_shows_0_n_is_caught():
     found = protection.spots(lab(), "plant N, a look every 20 ms")
@@ -266,14 +262,3 @@ def test_a_guard_holds_after_the_crossing_and_a_cell_that_shows_0_n_is_caught():
         held = begin + int(np.argmax(mode[k, begin:] > 0))
         assert found.late_ms()[k] == held - crossed + 20.0 and 20.0 <= found.late_ms()[k] < 40.0
     assert (protection.broken(lab())["shows 0 N"].held_s < 0.1).all()
-
-
-def test_the_published_cuts_are_those_of_the_example_file_and_fit_as_by_scipy():
-    for measured, columns in ((False, None), (True, {"feed": "measured feed"})):
-        table = read_force_table(ROOT / "examples" / "turning_forces.csv", **({"columns": columns} if columns else {}))
-        facts = published_cuts.cuts(published_cuts.DISTINCT, measured)
-        for name in ("feed", "depth", "force"):
-            np.testing.assert_array_equal(getattr(table, name), getattr(facts, name))
-    fit = fit_forces(published_cuts.cuts(published_cuts.FEED_SERIES)).law
-    line = linregress(np.log(published_cuts.FEED[:4]), np.log(published_cuts.FORCE[:4]))
-    assert (fit.exponent, fit.kf) == pytest.approx((line.slope, np.exp(line.intercept)))

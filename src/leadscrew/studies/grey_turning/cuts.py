@@ -153,7 +153,7 @@ def edge(share: float) -> Factors:
 
 LONG = {**_each("s6", "s6", BOTH, {}), **_each("s9", "s9", BOTH, {}), **_each("stfc", "stfc", BOTH, {})}
 LONG_S, JUDGED_S = 4.0, 3.0
-"""How long these cuts are; where the axes of Figures 6 and 7 end, and what is judged unless told otherwise."""
+"""How long these cuts are; where the axes of Figures 6 and 7 end, and what is judged by default."""
 OTHERS = {
     **_each("s6", "s6", ("a",), {}),
     **_each("s9", "s9", ("two_point",), {}),
@@ -348,19 +348,19 @@ class Row(NamedTuple):
 @measure
 def rows_of(lab: Lab, condition: str, seeds: int = 20) -> dict[str, Row]:
     """The six fuzzy laws and ours in one scenario: S6, S9, and each with its own factors."""
-    asked = CONDITIONS[condition]
-    scenario = SCENARIOS[asked.scenario]
+    chosen = CONDITIONS[condition]
+    scenario = SCENARIOS[chosen.scenario]
     runs = seeds if scenario.params.noise_n > 0.0 else 1
     cases = {
         f"{law}_{name}": Case(FACTORS[factors], law)
-        for name, pair in (("s6", ("s6", "s6")), ("s9", ("s9", "s9")), ("own", asked.own))
+        for name, pair in (("s6", ("s6", "s6")), ("s9", ("s9", "s9")), ("own", chosen.own))
         for law, factors in zip(BOTH, pair, strict=True)
     }
     found = {
         name: Row.of(cuts.y, cuts.force)
-        for name, cuts in together(lab, cases, scenario.duration_s, runs, asked.scenario).items()
+        for name, cuts in together(lab, cases, scenario.duration_s, runs, chosen.scenario).items()
     }
-    run = lab.loop(OURS, asked.scenario).batch(
+    run = lab.loop(OURS, chosen.scenario).batch(
         scenario.duration_s, {}, runs=runs, record=("feedback.force", "actual.force")
     )
     return {**found, "ours": Row.of(filtered(run), run["actual.force"])}

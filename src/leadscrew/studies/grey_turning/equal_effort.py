@@ -83,7 +83,7 @@ VARIANTS: dict[str, dict[str, Any]] = {
     "residual": {"predictor": RESIDUAL},
     "verhulst": {"predictor": VERHULST},
 }
-"""Parameters of the GPFC, reading B unless told otherwise; with the last value as prediction it is the TFC."""
+"""Parameters of the GPFC, by default reading B; with the last value as prediction it is the TFC."""
 SWITCHES = ("predictor", "reading", "horizon")
 """Parameters by which they differ."""
 SMITH = "smith"
@@ -121,7 +121,7 @@ class RepeatedCellParams(NamedTuple):
 
 @sensor(RepeatedCellParams(), LoadCellState(), unit="N")
 def repeated_cell(p, s, actual, noise):
-    """The load cell with the noise of a run that is told: candidates beside each other can have the same noise."""
+    """The load cell with the noise of the run ``which``: candidates beside each other can have the same noise."""
     now = weighed(p.cell, s, actual.force, Noise(noise.seed, p.which, noise.block, noise.period))
     return now, now.force
 

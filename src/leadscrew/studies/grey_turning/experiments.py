@@ -7,20 +7,16 @@ from typing import Any
 
 import numpy as np
 
-from leadscrew.analysis.cutting_force import r_squared
 from leadscrew.controllers.grey_fuzzy.tunings import FACTORS
 from leadscrew.figures.table import Table
 from leadscrew.grey.filters import lead, linearised, noise_gain, response
 from leadscrew.grey.vectorised_others import limit, predictions
-from leadscrew.identify.cutting_force import fit_forces
 from leadscrew.studies.exhibits import experiment
 from leadscrew.studies.grey_turning import cuts, force_control, lathe, protection, removal
 from leadscrew.studies.grey_turning.cuts import BOTH, CONDITIONS, WRITTEN, Case, fixed, rows_of, together
 from leadscrew.studies.grey_turning.equal_effort import COSTS, PREDICTORS, against
-from leadscrew.studies.grey_turning.force_control import ALL, ALL_N, TFC, TFC_FF, TFC_N, entry, outing
+from leadscrew.studies.grey_turning.force_control import ALL, ALL_N, TFC, TFC_FF, TFC_N, entry
 from leadscrew.studies.grey_turning.linear_force_loop import force_margins, stable_area
-from leadscrew.studies.grey_turning.published_cuts import DEPTH, DISTINCT, FEED, FEED_SERIES, FORCE, PUBLISHED
-from leadscrew.studies.grey_turning.published_cuts import cuts as published
 from leadscrew.studies.grey_turning.random_plants import (
     FACTOR_SETS,
     better_in_all,
@@ -143,7 +139,7 @@ def limit_cycle(lab: Lab) -> tuple[Table, str]:
 @experiment("How much does each law overshoot in every scenario?")
 def conditions(lab: Lab) -> tuple[Table, str]:
     """Overshoot of the force that is fed back, mean of 20 noise seeds; S6 and S9 fitted to the paper, then factors
-    tuned for each law. Ours: ours.constant_force, which is told the depth ahead; its true force in the last column.
+    tuned for each law. Ours: ours.constant_force, which knows the depth ahead; its true force in the last column.
     """
     rows: Rows = {}
     for name in CONDITIONS:
@@ -215,7 +211,7 @@ def unknown_machine(lab: Lab) -> tuple[Table, str]:
     rows |= {name: (None, None, value) for name, value in zip(COUNTED, ours[1:], strict=True)}
     half = rows[heads["half"]]
     return Table("changed", ("TFC (%)", "GPFC (%)", "ours.constant_force, true (%)"), rows), (
-        f"The fit of 5.2 hangs on the force along the feed: with half the main force {half[0]:.1f} and {half[1]:.1f} "
+        f"The fit of 5.2 depends on the force along the feed: with half the main force {half[0]:.1f} and {half[1]:.1f} "
         "%. "
         f"constant_force needs a carriage encoder of a micrometre: 10 µm cost {ours[3] - ours[0]:.0f} %."
     )
@@ -367,7 +363,7 @@ def constant_force(lab: Lab) -> tuple[Table, str]:
 @experiment("What is preview of the depth worth, and how well must it be known?")
 def feed_forward(lab: Lab) -> tuple[Table, str]:
     """The tuned TFC with depth feed-forward on the stairs from 1 to 0.4 mm, plant F with its radial axis; mean of ten
-    noise seeds. The believed exponent is 0.77, as the plant's, unless told.
+    noise seeds. The believed exponent is 0.77 where no other is named, as the plant's.
     """
     tried = force_control.stairs(lab, TFC_FF, tried=True)
     found = {name: tried.of(k) for k, name in enumerate(force_control.TRIED)}
@@ -378,22 +374,6 @@ def feed_forward(lab: Lab) -> tuple[Table, str]:
     return Table("feed-forward", columns, rows), (
         f"65 ms of preview take the dip from {-plain[0]:.0f} to {-best[0]:.1f} %; a depth that is 0.05 mm wrong costs "
         f"{found['65 ms, depth believed 0.05 mm larger'].worst:.1f} %."
-    )
-
-
-@experiment("What happens where the programme says air?")
-def air(lab: Lab) -> tuple[Table, str]:
-    """Peak of the true force above 150 N from 0.1 s before the change of the depth on, and the largest feed voltage;
-    noise-free, the depth changes at once.
-    """
-    names = (ALL, TFC_FF, TFC)
-    rows: Rows = {what: tuple(x for name in names for x in outing(lab, name, what)) for what in force_control.OUTINGS}
-    columns = tuple(f"{name}, {unit}" for name in names for unit in ("peak (%)", "feed (V)"))
-    into = rows["air, then 1 mm"]
-    return Table("programme", columns, rows), (
-        f"A TFC winds its feed up in the air and meets the work at {into[4]:.0f} % above 150 N; controllers that know "
-        "the "
-        f"programme at {max(into[0], into[2]):.1f} %."
     )
 
 
@@ -472,27 +452,4 @@ def broken_load_cell(lab: Lab) -> tuple[Table, str]:
     unseen = [name for name, row in rows.items() if math.isinf(row[0])]
     return Table("load cell", ("hold (s)", "feed (mm/min)", "true force (N)"), rows), (
         f"{len(rows) - len(unseen)} of {len(rows)} lead to feed hold. Never held: {', '.join(unseen)}."
-    )
-
-
-# ---- the force law
-@experiment("Is the force in proportion to the depth, as (1) has it?")
-def force_law(lab: Lab) -> tuple[Table, str]:
-    """Least-squares power laws in the logarithm on published dry cuts of another steel, and the law that was published
-    with them. Errors are of all eight cuts; R² is that of the force.
-    """
-    whole, series = fit_forces(published(DISTINCT)), fit_forces(published(FEED_SERIES))
-    rows: Rows = {}
-    for name, law in (
-        ("all cuts", whole.law),
-        ("the four feeds at 1 mm", series.law),
-        ("published", PUBLISHED.power()),
-    ):
-        modelled = law.force(FEED, DEPTH)
-        off = 100.0 * float(np.sqrt(np.mean((np.array(FORCE) / modelled - 1.0) ** 2)))
-        rows[name] = (law.kf, law.exponent, off, r_squared(FORCE, modelled))
-    assert whole.depth is not None
-    q = whole.depth.exponent
-    return Table("fit", ("Kf (N/mm^(1+P))", "P (1)", "rms error (%)", "R² (1)"), rows), (
-        f"No: the force grows with the depth to the power {q.value:.3f} (95 %: {q.low:.3f} to {q.high:.3f})."
     )

@@ -92,8 +92,8 @@ def stairs(lab: Lab, name: str, machine: str = "plant_f_radial", tried: bool = F
     """The stairs from 1 to 0.4 mm; ``tried``: under each of :data:`TRIED`."""
     loop = lab.loop(name, "fig9_falling_depth", machine=machine)
     moved = machine.endswith("_radial") and takes_cut(lab.study.controller(name))
-    told: dict[str, Any] = {f"controller.{k}": v for k, v in changes.items()}
-    loop = loop.using(told | (BELIEVED if moved and "controller.radial.gain" in loop.sheet else {}))
+    values: dict[str, Any] = {f"controller.{k}": v for k, v in changes.items()}
+    loop = loop.using(values | (BELIEVED if moved and "controller.radial.gain" in loop.sheet else {}))
     rows: Sequence[tuple[float, ...]] = list(TRIED.values()) if tried else []
     varied = {f"controller.{key}": np.repeat([row[i] for row in rows], STAIR_SEEDS) for i, key in enumerate(VARIED)}
     count = max(len(rows), 1)
@@ -102,24 +102,3 @@ def stairs(lab: Lab, name: str, machine: str = "plant_f_radial", tried: bool = F
     )
     shape = (count, STAIR_SEEDS, -1)
     return Staircase(run.time, *(v.reshape(shape) for v in (filtered(run), run["actual.force"], run["output"])))
-
-
-OUTINGS = {"air": (0.0, 0.0), "air, then 1 mm": (0.0, 1.0), "1 mm, then air": (1.0, -1.0)}
-"""Programmed depth at first and what is added to it after 2 s, mm."""
-
-
-@measure
-def outing(lab: Lab, name: str, what: str) -> tuple[float, float]:
-    """Peak of the true force, percent above the command, and largest voltage, from 0.1 s before the change on.
-
-    Without noise and runout; the depth changes at once.
-    """
-    start, step = OUTINGS[what]
-    programme = {"start": start, "step": step, "every_s": 2.0, "steps": 1}
-    loop = lab.loop(name, "noise_free")
-    told = {f"{place}.depth.{key}": v for place in ("reference", "plant") for key, v in programme.items()}
-    run = loop.using({key: value for key, value in told.items() if key in loop.sheet}).run(
-        4.0, record=["actual.force", "output"]
-    )
-    force, output = (float(run[key][run.time >= FIRST_S].max()) for key in ("actual.force", "output"))
-    return round(100.0 * (force / FORCE_N - 1.0), 9) + 0.0, output

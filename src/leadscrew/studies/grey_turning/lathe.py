@@ -106,7 +106,7 @@ def staircase(
 
 
 @measure
-def held(lab: Lab, tuning: str = GPFC9) -> tuple[float, float, float]:
+def last_second(lab: Lab, tuning: str = GPFC9) -> tuple[float, float, float]:
     """Spindle speed, filtered force and depth in the last second of the falling depth, mean of the seeds."""
     run = staircase(lab, tuning)
     late = run.time > 7.0

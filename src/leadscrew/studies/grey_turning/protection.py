@@ -109,13 +109,13 @@ def _first(rows: np.ndarray, start: np.ndarray) -> np.ndarray:
 @measure
 def spots(lab: Lab, case: str) -> Spots:
     """A spot that doubles the force within 40 ms and stays 0.2 s, at twenty phases of the sampling."""
-    asked = CASES[case]
+    chosen = CASES[case]
     loop = lab.loop(FAST, "fig6_fixed_depth", period=1e-3, substeps=1, metrics={}, disturbance=hard_spot)
     start = SPOT_S + 1e-3 * np.arange(PHASES)
-    run = loop.using(changes_of(asked) | {"disturbance.stay_s": 0.2}).batch(
+    run = loop.using(changes_of(chosen) | {"disturbance.stay_s": 0.2}).batch(
         4.6, {"disturbance.start": start}, record=SEEN, first=PHASES * list(CASES).index(case)
     )
-    dead = 1e3 * SLOW["servo.dead_time_s"] if asked.machine == "plant_n" else 0.0
+    dead = 1e3 * SLOW["servo.dead_time_s"] if chosen.machine == "plant_n" else 0.0
     return Spots(run, np.round(1e3 * start).astype(int), dead)
 
 

@@ -74,29 +74,34 @@ def draws(plant: str, count: int | None = None, seed: int = SEED) -> dict[str, n
 
 
 def known(loop: Loop, varied: Mapping[str, Any]) -> dict[str, Any]:
-    """The draws of a loop; a controller that reads the programme is told the depth that is cut."""
+    """The draws of a loop; the programme of a controller that reads it has the depth that is cut."""
     depth = "reference.depth.start"
     return {**varied, depth: varied["plant.depth.start"]} if depth in loop.sheet else dict(varied)
 
 
-def cut(loop: Loop, varied: Mapping[str, Any], told: bool = True) -> Reading:
+def cut(loop: Loop, varied: Mapping[str, Any], depth_known: bool = True) -> Reading:
     """Cuts of 3 s; an overshoot is never negative."""
-    done = loop.batch(SECONDS, known(loop, varied) if told else varied, record=("feedback",))
+    done = loop.batch(SECONDS, known(loop, varied) if depth_known else varied, record=("feedback",))
     found = read(filtered(done))
     return found._replace(overshoot=np.maximum(found.overshoot, 0.0))
 
 
 @measure
 def drawn(
-    lab: Lab, controller: str, plant: str = "plant_f", count: int | None = None, told: bool = True, **changes: float
+    lab: Lab,
+    controller: str,
+    plant: str = "plant_f",
+    count: int | None = None,
+    depth_known: bool = True,
+    **changes: float,
 ) -> Reading:
     """A controller, some of its parameters changed, on the draws of a plant.
 
-    ``told``: a controller that reads the programme is told the depth that is cut, else 1 mm.
+    ``depth_known``: whether the programme has the depth that is cut, else 1 mm.
     """
     block = lab.study.controller(controller)
     loop = lab.loop(block(**changes) if changes else block, SCENARIO, machine=plant)
-    return cut(loop, draws(plant, count), told)
+    return cut(loop, draws(plant, count), depth_known)
 
 
 class Share(NamedTuple):

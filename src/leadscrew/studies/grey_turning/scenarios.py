@@ -178,24 +178,24 @@ def takes_cut(controller: Block) -> bool:
 def build(controller: Block, scenario: Scenario, machine: str | None = None, **options: Any) -> Loop:
     """The loop of a controller in a scenario, on the scenario's machine unless another is named.
 
-    A controller that takes the depth ahead is told how the machine's radial axis moves. ``options``: of the loop
+    A controller that takes the depth ahead knows how the machine's radial axis moves. ``options``: of the loop
     (``substeps``, ``metrics``, ``seed``, ``period``, ``sensor``, ``disturbance``).
     """
     from leadscrew.kernel.loop import Loop
 
-    asked: Turn = scenario.params
+    turn: Turn = scenario.params
     whole = takes_cut(controller)
-    depth = {f"depth.{key}": value for key, value in asked.depth._asdict().items()}
-    plant = MACHINES[machine or machine_of(scenario)].plant(**depth, spindle_rpm=asked.spindle_rpm, runout=asked.runout)
+    depth = {f"depth.{key}": value for key, value in turn.depth._asdict().items()}
+    plant = MACHINES[machine or machine_of(scenario)].plant(**depth, spindle_rpm=turn.spindle_rpm, runout=turn.runout)
     if plant.params.radial.gain > 0.0 and hasattr(controller.params, "radial"):
         controller = controller(**FOLLOWING)
     sensor = lathe_reading if whole else load_cell
     given: dict[str, Any] = {
-        "reference": cutting_program(force=asked.force, **depth) if whole else cutting_force(force=asked.force),
+        "reference": cutting_program(force=turn.force, **depth) if whole else cutting_force(force=turn.force),
         "controller": controller,
         "plant": plant,
-        "sensor": sensor(noise_n=asked.noise_n, keep=asked.keep),
-        "disturbance": pulse_load(size=asked.hard_spot, start=asked.hard_from_s, duration=asked.hard_for_s),
+        "sensor": sensor(noise_n=turn.noise_n, keep=turn.keep),
+        "disturbance": pulse_load(size=turn.hard_spot, start=turn.hard_from_s, duration=turn.hard_for_s),
         "period": PERIOD_S,
         "substeps": SUBSTEPS,
         "metrics": metrics_of(scenario),

@@ -1,4 +1,4 @@
-"""Published turning forces, of others: what equation (1) is checked on here.
+"""Published turning forces, of others: what the page on force laws is checked with.
 
 Dry turning at about 1080 1/min, mati-paredes/Turning-Cutting-Forces: the cuts of ``examples/turning_forces.csv``. Feeds
 as set at the lathe, and as its authors measured them (length over time and spindle speed). Their own fit is one of the
