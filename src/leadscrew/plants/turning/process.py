@@ -16,7 +16,7 @@ Refused are steps with which this order of calculation says nothing: a servo tha
 revolution ago is not there yet.
 
 Source: equation (1) of the paper of the study ``grey_turning`` for the steady force; servo, chip build-up over a
-revolution, compliance and runout are a reconstruction ("plant F" of its digest: servo of 40 rad/s, fitted to two
+revolution, compliance and runout are a reconstruction (plant F of the study: servo of 40 rad/s, fitted to two
 figures). The whole lathe, with its three loops: :mod:`leadscrew.plants.turning_lathe`.
 """
 
@@ -68,7 +68,9 @@ class TurningParams(NamedTuple):
     servo: FeedServo = FeedServo()
     radial: RadialServo = RadialServo()
     stiffness: Annotated[float, Unit("N/mm"), Gt(0), Doc("of tool and work along the feed")] = 20000.0
-    feed_force_ratio: Annotated[float, Gt(0), Doc("force along the feed over the main force; chosen; usual: 0.5")] = 1.0
+    feed_force_ratio: Annotated[
+        float, Gt(0), Doc("force along the feed over the main force; 1: plant F, 0.5: usual")
+    ] = 1.0
     runout: Annotated[float, Unit("mm"), Ge(0), Doc("amplitude of the depth's change over a revolution")] = 0.01
 
 

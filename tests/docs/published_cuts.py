@@ -1,4 +1,4 @@
-"""Published turning forces, of others: what cutting force laws and a tool's entry are checked on here.
+"""Published turning forces, of others: what the page on force laws is checked with.
 
 Dry turning at about 1080 1/min, mati-paredes/Turning-Cutting-Forces: the cuts of ``examples/turning_forces.csv``. Feeds
 as set at the lathe, and as its authors measured them (length over time and spindle speed). Their own fit is one of the
@@ -6,8 +6,6 @@ first four cuts with the measured feeds.
 """
 
 from __future__ import annotations
-
-from typing import NamedTuple
 
 import numpy as np
 
@@ -26,26 +24,8 @@ FEED_SERIES = (0, 1, 2, 3)
 """The four feeds at 1 mm."""
 DISTINCT = (0, 1, 2, 3, 4, 5, 7)
 """Without the seventh, which is the first cut again."""
-
 PUBLISHED = Kienzle(1609.5, 0.136)
 """Their own fit."""
-PUBLISHED_R2 = 0.932
-
-
-class Entry(NamedTuple):
-    """One cut as it was published: 10 kHz, 0.416 mm/rev, 1 mm, 1080 1/min."""
-
-    feed: float = 0.416
-    spindle_rpm: float = 1080.0
-    level_n: float = 723.0
-    """Steady main force."""
-    scatter_n: float = 26.6
-    """Its standard deviation."""
-    entry_s: float = 0.4
-    """How long the tool took to enter."""
-
-
-ENTRY = Entry()
 
 
 def cuts(rows: tuple[int, ...], measured: bool = False) -> ForceTable:

@@ -7,38 +7,36 @@ evaluations, three seeds of the search, on two noise seeds that are the same for
 
     J = 1/2 sum t |F - r| T + 1/2 sum t |y - r| T + 0.5 N s^2 for each percent of overshoot of y above 1 %
 
-in N s^2. The digest gives neither the penalty nor the horizon: 1 % is the overshoot that noise alone makes, the weight
-and the 2 s are ours. The factors that were found are kept in ``data/ablation_factors.csv``; :func:`found_anew` finds
-them again, six digits alike on the same versions of CMA-ES and NumPy. :func:`judgement` runs them under
-:data:`HELD_OUT` noise seeds that the search never saw. Intervals are over these: they hold for the factors that were
-found, and say nothing of another choice of the two noise seeds of the search. Other costs:
-:mod:`~leadscrew.studies.grey_turning.ablation_costs`.
+in N s^2. 1 % is the overshoot that noise alone makes; the weight and the 2 s are ours, and :data:`COSTS` has others.
+The factors that were found are kept in ``data/ablation_factors.csv`` and, under the other costs for three variants, in
+``data/ablation_costs.csv``; :func:`search` finds them again, six digits alike on the same versions of CMA-ES and NumPy.
+:func:`judged` runs them under :data:`HELD_OUT` noise seeds that no search saw. Intervals are over these: they hold for
+the factors that were found, and say nothing of another choice of the two noise seeds of the search.
 """
 
 from __future__ import annotations
 
 import csv
-import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import lru_cache
 from pathlib import Path
 from typing import Annotated, Any, NamedTuple
-from weakref import WeakKeyDictionary
 
 import numpy as np
 
 from leadscrew.controllers.grey_fuzzy import gpfc
 from leadscrew.controllers.grey_fuzzy.gpfc import READING_A, READING_B
 from leadscrew.controllers.grey_fuzzy.smith import smith
+from leadscrew.controllers.grey_fuzzy.tunings import SMITH_N
 from leadscrew.grey.predictors import DGM, EXPONENTIAL, GM, GM_GUARDED, LAST, LINE, RESIDUAL, TWO_POINT, VERHULST
 from leadscrew.kernel.block import Block, sensor
 from leadscrew.kernel.noise import Noise
 from leadscrew.kernel.sheet import Doc, Ge
 from leadscrew.sensors.load_cell import LoadCellParams, LoadCellState, weighed
-from leadscrew.studies.grey_turning.runs import Loops, filtered
+from leadscrew.studies.grey_turning.readings import filtered
+from leadscrew.studies.grey_turning.scenarios import FORCE_N
+from leadscrew.studies.lab import Lab, measure
 
-FORCE_N = 150.0
 FREE = 1.0
 """Percent of overshoot that cost nothing."""
 
@@ -52,7 +50,13 @@ class Cost(NamedTuple):
     """N s^2 for each percent of overshoot above :data:`FREE`."""
 
 
-COST = Cost()
+COSTS = {
+    "": Cost(),
+    "short": Cost(horizon_s=1.5),
+    "long": Cost(horizon_s=3.0),
+    "overshoot": Cost(penalty=5.0),
+}
+"""The cost, and three more by name: a shorter cut, a longer one, ten times the penalty on overshoot."""
 
 FACTORS = ("error_scale", "change_scale", "output_scale")
 LOW = (2.0, 0.5, 0.0005)
@@ -60,17 +64,12 @@ HIGH = (400.0, 100.0, 0.2)
 """The box of the search: S1 in N, S2 in N a sample, S3 in V."""
 BUDGET = 600
 """Evaluations of a search."""
-SEARCHES = (1, 2, 3)
-"""Seeds of the search."""
 TUNED_ON = (0, 1)
 """Noise seeds of the search."""
 HELD_OUT = tuple(range(1000, 1040))
 """Noise seeds of the judgement."""
 PLANTS = ("plant_f", "plant_n")
 SCENARIO = "fig6_fixed_depth"
-
-MODELS: dict[str, dict[str, float]] = {"plant_f": {}, "plant_n": {"model.rate": 20.0, "model.delay_s": 0.045}}
-"""What the Smith predictor believes: the plant's servo; half a revolution and the dead time."""
 
 VARIANTS: dict[str, dict[str, Any]] = {
     "tfc": {"predictor": LAST},
@@ -84,19 +83,32 @@ VARIANTS: dict[str, dict[str, Any]] = {
     "residual": {"predictor": RESIDUAL},
     "verhulst": {"predictor": VERHULST},
 }
-"""Parameters of the GPFC, reading B unless told otherwise; with the last value as prediction it is the TFC."""
+"""Parameters of the GPFC, by default reading B; with the last value as prediction it is the TFC."""
 SWITCHES = ("predictor", "reading", "horizon")
 """Parameters by which they differ."""
 SMITH = "smith"
 NAMES = (*VARIANTS, SMITH)
+PREDICTORS = {
+    "gpfc_b": "GM(1,1)",
+    "line": "line through four samples",
+    "two_point": "line through two samples",
+    "gm_h2": "GM(1,1), two samples ahead",
+    "dgm": "DGM(1,1)",
+    "gpfc_a": "GM(1,1), reading A",
+    "exponential": "GM(1,1), exact rate",
+    "residual": "GM(1,1) with a model of its residuals",
+    "verhulst": "Verhulst",
+    "smith": "Smith predictor",
+}
+"""The variants but the TFC, as they are written."""
 RECORDED = ("feedback", "actual.force")
-FILE = Path(__file__).parent / "data" / "ablation_factors.csv"
+DATA = Path(__file__).parent / "data"
 
 
 def variant(name: str, plant: str) -> Block:
     """The controller of a variant on a plant, its factors not yet tuned."""
     if name == SMITH:
-        return smith(**MODELS[plant])
+        return smith(**(SMITH_N if plant == "plant_n" else {}))
     return gpfc(**({"reading": READING_B} | VARIANTS[name]))
 
 
@@ -109,12 +121,12 @@ class RepeatedCellParams(NamedTuple):
 
 @sensor(RepeatedCellParams(), LoadCellState(), unit="N")
 def repeated_cell(p, s, actual, noise):
-    """The load cell with the noise of a run that is told: candidates beside each other can have the same noise."""
+    """The load cell with the noise of the run ``which``: candidates beside each other can have the same noise."""
     now = weighed(p.cell, s, actual.force, Noise(noise.seed, p.which, noise.block, noise.period))
     return now, now.force
 
 
-def costs(t: np.ndarray, force: np.ndarray, y: np.ndarray, cost: Cost = COST) -> np.ndarray:
+def costs(t: np.ndarray, force: np.ndarray, y: np.ndarray, cost: Cost) -> np.ndarray:
     """J of the true and the filtered force, one row a run, of samples before the end of the cost's cut."""
     period = t[1] - t[0]
     within = t < cost.horizon_s - 0.5 * period
@@ -124,7 +136,7 @@ def costs(t: np.ndarray, force: np.ndarray, y: np.ndarray, cost: Cost = COST) ->
     return np.asarray(itae + cost.penalty * np.maximum(overshoot - FREE, 0.0))
 
 
-def costs_of(batch: Any, cost: Cost = COST) -> np.ndarray:
+def costs_of(batch: Any, cost: Cost) -> np.ndarray:
     """J of every run of a batch; infinite where one diverged."""
     found = costs(batch.time, batch["actual.force"], filtered(batch), cost)
     return np.where(np.isfinite(batch.diverged_at), np.inf, found)
@@ -142,11 +154,11 @@ class Tuned:
     """J on the noise that it was tuned on, N s^2."""
 
 
-def found_anew(loops: Loops, plant: str, name: str, search: int, budget: int = BUDGET, cost: Cost = COST) -> Tuned:
+def search(lab: Lab, plant: str, name: str, seed: int, budget: int = BUDGET, under: str = "") -> Tuned:
     """One search: the same plant, variant, seed, budget and cost give the same factors."""
     from leadscrew.tune.optimisers import OPTIMISERS, Answer, Search
 
-    loop = loops.get(variant(name, plant), SCENARIO, machine=plant, sensor=repeated_cell)
+    loop, cost = lab.loop(variant(name, plant), SCENARIO, machine=plant, sensor=repeated_cell), COSTS[under]
     low, high = np.log(LOW), np.log(HIGH)
     best = (np.inf, np.zeros(3))
 
@@ -161,52 +173,48 @@ def found_anew(loops: Loops, plant: str, name: str, search: int, budget: int = B
         best = min(best, (float(found[at]), factors[at]), key=lambda pair: pair[0])
         return Answer(np.minimum(found, 1e9)[:, None], np.zeros((len(points), 0)))
 
-    OPTIMISERS["cma"][0](Search(evaluate, np.full(3, 0.5), budget, search))
+    OPTIMISERS["cma"][0](Search(evaluate, np.full(3, 0.5), budget, seed))
     s1, s2, s3 = (float(x) for x in best[1])
-    return Tuned(plant, name, search, (s1, s2, s3), best[0])
+    return Tuned(plant, name, seed, (s1, s2, s3), best[0])
 
 
-def row_of(cells: Mapping[str, str]) -> Tuned:
-    """A search as a file has it."""
-    factors = (float(cells["s1"]), float(cells["s2"]), float(cells["s3"]))
-    return Tuned(cells["plant"], cells["variant"], int(cells["search"]), factors, float(cells["cost"]))
+def tuned(under: str = "") -> list[Tuned]:
+    """What the searches found under a cost, as kept."""
+    file = DATA / ("ablation_costs.csv" if under else "ablation_factors.csv")
+    with file.open(newline="", encoding="utf-8") as text:
+        rows = [row for row in csv.DictReader(text) if row.get("under", "") == under]
+    found = []
+    for row in rows:
+        s1, s2, s3 = (float(row[key]) for key in ("s1", "s2", "s3"))
+        found.append(Tuned(row["plant"], row["variant"], int(row["search"]), (s1, s2, s3), float(row["cost"])))
+    return found
 
 
-@lru_cache(maxsize=1)
-def tuned() -> tuple[Tuned, ...]:
-    """What the searches found, as kept."""
-    with FILE.open(newline="", encoding="utf-8") as file:
-        return tuple(row_of(cells) for cells in csv.DictReader(file))
+def lowest(rows: Sequence[Tuned]) -> list[Tuned]:
+    """Of each plant and variant the search that ended lowest."""
+    best: dict[tuple[str, str], Tuned] = {}
+    for row in rows:
+        key = row.plant, row.name
+        best[key] = min(best.get(key, row), row, key=lambda each: each.cost)
+    return list(best.values())
 
 
-@dataclass(frozen=True)
-class Judgement:
+class Judgement(NamedTuple):
     """J of one variant on one plant, in N s^2."""
 
     held_out: np.ndarray
     """``(searches, noise seeds)``, on noise that no search has seen."""
     trained: float
-    """Mean over the searches of J on the noise that they were tuned on, run again."""
-    kept: float = math.nan
-    """The same as the searches left it."""
-    seen: int = 0
-    """Held-out cuts whose forces are those of a cut that was tuned on, sample by sample."""
+    """Mean over the searches of J on the noise that they were tuned on."""
 
     @property
     def mean(self) -> float:
         """Over searches and noise seeds."""
         return float(self.held_out.mean())
 
-    @property
-    def by_noise(self) -> np.ndarray:
-        """Mean over the searches, one number a noise seed."""
-        return np.asarray(self.held_out.mean(axis=0))
 
-    @property
-    def repeatability(self) -> tuple[float, float]:
-        """Least and greatest mean of a search."""
-        means = self.held_out.mean(axis=1)
-        return float(means.min()), float(means.max())
+Judged = dict[tuple[str, str], Judgement]
+"""By plant and variant."""
 
 
 class Difference(NamedTuple):
@@ -216,65 +224,49 @@ class Difference(NamedTuple):
     low: float
     high: float
 
-    @property
-    def shown(self) -> bool:
-        """Whether the interval leaves 0 out."""
-        return self.low > 0.0 or self.high < 0.0
+    def __str__(self) -> str:
+        return f"{self.percent:+.1f} % (95 %: {self.low:+.1f} to {self.high:+.1f} %)"
 
 
 def difference(one: Judgement, other: Judgement) -> Difference:
-    """Paired over noise seeds, Student's interval."""
+    """Paired over noise seeds, the mean of the searches for each; Student's interval."""
     from scipy.stats import ttest_1samp
 
-    change = 100.0 * (one.by_noise - other.by_noise) / other.mean
+    change = 100.0 * (one.held_out.mean(axis=0) - other.held_out.mean(axis=0)) / other.mean
     ends = ttest_1samp(change, 0.0).confidence_interval(0.95)
     return Difference(float(change.mean()), float(ends.low), float(ends.high))
 
 
-def _cuts(loops: Loops, rows: Sequence[Tuned], noise: Sequence[int], seconds: float) -> list[tuple[Any, slice]]:
-    """Cuts of every row under the same noise: the batch that they are in, and where; one batch a plant and a law."""
-    found: list[tuple[Any, slice]] = [(None, slice(0))] * len(rows)
+def judgement(lab: Lab, rows: Sequence[Tuned], cost: Cost) -> Judged:
+    """Every variant that was tuned, on the held-out noise and on that of the search; one batch a plant and a law."""
+    noise = (*TUNED_ON, *HELD_OUT)
+    found: dict[tuple[str, str], list[np.ndarray]] = {}
     for plant, smiths in sorted({(row.plant, row.name == SMITH) for row in rows}):
-        at = [k for k, row in enumerate(rows) if (row.plant, row.name == SMITH) == (plant, smiths)]
-        blocks = [variant(rows[k].name, plant) for k in at]
-        loop = loops.get(blocks[0], SCENARIO, machine=plant, sensor=repeated_cell)
-        varied = {f"controller.{f}": [rows[k].factors[i] for k in at] for i, f in enumerate(FACTORS)}
+        mine = [row for row in rows if (row.plant, row.name == SMITH) == (plant, smiths)]
+        blocks = [variant(row.name, plant) for row in mine]
+        varied = {f"controller.{f}": [row.factors[i] for row in mine] for i, f in enumerate(FACTORS)}
         if not smiths:
             varied |= {f"controller.{f}": [getattr(b.params, f) for b in blocks] for f in SWITCHES}
         each = {key: np.repeat(values, len(noise)) for key, values in varied.items()}
-        done = loop.batch(seconds, each | {"sensor.which": np.tile(noise, len(at))}, record=RECORDED)
-        for place, k in enumerate(at):
-            found[k] = done, slice(place * len(noise), (place + 1) * len(noise))
-    return found
-
-
-def judgement(
-    loops: Loops, rows: Sequence[Tuned] | None = None, cost: Cost = COST
-) -> Mapping[tuple[str, str], Judgement]:
-    """Every variant that was tuned, by plant and name, on the held-out noise and on that of the search."""
-    asked = tuned() if rows is None else rows
-    found: dict[tuple[str, str], list[tuple[np.ndarray, float, float, int]]] = {}
-    cuts = _cuts(loops, asked, (*TUNED_ON, *HELD_OUT), cost.horizon_s)
-    priced = {id(done): costs_of(done, cost) for done, _ in cuts}
-    for row, (done, at) in zip(asked, cuts, strict=True):
-        price, force = priced[id(done)][at], done["actual.force"][at]
-        old, new = np.split(price, [len(TUNED_ON)])
-        same = (force[len(TUNED_ON) :, None] == force[None, : len(TUNED_ON)]).all(axis=2).any(axis=1)
-        found.setdefault((row.plant, row.name), []).append((new, float(old.mean()), row.cost, int(same.sum())))
+        loop = lab.loop(blocks[0], SCENARIO, machine=plant, sensor=repeated_cell)
+        done = loop.batch(cost.horizon_s, each | {"sensor.which": np.tile(noise, len(mine))}, record=RECORDED)
+        for row, price in zip(mine, costs_of(done, cost).reshape(len(mine), -1), strict=True):
+            found.setdefault((plant, row.name), []).append(price)
+    seen = len(TUNED_ON)
     return {
-        key: Judgement(
-            np.array([each[0] for each in made]), float(np.mean([each[1] for each in made])),
-            float(np.mean([each[2] for each in made])), sum(each[3] for each in made),
-        )
-        for key, made in found.items()
-    }  # fmt: skip
+        key: Judgement(np.array([p[seen:] for p in prices]), float(np.mean([p[:seen].mean() for p in prices])))
+        for key, prices in found.items()
+    }
 
 
-_MADE: WeakKeyDictionary[Loops, Mapping[tuple[str, str], Judgement]] = WeakKeyDictionary()
+@measure
+def judged(lab: Lab, under: str = "") -> Judged:
+    """The kept factors under a cost; of the other costs the lowest search of each variant."""
+    rows = tuned(under)
+    return judgement(lab, lowest(rows) if under else rows, COSTS[under])
 
 
-def judgement_of(loops: Loops) -> Mapping[tuple[str, str], Judgement]:
-    """The judgement of the kept factors, made once for some loops: claims and pictures share it."""
-    if loops not in _MADE:
-        _MADE[loops] = judgement(loops)
-    return _MADE[loops]
+def against(lab: Lab, name: str, plant: str, other: str = "tfc", under: str = "") -> Difference:
+    """Change of J of a variant against another on a plant."""
+    found = judged(lab, under)
+    return difference(found[plant, name], found[plant, other])
