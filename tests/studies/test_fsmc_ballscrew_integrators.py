@@ -12,7 +12,7 @@ from leadscrew.studies.fsmc_ballscrew.figures_integrators import (
     integrator_pictures,
     work_precision_figure,
 )
-from leadscrew.studies.fsmc_ballscrew.integrators import NM, PERIOD_S, TRUTH, benchmark
+from leadscrew.bench.stage_schemes import NM, PERIOD_S, TRUTH, benchmark
 from leadscrew.studies.fsmc_ballscrew.runs import Loops
 from tests.studies.whole import claims_of
 

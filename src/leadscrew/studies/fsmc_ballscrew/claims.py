@@ -55,13 +55,13 @@ from leadscrew.studies.fsmc_ballscrew.tracking import (
     at_rest,
     elsewhere,
     error_um,
+    largest_um,
     left_um,
     place_of_largest,
     rate_rad_s,
     reversal,
     settled_run,
     sine_run,
-    tail_um,
     tracked,
 )
 from leadscrew.studies.lab import Lab, measure
@@ -761,7 +761,7 @@ def compensation_takes_time(lab):
 def compensation_leaves_peaks(lab, sine):
     """Peaks remain at the reversals: largest error over that without play, {case}"""
     with_play = reversals_with(lab, "ours.fsmc_4khz", sine.scenario, "play", TABLE).height_um
-    without, _ = tail_um(lab.run("ours.fsmc_4khz", sine.scenario))
+    without = largest_um(lab, "ours.fsmc_4khz", sine.scenario)
     return Measured(None, with_play / without, note=f"{um(with_play)} against {um(without)}; {COMPENSATED}")
 
 

@@ -52,7 +52,6 @@ from leadscrew.studies.fsmc_ballscrew.circles import (
     radius_um,
 )
 from leadscrew.studies.fsmc_ballscrew.claims import fuzzy_torque_um
-from leadscrew.studies.fsmc_ballscrew.integrators import TRUTH, Scheme, angles, error_nm, every, rodas
 from leadscrew.studies.fsmc_ballscrew.learned import (
     BEFORE,
     FIXED,
@@ -76,7 +75,7 @@ from leadscrew.studies.fsmc_ballscrew.readings import (
     read_as,
 )
 from leadscrew.studies.fsmc_ballscrew.scenarios import ENCODER_NM, SINES, STEPS
-from leadscrew.studies.fsmc_ballscrew.tracking import LAWS, left_um, tail_um, tracked, travel_per_second
+from leadscrew.studies.fsmc_ballscrew.tracking import LAWS, largest_um, left_um, tail_um, tracked, travel_per_second
 from leadscrew.studies.lab import Lab, measure
 
 TWO = ("sine_wide", "sine_fast")
@@ -224,7 +223,7 @@ def robustness(lab: Lab) -> tuple[Table, str]:
     )
 
 
-PERIODS = {5e-6: 0.6, 1e-5: 1.5, 5e-5: 2.0, 2.5e-4: 3.0}
+PERIODS = {5e-6: 0.6, 1e-5: 0.6, 5e-5: 2.0, 2.5e-4: 3.0}
 """Control period and length of the run, s."""
 
 
@@ -305,7 +304,7 @@ def attraction(lab: Lab) -> tuple[Table, str]:
     )
 
 
-# ---- the plant, and how to integrate it
+# ---- the plant
 @experiment("How stiff is the stage, and when is sliding unstable?")
 def plant_alone(lab: Lab) -> tuple[Table, str]:
     """Eigenvalues of speed and bristles in steady sliding; a positive one means that friction falls with speed faster
@@ -321,40 +320,17 @@ def plant_alone(lab: Lab) -> tuple[Table, str]:
     )
 
 
-SCHEMES: tuple[Scheme, ...] = (
-    rodas(1e-3),
-    rodas(1e-4),
-    rodas(1e-6),
-    every("rk4", 2.0),
-    every("rk4", 1.0),
-    every("fixed", 50.0),
-)
-
-
-@experiment("How exact is each way to step the stage through a hold?")
-def integrators(lab: Lab) -> tuple[Table, str]:
-    """The stage on sin 2πt mm under a soft controller at 4 kHz that sees angle and speed exactly; the largest distance
-    from RODAS at a relative tolerance of 1e-11 counts.
-    """
-    truth = np.asarray(angles("sine_fast", TRUTH))
-    rows = {s.name: (error_nm("sine_fast", s, truth),) for s in SCHEMES}
-    coarse = max(rows[rodas(1e-3).name])
-    return Table("scheme", heads("error", "nm", TWO[1:]), rows), (
-        f"RODAS at a tolerance of 1e-3 errs by {coarse:.2f} nm at most, steps of fixed length by "
-        f"{max(rows[every('fixed', 50.0).name]):.2f} nm."
-    )
-
-
 # ---- sampled at 4 kHz
 EMPTY = 2.12e-4
 """Inertia at the screw without the table, kg m^2."""
 SAMPLED = (
-    "ours.smc_4khz", "ours.csmc_4khz", "ours.smc_integral_4khz", "ours.smc_layer", "ours.csmc_layer", "ours.csmc_tuned",
+    "ours.smc_4khz", "ours.csmc_4khz", "ours.smc_integral_4khz", "ours.csmc_tuned",
     "ours.fsmc_4khz_slow", "ours.fsmc_4khz", "ours.fsmc_printed_4khz", "ours.super_twisting", "ours.pid",
     "ours.pd_dob_fixed", "ours.pd_dob_aggressive", "ours.pd_dob_robust", "ours.pd_dob",
 )  # fmt: skip
 SHOWN_SLOW = ("ours.fsmc_4khz", "ours.pd_dob")
-"""Those that run on 0.01 sin t too, where the stage sticks and slips and a run is slow."""
+SHOWN_WIDE = tuple(name for name in SAMPLED if name != "ours.pid")
+"""Those that run on 0.01 sin t and 5 sin t too: where the stage sticks and slips a run takes long."""
 
 
 @experiment("What do controllers for a machine reach, with a full and with an empty table?")
@@ -364,9 +340,9 @@ def sampled(lab: Lab) -> tuple[Table, str]:
     """
     rows: dict[str, tuple[Any, ...]] = {}
     for name in SAMPLED:
-        slow = tail_um(lab.run(name, "sine_slow"))[0] if name in SHOWN_SLOW else None
-        empty = tail_um(lab.run(name, "sine_fast", changes={"plant.inertia": EMPTY}))[0]
-        rows[name] = (slow, *(tail_um(lab.run(name, s))[0] for s in TWO), finite(empty))
+        shown = [s for s in SINES if s == "sine_fast" or name in (SHOWN_SLOW if s == "sine_slow" else SHOWN_WIDE)]
+        full = {s: largest_um(lab, name, s) for s in shown}
+        rows[name] = (*(full.get(s) for s in SINES), finite(largest_um(lab, name, "sine_fast", EMPTY)))
     fuzzy, pd = rows["ours.fsmc_4khz"], rows["ours.pd_dob"]
     better = [a / b for a, b in zip(fuzzy[:3], pd[:3], strict=True)]
     return Table("controller", (*heads("largest", "um"), *heads("empty", "um", TWO[1:])), rows), (
@@ -430,7 +406,9 @@ def learned_friction(lab: Lab) -> tuple[Table, str]:
     for words, options in (TRUTHS | {"six Maxwell elements": MAXWELL}).items():
         shown = TWO[1:] if options is MAXWELL else SINES if not options else TWO
         ours = {s: tail_um(learned_run(lab, s, **options))[0] for s in shown}
-        before = tail_um(lab.run(BEFORE, "sine_fast", **options))[0]
+        before = (
+            tail_um(lab.run(BEFORE, "sine_fast", **options))[0] if options else largest_um(lab, BEFORE, "sine_fast")
+        )
         rows[words] = (*(ours.get(s) for s in SINES), before)
     g = {name: one(learned_circle(lab, name)).circular for name in (OURS, BEFORE)}
     rows["G of a circle"] = (None, None, g[OURS], g[BEFORE])

@@ -53,7 +53,7 @@ from leadscrew.studies.fsmc_ballscrew.learned import (
     learned_run,
 )
 from leadscrew.studies.fsmc_ballscrew.scenarios import PERIOD_S, SINES
-from leadscrew.studies.fsmc_ballscrew.tracking import LAWS, SECONDS, settled_run, sine_run, tail_um
+from leadscrew.studies.fsmc_ballscrew.tracking import LAWS, SECONDS, largest_um, sampled_error_um, settled_run, sine_run
 from leadscrew.studies.lab import Lab
 
 if TYPE_CHECKING:
@@ -385,9 +385,10 @@ def learned_sines(lab: Lab) -> Figure:
     fig, panels = grid(9.6, 7.2, 3, 2, sharey="row", width_ratios=(3, 2))
     for (left, right), scenario in zip(panels, SINES, strict=True):
         largest = []
-        for name, run in ((BEFORE, lab.run(BEFORE, scenario)), (OURS, learned_run(lab, scenario))):
-            largest.append(tail_um(run)[0])
-            t, e = around(1e3 * run["true_error"], 2.0 * half_period_s(scenario))
+        learned = 1e3 * learned_run(lab, scenario)["true_error"]
+        for name, error in ((BEFORE, sampled_error_um(lab, BEFORE, scenario)), (OURS, learned)):
+            largest.append(np.abs(error[len(error) // 2 :]).max())
+            t, e = around(error, 2.0 * half_period_s(scenario))
             near = np.abs(t) <= NEAR[scenario]
             left.plot(*thinned(t, e), linewidth=0.8, **pen(name))
             right.plot(*thinned(1e3 * t[near], e[near]), linewidth=1.0, **pen(name))
@@ -405,7 +406,7 @@ def learned_way(lab: Lab) -> Figure:
         peaks = by_reversal_um(lab, scenario)
         above.semilogy(np.arange(1, len(peaks) + 1), peaks, color=ink, marker=mark, markersize=4,
                        label=f"learning, {SINES[scenario]}")  # fmt: skip
-        before = tail_um(lab.run(BEFORE, scenario))[0]
+        before = largest_um(lab, BEFORE, scenario)
         above.axhline(before, color=ink, linestyle="--", linewidth=1.0, label=f"{BEFORE}, {SINES[scenario]}")
     above.set(xlabel="reversal (1)", ylabel="largest error around it (µm)")
     t, found = learned_parameters(lab)

@@ -23,7 +23,7 @@ from leadscrew.friction.maxwell_slip import Elements, move_elements, stuck_stiff
 from leadscrew.plants.ballscrew_gms import ballscrew_gms, cut
 from leadscrew.plants.ballscrew_stage import TRAVEL_MM_PER_RAD
 from leadscrew.studies.fsmc_ballscrew.controllers import CONTROLLERS
-from leadscrew.studies.fsmc_ballscrew.scenarios import PERIOD_S, sine_of
+from leadscrew.studies.fsmc_ballscrew.scenarios import ENCODER_NM, PERIOD_S, sine_of
 from leadscrew.studies.lab import Lab, measure
 
 if TYPE_CHECKING:
@@ -45,7 +45,7 @@ MAXWELL: dict[str, Any] = {"machine": "gms", "changes": {"plant.longest_step": 4
 # ---- on the way
 def learned_run(lab: Lab, scenario: str, **options: Any) -> Run:
     """The run of the controller that learns; on the slow sine with looser tolerances, which its error does not show."""
-    more = {"rtol": 1e-5, "atol": 1e-10} if scenario == "sine_slow" else {}
+    more = {"rtol": 1e-5, "atol": 1e-10} if scenario == "sine_slow" else {"encoder_nm": ENCODER_NM}
     return lab.run(OURS, scenario, SECONDS[scenario], **(more | options))
 
 
@@ -147,7 +147,7 @@ PASSES = 10
 
 
 @measure
-def passes_um(lab: Lab, base: str, scenario: str, count: int = PASSES, encoder_nm: float = 10.0) -> list[float]:
+def passes_um(lab: Lab, base: str, scenario: str, count: int = PASSES, encoder_nm: float = ENCODER_NM) -> list[float]:
     """Largest true error over a period, in um, after 0, 1, ... ``count`` passes of learning."""
     period = 2.0 * half_period_s(scenario)
     size = round(period / PERIOD_S)

@@ -94,7 +94,7 @@ STUDY = Study(
         "of the three is reproduced, in continuous time; the printed gains ask for 200 kHz, and at 4 kHz a scheduled "
         "PD with a disturbance observer beats all three."
     ),
-    record=("plant",),
+    record=("plant.speed", "plant.bristle"),
     assumed=ASSUMED,
     method=(
         "The stage is (1) to (5) with Tables 1 and 2, integrated by RODAS with adaptive steps: friction is stiff, with "

@@ -9,8 +9,8 @@ import numpy as np
 
 from leadscrew.friction.lugre import LuGre
 from leadscrew.plants.ballscrew_stage import TRAVEL_MM_PER_RAD
-from leadscrew.studies.fsmc_ballscrew.scenarios import sine_of
-from leadscrew.studies.lab import Lab
+from leadscrew.studies.fsmc_ballscrew.scenarios import SAMPLE_S, sine_of
+from leadscrew.studies.lab import Lab, measure
 
 LAWS = ("corrected.smc", "paper.smc", "paper.csmc", "corrected.fsmc", "paper.fsmc")
 """In continuous time, with the printed gains."""
@@ -20,8 +20,8 @@ SECONDS = {"sine_slow": 8.4, "sine_wide": 8.4, "sine_fast": 3.0}
 
 WINDOW = {"sine_slow": (3.0, 8.4), "sine_wide": (3.0, 8.4), "sine_fast": (1.0, 3.0)}
 """What counts of it, in seconds: two reversals of the slow sines, four of the fast one."""
-SAMPLES = {"sine_fast": 5e-5}
-"""Interval between samples where the default is too coarse for the peak after a reversal, in seconds."""
+SAMPLES = {"sine_slow": SAMPLE_S, "sine_wide": SAMPLE_S, "sine_fast": 5e-5}
+"""Interval between samples, s; the peak after a reversal of the fast sine asks for a finer one."""
 
 
 class Tracked(NamedTuple):
@@ -39,8 +39,7 @@ class Tracked(NamedTuple):
 
 def sine_run(lab: Lab, law: str, scenario: str, **options: Any) -> Any:
     """The run of a law in continuous time on a sine."""
-    more = {"sample": SAMPLES[scenario]} | options if scenario in SAMPLES else options
-    return lab.run(law, scenario, SECONDS[scenario], **more)
+    return lab.run(law, scenario, SECONDS[scenario], **({"sample": SAMPLES[scenario]} | options))
 
 
 def tracked(lab: Lab, law: str, scenario: str, **options: Any) -> Tracked:
@@ -70,6 +69,20 @@ def tail_um(run: Any, after: float = 0.5) -> tuple[float, float]:
     e = 1e3 * run["true_error"]
     e = e[int(after * len(e)) :]
     return float(np.abs(e).max()), float(np.sqrt(np.mean(e * e)))
+
+
+@measure
+def sampled_error_um(lab: Lab, controller: str, scenario: str, inertia: float | None = None) -> np.ndarray:
+    """True error of a whole scenario, um; infinite if the loop diverges."""
+    loop = lab.loop(controller, scenario, changes={} if inertia is None else {"plant.inertia": inertia})
+    run = loop.run(lab.study.scenario(scenario).duration_s, record=("true_error",))
+    return np.full(2, math.inf) if run.diverged else 1e3 * run["true_error"]
+
+
+def largest_um(lab: Lab, controller: str, scenario: str, inertia: float | None = None) -> float:
+    """Largest true error in the second half of a scenario, um."""
+    e = sampled_error_um(lab, controller, scenario, inertia)
+    return float(np.abs(e[len(e) // 2 :]).max())
 
 
 def travel_per_second(run: Any, after: float = 0.5) -> float:
