@@ -124,13 +124,14 @@ def friction_estimate(lab: Lab) -> tuple[Table, str]:
     )
 
 
-UNITS: dict[str, dict[str, float]] = {
+TO_MM, TO_TORQUE, FROM_TORQUE = (1.0, TRAVEL_MM_PER_RAD), (1.0, INERTIA), (INERTIA, 1.0)
+UNITS: dict[str, dict[str, tuple[float, float]]] = {
     "rad/s, rad/s²": {},
-    "mm/s, mm/s²": {"boundary": 1.0 / TRAVEL_MM_PER_RAD, "eta": 1.0 / TRAVEL_MM_PER_RAD},
-    "K in N·m": {"eta": 1.0 / INERTIA},
-    "F~ in N·m, η in rad/s²": {"bound.coulomb": INERTIA, "bound.static": INERTIA, "bound.viscous": INERTIA},
+    "mm/s, mm/s²": {"boundary": TO_MM, "eta": TO_MM},
+    "K in N·m": {"eta": TO_TORQUE},
+    "F~ in N·m, η in rad/s²": {f"bound.{name}": FROM_TORQUE for name in ("coulomb", "static", "viscous")},
 }
-"""Readings of the units of φ and η, and the factors of the parameters in rad that they mean."""
+"""Readings of the units of φ and η, and by what to multiply and divide the parameters in rad to mean it."""
 SHORT = {"sine_slow": (8.4, 3.0, 2e-4), "sine_wide": (5.2, 3.0, 2e-4), "sine_fast": (1.5, 0.6, 1e-4)}
 """Length of a run over one reversal of what counts of the sine, from when it counts, interval between samples, s."""
 
@@ -139,7 +140,7 @@ def unit_changes(lab: Lab, reading: str, law: str) -> dict[str, float]:
     """Parameters of a law in rad that mean the paper's numbers in the units of a reading."""
     p = lab.study.controllers[law].params
     now = {"boundary": p.boundary, "eta": p.eta} | {f"bound.{name}": value for name, value in p.bound._asdict().items()}
-    return {f"controller.{name}": factor * now[name] for name, factor in UNITS[reading].items()}
+    return {f"controller.{name}": now[name] * times / by for name, (times, by) in UNITS[reading].items()}
 
 
 @experiment("In which units do the gains mean what the text says?")

@@ -1,4 +1,4 @@
-"""The study's figures: those of the paper drawn from our runs, the laws' surfaces, and the controller that learns."""
+"""The study's figures: those of the paper, drawn from our runs."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from leadscrew.friction.lugre import TABLE_2, LuGre
 from leadscrew.friction.static_map import Sliding, TwoSided
 from leadscrew.plants.backlash import DeadBand, reaction
 from leadscrew.plants.ballscrew_stage import TRAVEL_MM_PER_RAD
-from leadscrew.report.ballbar_picture import CIRCLE, COLOURS, WORDS, centred, division_um, polar
+from leadscrew.report.ballbar_picture import COLOURS, WORDS, centred, division_um, polar
 from leadscrew.report.style import BLACK, BLUE, GREEN, ORANGE, PURPLE, SKY, VERMILION, colour, pen
 from leadscrew.studies.exhibits import figure
 from leadscrew.studies.fsmc_ballscrew.backlash import (
@@ -42,18 +42,9 @@ from leadscrew.studies.fsmc_ballscrew.circles import (
     radius_um,
     slow_circle,
 )
-from leadscrew.studies.fsmc_ballscrew.experiments import learned_circle
 from leadscrew.studies.fsmc_ballscrew.laws import LAM, PHI, SYSTEMS
-from leadscrew.studies.fsmc_ballscrew.learned import (
-    BEFORE,
-    OURS,
-    by_reversal_um,
-    half_period_s,
-    learned_parameters,
-    learned_run,
-)
-from leadscrew.studies.fsmc_ballscrew.scenarios import PERIOD_S, SINES
-from leadscrew.studies.fsmc_ballscrew.tracking import LAWS, SECONDS, largest_um, sampled_error_um, settled_run, sine_run
+from leadscrew.studies.fsmc_ballscrew.scenarios import SINES
+from leadscrew.studies.fsmc_ballscrew.tracking import LAWS, SECONDS, settled_run, sine_run
 from leadscrew.studies.lab import Lab
 
 if TYPE_CHECKING:
@@ -357,77 +348,3 @@ def fig21_radius(lab: Lab) -> Figure:
     right.set_yscale("symlog", linthresh=0.01)
     right.set_xticks(HZ, [f"{hz:g}" for hz in HZ])
     return with_legend(fig, right, columns=4)
-
-
-# ---- the controller that learns its friction
-NEAR = {"sine_slow": 1.5, "sine_wide": 0.03, "sine_fast": 0.012}
-"""Time on both sides of a reversal that is drawn on the right, s."""
-
-
-def around(error: np.ndarray, period: float) -> tuple[np.ndarray, np.ndarray]:
-    """Time in s from the reversal with the largest error of the second half, and half a period to both sides.
-
-    A reversal at the negative end is drawn with its error turned round, as if it were at the positive one.
-    """
-    half = 0.5 * period
-    worst = len(error) // 2 + int(np.abs(error[len(error) // 2 :]).argmax())
-    reversal = math.floor(worst * PERIOD_S / half)
-    t = np.arange(len(error)) * PERIOD_S - (reversal + 0.5) * half
-    inside = (np.abs(t) <= half) & (np.arange(len(error)) >= len(error) // 2)
-    return t[inside], (1.0 if reversal % 2 == 0 else -1.0) * error[inside]
-
-
-@figure(
-    "The reversal with the largest error of each sine, after learning, at 4 kHz with a scale of 10 nm: a PD with "
-    "disturbance observer that believes Table 2's hats, and the one that learns its friction. Right, near time 0."
-)
-def learned_sines(lab: Lab) -> Figure:
-    fig, panels = grid(9.6, 7.2, 3, 2, sharey="row", width_ratios=(3, 2))
-    for (left, right), scenario in zip(panels, SINES, strict=True):
-        largest = []
-        learned = 1e3 * learned_run(lab, scenario)["true_error"]
-        for name, error in ((BEFORE, sampled_error_um(lab, BEFORE, scenario)), (OURS, learned)):
-            largest.append(np.abs(error[len(error) // 2 :]).max())
-            t, e = around(error, 2.0 * half_period_s(scenario))
-            near = np.abs(t) <= NEAR[scenario]
-            left.plot(*thinned(t, e), linewidth=0.8, **pen(name))
-            right.plot(*thinned(1e3 * t[near], e[near]), linewidth=1.0, **pen(name))
-        left.set_title(f"{SINES[scenario]}: largest {largest[0]:.3f} and {largest[1]:.3f} µm", loc="left")
-        left.set_ylabel("true error (µm)")
-    panels[-1, 0].set_xlabel("time from the reversal (s)")
-    panels[-1, 1].set_xlabel("time from the reversal (ms)")
-    return with_legend(fig, panels[0, 0])
-
-
-@figure("Above, the largest error at each reversal from the first on; below, what is learned on sin 2πt mm.")
-def learned_way(lab: Lab) -> Figure:
-    fig, (above, below) = grid(7.4, 7.0, 2, 1)
-    for scenario, ink, mark in (("sine_wide", BLUE, "s"), ("sine_fast", BLACK, "o")):
-        peaks = by_reversal_um(lab, scenario)
-        above.semilogy(np.arange(1, len(peaks) + 1), peaks, color=ink, marker=mark, markersize=4,
-                       label=f"learning, {SINES[scenario]}")  # fmt: skip
-        before = largest_um(lab, BEFORE, scenario)
-        above.axhline(before, color=ink, linestyle="--", linewidth=1.0, label=f"{BEFORE}, {SINES[scenario]}")
-    above.set(xlabel="reversal (1)", ylabel="largest error around it (µm)")
-    t, found = learned_parameters(lab)
-    for (name, values), ink, line in zip(
-        found.items(), (BLUE, VERMILION, GREEN, ORANGE), ("-", "--", "-.", ":"), strict=True
-    ):
-        below.semilogx(*thinned(t, values), color=ink, linestyle=line, label=name)
-    below.axhline(1.0, **GUIDE)
-    below.set(xlabel="time on sin 2πt mm (s)", ylabel="learned over true (1)", xlim=(t[1], t[-1]))
-    for axes in (above, below):
-        axes.legend(loc="center left", bbox_to_anchor=(1.0, 0.5), frameon=False, fontsize="small")
-    return fig
-
-
-@figure("R = 100 mm at 1,000 mm/min, before and after learning, with the same magnification.")
-def learned_circle_r100(lab: Lab) -> Figure:
-    tests = {name: learned_circle(lab, name) for name in (BEFORE, OURS)}
-    paths = [centred(test).values() for test in tests.values()]
-    division = max(division_um(max(float(np.abs(r).max()) for _, r in p)) for p in paths)
-    fig = draw_circles(tests, division)
-    axes: Any
-    for axes in fig.axes:
-        axes.set_rlim(0.0, CIRCLE + max(float(r.max()) for p in paths for _, r in p) / division + 0.6)
-    return fig

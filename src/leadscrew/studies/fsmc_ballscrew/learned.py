@@ -18,7 +18,6 @@ import numpy as np
 
 from leadscrew.analysis.trial_learning import last_period, taught
 from leadscrew.controllers.feed_forward_table import feed_forward_table
-from leadscrew.friction.lugre import LuGre
 from leadscrew.friction.maxwell_slip import Elements, move_elements, stuck_stiffness
 from leadscrew.plants.ballscrew_gms import ballscrew_gms, cut
 from leadscrew.plants.ballscrew_stage import TRAVEL_MM_PER_RAD
@@ -59,20 +58,6 @@ def by_reversal_um(lab: Lab, scenario: str) -> np.ndarray:
     e, every = 1e3 * np.abs(learned_run(lab, scenario)["true_error"]), half_period_s(scenario) / PERIOD_S
     e[: int(0.05 / PERIOD_S)] = 0.0
     return np.array([e[int(k * every) : int((k + 1) * every)].max() for k in range(int(len(e) / every))])
-
-
-@measure
-def learned_parameters(lab: Lab) -> tuple[np.ndarray, dict[str, np.ndarray]]:
-    """Time in s, and by name what is learned on the fast sine over the stage's parameter."""
-    periods = round(SECONDS["sine_fast"] / PERIOD_S)
-    run = lab.loop(OURS, "sine_fast").start().advance(periods, record=("controller",), every=4)
-    truth = LuGre()
-    return run.time, {
-        "F_C": run["controller.coulomb"] / truth.coulomb,
-        "σ₀": run["controller.coulomb"] / run["controller.bend"] / truth.stiffness,
-        "σ₁": run["controller.bristle_damping"] / truth.damping,
-        "σ₂": run["controller.viscous"] / truth.viscous,
-    }
 
 
 class Slip(NamedTuple):
