@@ -20,7 +20,6 @@ from leadscrew.studies.fsmc_ballscrew.readings import (
     CONVENTIONAL,
     HELD_FUZZY,
     LITERAL,
-    SLOTINE,
     ReadingParams,
     held_loop,
     read_as,
@@ -120,17 +119,6 @@ def seen(e, rate, xi, speed=0.3):
     p = SlidingParams()
     gain = switching_gain(p, speed)
     return View(0.0, speed, e, rate, xi, 2.0, 0.0, 0.0, gain, layer_slope(p, gain))
-
-
-def test_slotines_equivalent_control_makes_the_rate_of_s_the_switching_term_alone():
-    """S' = e'' + 2 lam e' + lam^2 e with e'' = u - y_r''; Liang and Su's leaves s' + lam s."""
-    now = seen(1e-4, -2e-3, 2e-7)
-    for weights, left in ((SLOTINE, 0.0), (LITERAL, LAM)):
-        p = ReadingParams(weights, SlidingParams())
-        s = now.rate + 2.0 * LAM * now.e + LAM**2 * now.xi
-        s_rate = wanted(p, now) - now.acceleration + 2.0 * LAM * now.rate + LAM**2 * now.e
-        switching = now.gain * min(1.0, max(-1.0, s / 0.1))
-        assert s_rate + left * s == pytest.approx(-switching, rel=1e-9)
 
 
 def test_the_sign_of_a_speed_at_rest_leaves_only_eta():

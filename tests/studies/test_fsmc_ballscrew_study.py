@@ -5,8 +5,6 @@ import pytest
 from leadscrew import catalogue
 from leadscrew.kernel.errors import LeadscrewError
 from leadscrew.studies import results
-from leadscrew.studies.fsmc_ballscrew.tracking import largest_um
-from leadscrew.studies.lab import Lab
 
 STAGE = catalogue.study("fsmc_ballscrew")
 
@@ -16,18 +14,6 @@ def test_every_controller_fits_into_every_scenario():
         for scenario in STAGE.scenarios:
             loop = STAGE.loop(name, scenario)
             assert loop.continuous == name.startswith(("paper.", "corrected.")), name
-
-
-def test_loops_that_differ_in_values_share_a_program_and_give_their_own_bits():
-    lab = Lab(STAGE)
-    first, second = (lab.loop("ours.pd_dob_fixed", s) for s in ("sine_wide", "sine_fast"))
-    assert second.program is first.program
-    alone = STAGE.loop("ours.pd_dob_fixed", "sine_fast").run(0.2, record="true_error")["true_error"]
-    assert (second.run(0.2, record="true_error")["true_error"] == alone).all()
-
-
-def test_the_default_controller_keeps_the_fast_sine_within_130_nm():
-    assert largest_um(Lab(STAGE), "ours.pd_dob", "sine_fast") < 0.13
 
 
 def test_values_out_of_range_are_refused_with_their_range():
