@@ -10,6 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from leadscrew import catalogue
+from leadscrew.analysis.circular.paths import CircularTest
 from leadscrew.analysis.friction import friction_along, friction_velocity
 from leadscrew.figures.panels import grid, with_legend
 from leadscrew.friction.lugre import LuGre
@@ -18,7 +19,7 @@ from leadscrew.plants.ballscrew_stage import TRAVEL_MM_PER_RAD
 from leadscrew.references.friction_test import ROWS
 from leadscrew.report.ballbar_picture import CIRCLE, centred, division_um
 from leadscrew.report.style import BLACK, BLUE, GREEN, ORANGE, VERMILION, pen
-from leadscrew.studies.fsmc_ballscrew.experiments import learned_circle
+from leadscrew.studies.fsmc_ballscrew.circles import CIRCLES, circle_of
 from leadscrew.studies.fsmc_ballscrew.figures import GUIDE, draw_circles, thinned
 from leadscrew.studies.fsmc_ballscrew.learned import BEFORE, OURS, SECONDS, by_reversal_um, half_period_s, learned_run
 from leadscrew.studies.fsmc_ballscrew.records import record_loop
@@ -94,6 +95,15 @@ def learned_way(lab: Lab) -> Figure:
     for axes in (above, below):
         axes.legend(loc="center left", bbox_to_anchor=(1.0, 0.5), frameon=False, fontsize="small")
     return fig
+
+
+TURNS = 5.0
+"""Of the circle; the last one counts."""
+
+
+def learned_circle(lab: Lab, name: str) -> CircularTest:
+    """R = 100 mm at 1,000 mm/min, counter-clockwise: five turns to learn in, one and a quarter for others."""
+    return circle_of(lab, name, CIRCLES["r100"], turns=TURNS if name == OURS else 1.25)
 
 
 def learned_circle_r100(lab: Lab) -> Figure:

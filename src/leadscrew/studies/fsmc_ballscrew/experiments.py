@@ -7,7 +7,6 @@ from typing import Any
 import numpy as np
 
 from leadscrew.analysis.circular.instrument import BallBar, read_by
-from leadscrew.analysis.circular.paths import CircularTest
 from leadscrew.figures.table import Table
 from leadscrew.friction.lugre import LuGre
 from leadscrew.plants.ballscrew_stage import INERTIA, TRAVEL_MM_PER_RAD
@@ -56,7 +55,6 @@ from leadscrew.studies.fsmc_ballscrew.learned import (
     BEFORE,
     FIXED,
     MAXWELL,
-    OURS,
     PASSES,
     SCHEDULED,
     TRUTHS,
@@ -76,7 +74,7 @@ from leadscrew.studies.fsmc_ballscrew.readings import (
 )
 from leadscrew.studies.fsmc_ballscrew.scenarios import ENCODER_NM, SINES, STEPS
 from leadscrew.studies.fsmc_ballscrew.tracking import LAWS, largest_um, left_um, tail_um, tracked, travel_per_second
-from leadscrew.studies.lab import Lab, measure
+from leadscrew.studies.lab import Lab
 
 TWO = ("sine_wide", "sine_fast")
 
@@ -388,20 +386,10 @@ def real_drives(lab: Lab) -> tuple[Table, str]:
 
 
 # ---- learned friction
-TURNS = 5.0
-"""Of the circle; the last one counts."""
-
-
-@measure
-def learned_circle(lab: Lab, name: str) -> CircularTest:
-    """R = 100 mm at 1,000 mm/min, counter-clockwise: five turns to learn in, one and a quarter for others."""
-    return circle_of(lab, name, CIRCLES["r100"], turns=TURNS if name == OURS else 1.25)
-
-
 @experiment("What is gained by learning the friction on the way?")
 def learned_friction(lab: Lab) -> tuple[Table, str]:
     """Largest error after learning in the first half of a run, beside a PD with observer that believes the hats of
-    Table 2. A circle has R = 100 mm at 1,000 mm/min.
+    Table 2.
     """
     rows: dict[str, tuple[Any, ...]] = {}
     for words, options in (TRUTHS | {"six Maxwell elements": MAXWELL}).items():
@@ -411,14 +399,12 @@ def learned_friction(lab: Lab) -> tuple[Table, str]:
             tail_um(lab.run(BEFORE, "sine_fast", **options))[0] if options else largest_um(lab, BEFORE, "sine_fast")
         )
         rows[words] = (*(ours.get(s) for s in SINES), before)
-    g = {name: one(learned_circle(lab, name)).circular for name in (OURS, BEFORE)}
-    rows["G of a circle"] = (None, None, g[OURS], g[BEFORE])
     wrong = min(slip_foreseen_wrong(side * 0.5 * ENCODER_NM).two for side in (1.0, -1.0))
     rows["a slip of Maxwell elements foreseen half a count wrong"] = (None, None, wrong, None)
     first = by_reversal_um(lab, "sine_fast").max()
     return Table("stage", (*heads("learned", "um"), *heads("believed", "um", TWO[1:])), rows), (
         f"On the stage of Table 2 it errs {max(rows['Table 2'][:3]):.3f} µm at most, after a peak of {first:.1f} µm "
-        f"while it learns; G is {g[OURS]:.3f} against {g[BEFORE]:.3f} µm. "
+        f"while it learns. "
         "On Maxwell elements it errs {2:.2f} against {3:.2f} µm.".format(*rows["six Maxwell elements"])
     )
 

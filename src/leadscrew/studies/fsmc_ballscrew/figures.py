@@ -33,7 +33,6 @@ from leadscrew.studies.fsmc_ballscrew.circles import (
     IDEAL,
     NAMES,
     PID,
-    RADIUS_LAWS,
     SLOW_FSMC,
     Way,
     around_reversal,
@@ -339,10 +338,8 @@ def fig21_radius(lab: Lab) -> Figure:
         left.plot(degrees[order], turn.deviation_um(1.0)[order], color=ink, linestyle=line, label=f"{hz:g} Hz")
     left.set(xlim=(0, 360), xticks=range(0, 361, 90), xlabel="angle (°)", ylabel="radial deviation (µm)", title="FSMC")
     left.legend(fontsize="small", frameon=False, ncols=3, loc="upper center", bbox_to_anchor=(0.5, -0.15))
-    for name in RADIUS_LAWS:
-        label = "FSMC at 4 kHz" if name == "fsmc_undamped" else name
-        style = pen(name, label) | {"color": PURPLE if name == "fsmc_undamped" else colour(name)}
-        right.plot(HZ, [radius_um(lab, name, hz) for hz in HZ], marker="o", markersize=4, **style)
+    for name in IDEAL:
+        right.plot(HZ, [radius_um(lab, name, hz) for hz in HZ], marker="o", markersize=4, **pen(name))
     right.axhline(0.0, **GUIDE)
     right.set(xscale="log", xlabel="turns per second (Hz)", ylabel="D, change of the radius (µm)", title="R = 1 mm")
     right.set_yscale("symlog", linthresh=0.01)
