@@ -8,6 +8,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
+from friction_images import images as friction_images_of_the_stage
 
 from leadscrew import Loop, catalogue, experiment, fuzzy
 from leadscrew.bench import stage_picture
@@ -21,9 +22,6 @@ from leadscrew.report import backlash, friction
 from leadscrew.report import fuzzy as pictures
 from leadscrew.report.identified_axis_picture import friction_figure, position_figure
 from leadscrew.sensors.axis_reading import axis_reading
-from leadscrew.studies.fsmc_ballscrew.figures_beaten import beaten_pictures
-from leadscrew.studies.fsmc_ballscrew.figures_selftuned import selftuned_pictures
-from leadscrew.studies.fsmc_ballscrew.runs import Loops
 from leadscrew.studies.lab import Lab
 from leadscrew.tune.job import Job
 from leadscrew.tune.tuned_figures import figures
@@ -87,9 +85,8 @@ def integration_image(folder: Path) -> None:
 
 def friction_of_the_stage_images(folder: Path) -> None:
     """The pictures of the pages on a controller that learns its friction, and on friction from one log."""
-    loops = Loops()
-    for picture in (*beaten_pictures(loops), *selftuned_pictures(loops)):
-        picture.draw().savefig(folder / f"{picture.name}.png", dpi=90)
+    for name, figure in friction_images_of_the_stage().items():
+        figure.savefig(folder / f"{name}.png", dpi=90)
 
 
 def identification_images(folder: Path) -> None:

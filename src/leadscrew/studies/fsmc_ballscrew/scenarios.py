@@ -1,19 +1,45 @@
-"""What the stage is asked to do: the paper's step and sines, and what a machine would command."""
+"""The stage, what it is asked to do, and the loop of a controller in a scenario.
+
+Commands are in mm of the table. Steps and feeds start at rest; a sine is entered in motion, at the middle of its travel
+in steady sliding, because the paper shows no start. A sampled controller reads a scale of 10 nm every 0.25 ms; a
+controller in continuous time sees position and speed exactly.
+"""
 
 from __future__ import annotations
 
 import math
-from typing import Annotated, NamedTuple
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 
+from leadscrew.controllers.sliding.continuous import in_motion, seen_in_mm
+from leadscrew.friction.lugre import steady_bristle
 from leadscrew.kernel.block import Block
+from leadscrew.kernel.errors import ValueRefused
+from leadscrew.kernel.metrics import max_error, max_output, overshoot, rms_error, settling_time
 from leadscrew.kernel.sheet import Doc, Ge, Gt, Le, Unit
-from leadscrew.plants.ballscrew_stage import TRAVEL_MM_PER_RAD
+from leadscrew.plants.ballscrew_gms import ballscrew_gms, sliding_at
+from leadscrew.plants.ballscrew_stage import TRAVEL_MM_PER_RAD, ballscrew_stage
 from leadscrew.references.filtered_step import filtered_step
 from leadscrew.references.friction_test import ROWS, friction_test
 from leadscrew.references.quintic import quintic
 from leadscrew.references.ramp import ramp_motion
 from leadscrew.references.sine import sine_motion
+from leadscrew.sensors.ruler import ruler
 from leadscrew.studies.study import Scenario
+
+if TYPE_CHECKING:
+    from leadscrew.kernel.loop import Loop
+
+PERIOD_S = 2.5e-4
+"""Control period of the sampled controllers: 4 kHz."""
+ENCODER_NM = 10.0
+"""Resolution of the table's scale."""
+SAMPLE_S = 2e-4
+"""Interval between recorded samples of a loop in continuous time."""
+TIGHT: Mapping[str, Any] = MappingProxyType({"method": "rodas", "rtol": 1e-6, "atol": 1e-12})
+"""Position to a thousandth of a nanometre, except where the stage sticks and slips."""
 
 Travel = Annotated[float, Unit("mm"), Ge(-500), Le(500), Doc("length of the move")]
 
@@ -104,5 +130,115 @@ SCENARIOS: dict[str, Scenario] = {
 }
 """By name. Steps and feeds start at rest, sines in motion."""
 
-SINES = ("sine_slow", "sine_wide", "sine_fast")
-"""The paper's three."""
+
+class Shown(NamedTuple):
+    """A motion of Figures 11 to 14, and how it is written."""
+
+    scenario: str
+    words: str
+
+    def __str__(self) -> str:
+        return self.words
+
+
+SINES = {
+    s: Shown(s, words)
+    for s, words in {"sine_slow": "0.01 sin t mm", "sine_wide": "5 sin t mm", "sine_fast": "sin 2πt mm"}.items()
+}
+"""Figures 12, 13 and 14."""
+STEPS = {s: Shown(s, words) for s, words in {"step_raw": "a step of 1 mm", "step_quintic": "1 mm in 50 ms"}.items()}
+"""Figure 11 as printed, and with derivatives that exist."""
+
+
+def sine_of(scenario: str) -> SineMove:
+    """The sine of a scenario."""
+    params = SCENARIOS[scenario].params
+    assert isinstance(params, SineMove)
+    return params
+
+
+# ---- the stage
+def sliding(plant: Block, speed: float) -> Block:
+    """A plant with LuGre friction in steady sliding at ``speed``, rad/s."""
+    return plant.starting(speed=speed, bristle=steady_bristle(plant.params.friction, speed))
+
+
+class Machine(NamedTuple):
+    """An axis, and how it is at the start of a run that begins in motion."""
+
+    doc: str
+    plant: Block
+    start: Callable[[Block, float], Block] = sliding
+    """``(plant, speed in rad/s) -> plant``."""
+    options: Mapping[str, Any] = TIGHT
+    """How it is integrated."""
+    ideal: Block | None = None
+    """What controllers without sampling see; None: there is no such loop."""
+
+
+MACHINES: dict[str, Machine] = {
+    "nominal": Machine(
+        "the paper's stage: 3.70e-4 kg m^2 and LuGre friction by Table 2",
+        replace(ballscrew_stage(travel_per_rad=TRAVEL_MM_PER_RAD), unit="mm"),
+        ideal=seen_in_mm(ballscrew_stage),
+    ),
+    "gms": Machine(
+        "the same under generalised Maxwell slip, six elements: another truth than the controllers believe",
+        replace(ballscrew_gms(travel_per_rad=TRAVEL_MM_PER_RAD), unit="mm"),
+        start=sliding_at,
+    ),
+}
+"""By name; every scenario runs on ``nominal`` unless ``build`` gets another one."""
+
+
+def metrics_of(scenario: Scenario) -> dict[str, Block]:
+    """What a run is judged by, in seconds and mm of the true position; of sines and feeds the second half counts."""
+    if isinstance(scenario.params, StepMove | FilteredStep):
+        return {
+            "settling_1um": settling_time(percent=0.0, band=0.001),
+            "overshoot": overshoot,
+            "max_torque": max_output,
+        }
+    late = 0.5 * scenario.duration_s
+    return {"max_error": max_error(from_time=late), "rms_error": rms_error(from_time=late), "max_torque": max_output}
+
+
+def build(
+    controller: Block,
+    scenario: Scenario,
+    machine: str = "nominal",
+    period: float = PERIOD_S,
+    encoder_nm: float = ENCODER_NM,
+    changes: Mapping[str, Any] | None = None,
+    sample: float = SAMPLE_S,
+    speed: float | None = None,
+    **options: Any,
+) -> Loop:
+    """The loop of a controller in a scenario, without computation delay: a delay line cannot start in motion.
+
+    ``changes``: parameters by dotted key; ``speed``: of the screw at the start, rad/s, in place of the scenario's;
+    ``options``: of the loop (``rtol``, ``atol``, ``substeps``, ``method``, ``metrics``). With ``encoder_nm`` 0 a
+    sampled controller sees the true position.
+    """
+    from leadscrew.kernel.loop import Loop
+
+    axis = MACHINES[machine]
+    common: dict[str, Any] = {"reference": command(scenario.params), "metrics": metrics_of(scenario)}
+    if controller.continuous:
+        if axis.ideal is None:
+            raise ValueRefused(f"{controller.name} is without sampling; on {axis.doc} only sampled controllers run")
+        more: dict[str, Any] = {"period": None, "sample": sample, "rtol": 1e-6, "atol": 1e-11} | options
+        loop = Loop(controller=controller, plant=axis.ideal, **(common | more))
+    else:
+        sensor = ruler(resolution_mm=1e-6 * encoder_nm) if encoder_nm > 0.0 else None
+        more = {"period": period} | dict(axis.options) | options
+        loop = Loop(controller=controller, plant=axis.plant, sensor=sensor, **(common | more))
+    loop = loop.using(changes) if changes else loop
+    speed = start_speed(scenario.params) if speed is None else speed
+    if speed != 0.0:
+        plant, law = loop.blocks["plant"], loop.blocks["controller"]
+        assert plant is not None and law is not None
+        loop.blocks["plant"] = axis.start(plant, speed)
+        if law.continuous:
+            loop.blocks["controller"] = in_motion(law, speed)
+    return loop

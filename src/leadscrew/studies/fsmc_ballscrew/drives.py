@@ -11,20 +11,22 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from types import MappingProxyType
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
 from leadscrew.actuators.torque_drive import torque_drive
-from leadscrew.kernel.block import Block
-from leadscrew.kernel.metrics import max_error, rms_error
+from leadscrew.kernel.metrics import max_error
 from leadscrew.plants.ballscrew_axial import ballscrew_axial
 from leadscrew.plants.ballscrew_stage import TRAVEL_MM_PER_RAD, ballscrew_stage
 from leadscrew.references.sine import sine_motion
 from leadscrew.sensors.filtered_ruler import filtered_ruler
 from leadscrew.studies.fsmc_ballscrew.controllers import CONTROLLERS
-from leadscrew.studies.fsmc_ballscrew.runs import PERIOD_S, Loops
-from leadscrew.studies.fsmc_ballscrew.scenarios import SCENARIOS, SineMove
+from leadscrew.studies.fsmc_ballscrew.scenarios import PERIOD_S, sine_of
+from leadscrew.studies.lab import Lab, measure
+
+if TYPE_CHECKING:
+    from leadscrew.kernel.loop import Loop
 
 LIMIT_NM, LAG_S, RIPPLE, FILTER_HZ = 15.0, 2e-4, 0.01, 1000.0
 """Torque limit (1.6 times static friction), lag of the current loop, ripple at 6 and at 24 a turn, filter: chosen."""
@@ -46,7 +48,7 @@ _ON: dict[str, dict[str, Any]] = {
 class Drive(NamedTuple):
     """What is switched on, and the period of control."""
 
-    said: str
+    doc: str
     on: tuple[str, ...] = ()
     period: float = PERIOD_S
 
@@ -63,7 +65,7 @@ EVERYTHING = tuple(_ON)
 
 DRIVES: dict[str, Drive] = {
     "ideal": Drive("nothing added"),
-    "limit": Drive(f"torque limit {LIMIT_NM:g} N m", ("limit",)),
+    "limit": Drive(f"torque limit {LIMIT_NM:g} N·m", ("limit",)),
     "lag": Drive(f"current loop of {1e3 * LAG_S:g} ms", ("lag",)),
     "ripple": Drive("torque ripple of 1 % at 6 and 24 a turn", ("ripple",)),
     "delay": Drive("one sample of computation delay", ("delay",)),
@@ -80,38 +82,27 @@ SECONDS = {"sine_slow": 7.0, "sine_wide": 7.0, "sine_fast": 2.3}
 COUNTS_FROM = {"sine_slow": 3.0, "sine_wide": 3.0, "sine_fast": 1.3}
 """How long a sine runs, and from when on it counts, s."""
 
-LEARNS_S = {"ours.pd_learned": {"sine_slow": 6.3, "sine_wide": 25.2, "sine_fast": 8.0}}
-"""Whole periods that a controller is given before, to learn in."""
-
 ADAPTIVE: Mapping[str, Any] = MappingProxyType({"method": "rodas", "rtol": 1e-5, "atol": 1e-8})
 """Position to a hundredth of a nanometre a step."""
 
 
-def sine_of(scenario: str) -> SineMove:
-    """The sine of a scenario."""
-    params = SCENARIOS[scenario].params
-    assert isinstance(params, SineMove)
-    return params
-
-
-def driven(loops: Loops, controller: str | Block, scenario: str, drive: str | Drive = "ideal", **changes: Any) -> Any:
+def driven(controller: str, scenario: str, drive: str = "ideal", **changes: Any) -> Loop:
     """The loop of a controller on a drive; ``changes``: more parameters by dotted key, dots as ``__``."""
     from leadscrew.kernel.loop import Loop
 
-    block = CONTROLLERS[controller] if isinstance(controller, str) else controller
-    asked = DRIVES[drive] if isinstance(drive, str) else drive
-    sine, late = sine_of(scenario), asked.period if "delay" in asked.on else 0.0
+    asked = DRIVES[drive]
+    sine, delay = sine_of(scenario), asked.period if "delay" in asked.on else 0.0
     plant = ballscrew_axial if {"mode", "ripple"} & set(asked.on) else ballscrew_stage
     size, frequency = sine.amplitude_mm, sine.rate_rad_s / (2.0 * math.pi)
     loop = Loop(
         reference=sine_motion(amplitude=size, frequency=frequency, phase=-0.5 * math.pi, offset=size),
-        controller=block,
+        controller=CONTROLLERS[controller],
         plant=plant(travel_per_rad=TRAVEL_MM_PER_RAD),
         actuator=torque_drive,
         sensor=filtered_ruler,
         period=asked.period,
-        computation_delay=late,
-        metrics={"max": max_error(from_time=COUNTS_FROM[scenario]), "rms": rms_error(from_time=COUNTS_FROM[scenario])},
+        computation_delay=delay,
+        metrics={"max": max_error(from_time=COUNTS_FROM[scenario])},
         bound=2.0 * size + 0.1,
         **ADAPTIVE,
     )
@@ -119,48 +110,18 @@ def driven(loops: Loops, controller: str | Block, scenario: str, drive: str | Dr
     return loop.using({key: value for key, value in more.items() if key in loop.sheet})
 
 
-class Found(NamedTuple):
-    """Errors of a run in um; infinite where it left the track by more than 0.1 mm."""
-
-    largest: float
-    rms: float
-
-
-def errors_um(
-    loops: Loops, controller: str | Block, scenario: str, drive: str | Drive = "ideal", **changes: Any
-) -> Found:
-    """Largest and RMS true error of the table in the second half of a run, after what :data:`LEARNS_S` gives it."""
-    import warnings
-
-    from leadscrew.kernel.loop import DivergenceWarning
-
-    more = LEARNS_S.get(controller, {}).get(scenario, 0.0) if isinstance(controller, str) else 0.0
-    late = {f"metrics__{name}__from_time": COUNTS_FROM[scenario] + more for name in ("max", "rms")}
-    loop = driven(loops, controller, scenario, drive, **(late | changes))
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", DivergenceWarning)
-        found = loop.run(SECONDS[scenario] + more, every=0).metrics
-    values = [1e3 * found[name] if np.isfinite(found[name]) else math.inf for name in ("max", "rms")]
-    return Found(*values)
+@measure
+def largest_um(lab: Lab, controller: str, scenario: str, drive: str = "ideal") -> float | None:
+    """Largest true error of the table in the second half of a run, um; None where it leaves the track by 0.1 mm."""
+    loop = driven(controller, scenario, drive)
+    loop.adopt_program(lab.once(("program", loop.compiled_from()), lambda: loop))
+    found = loop.run(SECONDS[scenario], every=0).metrics["max"]
+    return 1e3 * float(found) if np.isfinite(found) else None
 
 
-def survivors(
-    loops: Loops,
-    controller: str | Block,
-    scenario: str,
-    drive: str | Drive,
-    runs: int = 8,
-    within_um: float = 10.0,
-    seconds: float | None = None,
-) -> int:
-    """Of ``runs`` amplitudes that differ by a ten-thousandth each, how many never leave the track by ``within_um``."""
-    import warnings
-
-    from leadscrew.kernel.loop import DivergenceWarning
-
-    loop = driven(loops, controller, scenario, drive)
-    size = sine_of(scenario).amplitude_mm * (1.0 + 1e-4 * np.arange(runs))
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", DivergenceWarning)
-        done = loop.batch(seconds or SECONDS[scenario], {"reference.amplitude": size})
+@measure
+def survivors(lab: Lab, controller: str, seconds: float = 8.0, runs: int = 8, within_um: float = 10.0) -> int:
+    """Of runs on sin 2 pi t with a sample of delay, how many never leave the track; their amplitudes differ by 1e-4."""
+    size = sine_of("sine_fast").amplitude_mm * (1.0 + 1e-4 * np.arange(runs))
+    done = driven(controller, "sine_fast", "delay").batch(seconds, {"reference.amplitude": size})
     return int(np.sum(np.nan_to_num(1e3 * done.metrics["max"], nan=math.inf) <= within_um))

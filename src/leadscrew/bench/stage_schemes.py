@@ -1,4 +1,4 @@
-"""The benchmark of the integrators: the stage under a soft, sampled controller, stepped in several ways.
+"""Ways to step the stage through a hold: the stage under a soft, sampled controller, for the benchmark of integrators.
 
 Every 250 us the controller sees angle and speed exactly, and its torque is held:
 

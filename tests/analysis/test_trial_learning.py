@@ -1,4 +1,4 @@
-"""Learning from pass to pass: the table, the update, and what the passes leave of the error."""
+"""Learning from pass to pass: the table that a controller plays, and its update."""
 
 import math
 
@@ -13,10 +13,7 @@ from leadscrew.controllers.sliding.super_twisting import super_twisting
 from leadscrew.kernel.errors import BlockError, DataError, ValueRefused
 from leadscrew.plants.ballscrew_stage import ballscrew_stage
 from leadscrew.references.motion import Motion
-from leadscrew.studies.fsmc_ballscrew.learning import FIXED, HIGH_GAIN, NO_DAMPING, passes
-from leadscrew.studies.fsmc_ballscrew.runs import Loops
 from tests.controllers.stage_loop import stage_loop
-from tests.studies.whole import whole
 
 DT = 2.5e-4
 REST = Motion(0.0, 0.0, 0.0)
@@ -134,33 +131,3 @@ def test_records_and_settings_that_make_no_table_are_refused():
         last_period(np.arange(10) * 0.1, np.zeros(10), 2.0, 20)
     with pytest.raises(DataError, match="expected two samples each"):
         last_period(np.arange(10), np.zeros(9), 2.0, 20)
-
-
-# ---- the study
-@pytest.mark.slow
-def test_fifteen_passes_halve_the_error_on_the_fast_sine():
-    loops = Loops()
-    errors = passes(loops, FIXED, "sine_fast")
-    assert len(errors) == 16 and errors[15] < 0.5 * errors[0] < 0.12
-    assert passes(loops, FIXED, "sine_fast", 3) == errors[:4]
-    assert np.diff(errors).max() < 0.01  # a step of the scale
-
-
-@pytest.mark.slow
-@pytest.mark.xdist_group("whole fsmc_ballscrew")
-def test_the_picture_shows_what_is_left_pass_by_pass():
-    (picture,) = (p for p in whole("fsmc_ballscrew").pictures if p.name == "learning_passes")
-    lines = [line for axes in picture.draw().axes for line in axes.lines]
-    assert len(lines) == 6 and all(np.all(line.get_ydata() > 0.0) for line in lines)
-
-
-@pytest.mark.slow
-def test_with_a_scale_of_1_nm_the_wide_sine_settles_where_the_digest_says():
-    errors = passes(Loops(), FIXED, "sine_wide", 15, NO_DAMPING, encoder_nm=1.0)
-    assert errors[0] == pytest.approx(0.53, rel=0.1) and max(errors[-2:]) < 0.105
-
-
-@pytest.mark.slow
-def test_stick_slip_under_a_high_gain_is_learned_until_it_is_micrometres():
-    errors = passes(Loops(), FIXED, "sine_slow", 10, HIGH_GAIN)
-    assert errors[0] < 1.0 and max(errors) > 5.0

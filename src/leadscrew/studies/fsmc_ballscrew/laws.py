@@ -1,4 +1,4 @@
-"""Numbers that follow from the paper's equations by hand: eigenvalues, tight bounds, binomials, a Lyapunov function."""
+"""What follows from the paper's equations by hand: eigenvalues, tight bounds, binomials, a Lyapunov function, poles."""
 
 from __future__ import annotations
 
@@ -8,11 +8,16 @@ from math import comb
 import numpy as np
 from scipy.integrate import quad
 
-from leadscrew.friction.lugre import HAT, LuGre, steady_bristle
+from leadscrew.controllers.sliding.fuzzy import RULES, fsmc, sliding_system
+from leadscrew.friction.lugre import HAT, LuGre, level, level_slope, steady_bristle
 from leadscrew.plants.ballscrew_stage import INERTIA, BallscrewStageParams, BallscrewStageState, stage_jacobian
 
-SPEEDS = (0.0, 1e-5, 1e-4, 3e-4, 1e-3, 2e-3, 5e-3, 0.1, 3.14, 10.0)
-"""Steady speeds of the table of eigenvalues, rad/s."""
+SYSTEMS = {name: sliding_system(rules) for name, rules in RULES.items()}
+"""The fuzzy systems of Figures 8 and 9, by rule base."""
+PHI, LAM = 0.1, 150.0
+"""Printed boundary layer, rad/s, and rate of the surface, 1/s."""
+SLOPE = 120.0 / (INERTIA * 0.65)
+"""Slope of the fuzzy law inside, U / (J S), 1/s."""
 
 
 def open_loop_eigenvalues(speed: float) -> tuple[float, float]:
@@ -32,17 +37,6 @@ def explicit_limits_us() -> tuple[float, float]:
     rate = -open_loop_eigenvalues(0.0)[0]
     ends = [r.real for r in np.roots([1 / 24, 1 / 6, 1 / 2, 1, 0]) if abs(r.imag) < 1e-9 and r.real < -1e-9]
     return 2e6 / rate, -1e6 * max(ends) / rate
-
-
-def explicit_limit_speed() -> float:
-    """Speed above which the bristles' own relaxation is faster than the sticking stage, rad/s."""
-    f = LuGre()
-    return -open_loop_eigenvalues(0.0)[0] * f.coulomb / f.stiffness
-
-
-def passive_viscosity(f: LuGre) -> float:
-    """Least ``s2`` with which the model passes no energy from bristles to motion, ``s1 (F_S - F_C) / F_C``."""
-    return f.damping * (f.static - f.coulomb) / f.coulomb
 
 
 def stick_damping(f: LuGre, inertia: float) -> float:
@@ -106,3 +100,38 @@ def feedback_growth() -> float:
     by_speed = (hat.damping + hat.viscous - true.damping - true.viscous) / INERTIA
     rows = [[by_speed, -true.stiffness / INERTIA, hat.stiffness / INERTIA], [1.0, 0.0, 0.0], [1.0, 0.0, 0.0]]
     return float(np.linalg.eigvals(np.array(rows)).real.max())
+
+
+def surface(rules: str, s: float, s_c: float) -> float:
+    """K of a rule base; both inputs over their scales."""
+    return float(SYSTEMS[rules](s=s, s_c=s_c)["k"])
+
+
+def fuzzy_slope() -> float:
+    """How strongly the fuzzy law answers to e' near 0, 1/s: ``(U / J) dK/de'`` with ``s = s_c = e'``."""
+    p, small = fsmc.params, 1e-6
+    return -p.fuzzy_torque / p.inertia * surface("corrected", small / p.scale_s, small / p.scale_sc) / small
+
+
+def longest_periods_us() -> dict[str, float]:
+    """Longest stable control period with the printed gains, by law: 2 over the slope against e', in sliding."""
+    sliding = LuGre().coulomb / INERTIA
+    slopes = {"SMC": (sliding + 120.0) / PHI, "CSMC": 2.0 * (sliding + 20.0) / PHI, "FSMC": fuzzy_slope()}
+    return {law: 2e6 / slope for law, slope in slopes.items()}
+
+
+def friction_slope(speed: float) -> float:
+    """Slope of the steady friction over the speed, N m s/rad."""
+    return level_slope(LuGre(), speed) + LuGre().viscous
+
+
+def g_falls() -> bool:
+    """Whether g(v) falls at every speed up to 10 rad/s."""
+    f = LuGre()
+    return bool(np.all(np.diff([level(f, v) for v in np.geomspace(1e-6, 10.0, 2001)]) <= 0.0))
+
+
+def scales(torque: float, ratio: float, slope: float = SLOPE) -> dict[str, float]:
+    """Parameters of a fuzzy law with ``U = torque``, this slope, and ``S_c = ratio S``."""
+    s = torque / (INERTIA * slope)
+    return {"controller.fuzzy_torque": torque, "controller.scale_s": s, "controller.scale_sc": ratio * s}
