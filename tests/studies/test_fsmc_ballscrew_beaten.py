@@ -6,11 +6,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from tests.studies.whole import claims_of
 
 from leadscrew.plants.ballscrew_stage import INERTIA, TRAVEL_MM_PER_RAD
 from leadscrew.studies.fsmc_ballscrew.beaten import OURS, Runs, slip_foreseen_wrong, wander
 from leadscrew.studies.fsmc_ballscrew.runs import Loops
+from tests.studies.whole import claims_of
 
 PAGE = Path(__file__).parents[2] / "docs" / "friction_compensation.md"
 

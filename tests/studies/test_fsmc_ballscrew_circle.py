@@ -8,7 +8,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
-from tests.studies.whole import claims_of
 
 from leadscrew.analysis.circular.diagnosis import diagnose
 from leadscrew.analysis.circular.drawn import Circle, draw
@@ -25,6 +24,7 @@ from leadscrew.studies.fsmc_ballscrew.claims_creep import LAWS, creeps, jumps_um
 from leadscrew.studies.fsmc_ballscrew.controllers import CONTROLLERS
 from leadscrew.studies.fsmc_ballscrew.figures_circle import circle_pictures
 from leadscrew.studies.fsmc_ballscrew.runs import Loops
+from tests.studies.whole import claims_of
 
 MM = 1.5923
 """Travel of the table per radian, Table 1."""

@@ -5,7 +5,6 @@ import math
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
-from tests.studies.whole import claims_of
 
 from leadscrew.studies.fsmc_ballscrew.figures_integrators import (
     MARKS,
@@ -15,6 +14,7 @@ from leadscrew.studies.fsmc_ballscrew.figures_integrators import (
 )
 from leadscrew.studies.fsmc_ballscrew.integrators import NM, PERIOD_S, TRUTH, benchmark
 from leadscrew.studies.fsmc_ballscrew.runs import Loops
+from tests.studies.whole import claims_of
 
 
 @pytest.fixture(scope="module")

@@ -5,7 +5,6 @@ import math
 import numpy as np
 import pytest
 from scipy.ndimage import gaussian_filter1d
-from tests.studies.whole import whole
 
 from leadscrew.analysis.trial_learning import last_period, smoothed, taught
 from leadscrew.controllers.feed_forward_table import feed_forward_table
@@ -17,6 +16,7 @@ from leadscrew.references.motion import Motion
 from leadscrew.studies.fsmc_ballscrew.learning import FIXED, HIGH_GAIN, NO_DAMPING, passes
 from leadscrew.studies.fsmc_ballscrew.runs import Loops
 from tests.controllers.stage_loop import stage_loop
+from tests.studies.whole import whole
 
 DT = 2.5e-4
 REST = Motion(0.0, 0.0, 0.0)

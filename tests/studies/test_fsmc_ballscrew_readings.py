@@ -7,7 +7,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
-from tests.studies.whole import claims_of
 
 from leadscrew.controllers.sliding.stage import SlidingParams, View, layer_slope, switching_gain
 from leadscrew.friction.lugre import LuGre
@@ -41,6 +40,7 @@ from leadscrew.studies.fsmc_ballscrew.readings import (
 )
 from leadscrew.studies.fsmc_ballscrew.runs import Loops, tail_um
 from tests.fuzzy.formats_systems import shared
+from tests.studies.whole import claims_of
 
 LAM = 150.0
 

@@ -4,13 +4,13 @@ import csv
 import re
 
 import pytest
-from tests.studies.contract import WholeStudy, plain
-from tests.studies.whole import whole
 
 from leadscrew.catalogue import study
 from leadscrew.kernel.errors import LeadscrewError
 from leadscrew.studies.fsmc_ballscrew.runs import Loops, tail_um
 from leadscrew.studies.fsmc_ballscrew.scenarios import SINES
+from tests.studies.contract import WholeStudy, plain
+from tests.studies.whole import whole
 
 STAGE = study("fsmc_ballscrew")
 

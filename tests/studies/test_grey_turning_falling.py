@@ -2,10 +2,10 @@
 
 import numpy as np
 import pytest
-from tests.studies.whole import claims_of, together
 from turning_runs import reproduction
 
 from leadscrew.studies.grey_turning.figures_falling import falling_pictures
+from tests.studies.whole import claims_of, together
 
 pytestmark = together("grey_turning")
 

@@ -2,13 +2,13 @@
 
 import numpy as np
 import pytest
-from tests.studies.whole import claims_of
 from turning_oracle import Fuzzy, Lathe, run
 from turning_runs import reproduction
 
 from leadscrew.studies.grey_turning.figures_fixed import fixed_pictures
 from leadscrew.studies.grey_turning.reproduction import Case, Cuts, Told, together, told
 from leadscrew.studies.grey_turning.runs import Loops
+from tests.studies.whole import claims_of
 
 pytestmark = [pytest.mark.slow, pytest.mark.xdist_group("whole grey_turning")]
 

@@ -2,7 +2,6 @@
 
 import numpy as np
 import pytest
-from tests.studies.whole import claims_of
 from turning_oracle import Fuzzy, Lathe, run
 from turning_runs import reproduction
 
@@ -17,6 +16,7 @@ from leadscrew.studies.grey_turning.claims_scenarios import (
 )
 from leadscrew.studies.grey_turning.reproduction import Told
 from leadscrew.studies.grey_turning.scenarios import SCENARIOS
+from tests.studies.whole import claims_of
 
 
 def row(overshoot, rise, steady):

@@ -3,12 +3,12 @@
 import csv
 
 import pytest
-from tests.studies.contract import WholeStudy, plain
-from tests.studies.whole import whole
 
 from leadscrew.catalogue import study
 from leadscrew.studies.grey_turning.runs import Loops
 from tests.budget import WHOLE
+from tests.studies.contract import WholeStudy, plain
+from tests.studies.whole import whole
 
 TABLE = study("grey_turning")
 

@@ -4,7 +4,6 @@ import math
 
 import numpy as np
 import pytest
-from tests.studies.whole import claims_of
 
 from leadscrew.controllers.npid import npid
 from leadscrew.controllers.npid import slope as slope_of
@@ -16,6 +15,7 @@ from leadscrew.studies.npid_xytable.claims_chatter import errors_of
 from leadscrew.studies.npid_xytable.figures_chatter import chatter_pictures
 from leadscrew.studies.npid_xytable.runs import Loops
 from tests.controllers.xy_loop import xy_loop
+from tests.studies.whole import claims_of
 
 
 @pytest.fixture(scope="module")

@@ -3,12 +3,12 @@
 import csv
 
 import pytest
-from tests.studies.contract import WholeStudy
-from tests.studies.whole import whole
 
 from leadscrew.catalogue import study
 from leadscrew.studies.npid_xytable.runs import Loops
 from tests.budget import WHOLE
+from tests.studies.contract import WholeStudy
+from tests.studies.whole import whole
 
 TABLE = study("npid_xytable")
 

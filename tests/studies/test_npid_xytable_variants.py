@@ -5,7 +5,6 @@ import math
 import numpy as np
 import pytest
 from scipy import stats
-from tests.studies.whole import claims_of
 
 from leadscrew.controllers.npid import npid
 from leadscrew.controllers.npid_after import npid_after
@@ -19,6 +18,7 @@ from leadscrew.studies.npid_xytable.figures_law import gain_against_e_max, law_p
 from leadscrew.studies.npid_xytable.runs import Loops
 from leadscrew.studies.npid_xytable.sines import sines
 from tests.controllers.xy_loop import xy_loop
+from tests.studies.whole import claims_of
 
 
 @pytest.fixture(scope="module")

@@ -2,12 +2,12 @@
 
 import numpy as np
 import pytest
-from tests.studies.whole import claims_of
 
 from leadscrew.studies.sofnn_tangent.claims_delay import DIGEST_MAP, gap, kind_of
 from leadscrew.studies.sofnn_tangent.delay import AXIS_KEEP, RULE_SLOPE, TABLE_SLOPE, kalman_gain, radius, tooth_gain
 from leadscrew.studies.sofnn_tangent.online import STRAIGHT, TABLE, deviations, loop_of
 from leadscrew.studies.sofnn_tangent.runs import Loops
+from tests.studies.whole import claims_of
 
 
 @pytest.fixture(scope="module")

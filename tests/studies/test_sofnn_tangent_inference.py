@@ -2,11 +2,11 @@
 
 import numpy as np
 import pytest
-from tests.studies.whole import claims_of
 
 from leadscrew.studies.sofnn_tangent.inference_runs import GROUPS_CSV, VARIANTS, all_weights_rms, groups_kept
 from leadscrew.studies.sofnn_tangent.online import TABLE
 from leadscrew.studies.sofnn_tangent.runs import Loops
+from tests.studies.whole import claims_of
 
 
 @pytest.fixture(scope="module")

@@ -4,7 +4,6 @@ import math
 
 import numpy as np
 import pytest
-from tests.studies.whole import claims_of
 
 from leadscrew.neural.performance import GOLDEN
 from leadscrew.studies.sofnn_tangent.claims_online import idle, laps
@@ -28,6 +27,7 @@ from leadscrew.studies.sofnn_tangent.online import (
     stays_within,
 )
 from leadscrew.studies.sofnn_tangent.runs import Loops
+from tests.studies.whole import claims_of
 
 
 @pytest.fixture(scope="module")

@@ -5,11 +5,11 @@ import re
 
 import numpy as np
 import pytest
-from tests.studies.whole import claims_of, whole
 
 from leadscrew.studies.sofnn_tangent import study
 from leadscrew.studies.sofnn_tangent.claims_errata import MISSING, QUANTITIES
 from leadscrew.studies.sofnn_tangent.claims_paper import passed_areas, sets_of
+from tests.studies.whole import claims_of, whole
 
 
 def test_the_set_of_a_level_is_the_nearest_and_half_way_it_is_both():

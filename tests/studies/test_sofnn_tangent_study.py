@@ -4,13 +4,13 @@ import csv
 
 import numpy as np
 import pytest
-from tests.studies.contract import WholeStudy
-from tests.studies.whole import whole
 
 from leadscrew.catalogue import study
 from leadscrew.studies.sofnn_tangent import lines
 from leadscrew.studies.sofnn_tangent.runs import Loops
 from tests.budget import WHOLE
+from tests.studies.contract import WholeStudy
+from tests.studies.whole import whole
 
 TABLE = study("sofnn_tangent")
 
