@@ -7,11 +7,11 @@ ours.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 from zlib import crc32
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure
+    pass
 
 BLACK, ORANGE, SKY, GREEN, YELLOW, BLUE, VERMILION, PURPLE = (
     "#000000", "#E69F00", "#56B4E9", "#009E73", "#F0E442", "#0072B2", "#D55E00", "#CC79A7",
@@ -101,21 +101,3 @@ def line(controller: str) -> str:
 def pen(controller: str, label: str | None = "") -> dict[str, str | None]:
     """Keyword arguments for a plotted line: ``axes.plot(t, x, **pen("paper.vud"))``; the label is the name."""
     return {"color": colour(controller), "linestyle": line(controller), "label": controller if label == "" else label}
-
-
-def grid(width: float, height: float, rows: int = 1, columns: int = 1, **options: Any) -> tuple[Figure, Any]:
-    """A figure of this size in inches, and its panels."""
-    from matplotlib.figure import Figure
-
-    fig = Figure(figsize=(width, height), layout="constrained")
-    return fig, fig.subplots(rows, columns, **options)
-
-
-def with_legend(fig: Figure, *panels: Any, columns: int = 2, **options: Any) -> Figure:
-    """The figure with one legend below it, each name of the panels once."""
-    handles: dict[str, Any] = {}
-    for axes in panels:
-        for handle, label in zip(*axes.get_legend_handles_labels(), strict=True):
-            handles.setdefault(label, handle)
-    fig.legend(handles.values(), handles.keys(), loc="outside lower center", ncols=columns, frameon=False, **options)
-    return fig

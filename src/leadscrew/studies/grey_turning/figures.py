@@ -9,7 +9,7 @@ import numpy as np
 from leadscrew.controllers.grey_fuzzy.rule_tables import SETS
 from leadscrew.controllers.grey_fuzzy.surface import CENTRES
 from leadscrew.controllers.grey_fuzzy.tunings import FACTORS
-from leadscrew.figures.layout import grid, with_legend
+from leadscrew.figures.panels import grid, with_legend
 from leadscrew.grey.filters import response
 from leadscrew.grey.vectorised_others import limit
 from leadscrew.report.style import BLACK, BLUE, GREEN, ORANGE, PURPLE, SKY, VERMILION, colour, pen

@@ -15,6 +15,7 @@ from leadscrew.controllers import npid_slope as limited
 from leadscrew.controllers import resonant
 from leadscrew.controllers.inverse_feed_forward import inverse_feed_forward
 from leadscrew.controllers.pid import TUNINGS as PIDS
+from leadscrew.figures.panels import grid, with_legend
 from leadscrew.kernel.sheet import entries
 from leadscrew.report.style import (
     BLACK,
@@ -25,9 +26,7 @@ from leadscrew.report.style import (
     SKY,
     VERMILION,
     colour,
-    grid,
     pen,
-    with_legend,
 )
 from leadscrew.studies.exhibits import figure
 from leadscrew.studies.lab import Lab

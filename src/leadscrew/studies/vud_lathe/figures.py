@@ -9,7 +9,7 @@ import numpy as np
 
 from leadscrew.controllers.vud import universe
 from leadscrew.controllers.vud.power_law import power_law
-from leadscrew.figures.layout import grid, with_legend
+from leadscrew.figures.panels import grid, with_legend
 from leadscrew.report.positioning import draw as draw_positioning
 from leadscrew.report.style import (
     BLACK,
@@ -20,9 +20,7 @@ from leadscrew.report.style import (
     SKY,
     VERMILION,
     colour,
-    grid,
     pen,
-    with_legend,
 )
 from leadscrew.sensors.grating import counting
 from leadscrew.sensors.grating.heydemann import fit_ellipse
