@@ -58,6 +58,8 @@ class Study:
     summary: str = ""
     record: tuple[str, ...] = ()
     """Signals that runs record beside those that every run records."""
+    card: tuple[str, ...] = ()
+    """Three key claims, by their id without the study, whose numbers stand on the study's card; the last unless given."""
     assumed: tuple[Assumption, ...] = ()
     method: tuple[str, ...] = ()
     """How the numbers came about, a paragraph each."""

@@ -95,6 +95,7 @@ STUDY = Study(
         "PD with a disturbance observer beats all three."
     ),
     record=("plant.speed", "plant.bristle"),
+    card=("half_of_the_tight_bound", "csmc_eliminates_it", "fsmc_torque_at_rest.commanded"),
     assumed=ASSUMED,
     method=(
         "The stage is (1) to (5) with Tables 1 and 2, integrated by RODAS with adaptive steps: friction is stiff, with "

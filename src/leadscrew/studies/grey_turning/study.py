@@ -106,6 +106,7 @@ STUDY = Study(
         "tuned loop. A controller that inverts the power law of the cut and knows the programmed depth beats both."
     ),
     record=("sensor",),
+    card=("overshoot_falling.tfc", "overshoot_falling.gpfc", "rise_fixed.gpfc"),
     assumed=ASSUMED,
     method=(
         "The chip is the room between the edge and the surface that it left one revolution before; tool and work give "

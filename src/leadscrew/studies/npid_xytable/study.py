@@ -92,6 +92,7 @@ STUDY = Study(
         "harmonics and chatters, because the slope of its curve, not its gain, decides on stability. A linear PID with "
         "integral action beats it on all fifteen rows of Table II."
     ),
+    card=("mean_reduction", "adjusts_its_gain", "popov_from_zero"),
     assumed=ASSUMED,
     method=(
         "The axis is (1), exact for a voltage held over 0.5 ms, with a dead time. Forces act at its input as five "
