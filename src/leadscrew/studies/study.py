@@ -59,7 +59,7 @@ class Study:
     record: tuple[str, ...] = ()
     """Signals that runs record beside those that every run records."""
     card: tuple[str, ...] = ()
-    """Three key claims, by their id without the study, whose numbers stand on the study's card; the last unless given."""
+    """Three key claims, by their id without the study, for the study's card; the last ones unless given."""
     assumed: tuple[Assumption, ...] = ()
     method: tuple[str, ...] = ()
     """How the numbers came about, a paragraph each."""

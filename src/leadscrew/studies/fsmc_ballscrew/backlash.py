@@ -14,7 +14,7 @@ import numpy as np
 
 from leadscrew.analysis.circular.paths import CircularTest, Turn
 from leadscrew.plants.backlash import Play, followed
-from leadscrew.plants.backlash_two_mass import backlash_two_mass, damping_ratio, restitution_of
+from leadscrew.plants.backlash_two_mass import damping_ratio, restitution_of
 from leadscrew.plants.ballscrew_backlash import BallscrewBacklashParams, backlash_in_motion, ballscrew_backlash
 from leadscrew.plants.ballscrew_play import ballscrew_play, play_in_motion
 from leadscrew.plants.ballscrew_stage import TRAVEL_MM_PER_RAD
@@ -203,12 +203,6 @@ def crossing_of_parabola(scenario: str, gap_um: float = GAP_UM) -> float:
     """``sqrt(2 b / (R w^2))``, s."""
     radius, rate = radius_and_rate(scenario)
     return math.sqrt(2e-6 * gap_um / (radius * rate * rate))
-
-
-def pressed_um() -> float:
-    """How far the guide presses the table into a flank before a slow reversal."""
-    p = backlash_two_mass.params
-    return float(1e6 * p.guide.coulomb / p.joint.forward_stiffness)
 
 
 @measure

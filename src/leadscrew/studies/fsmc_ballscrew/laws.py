@@ -84,16 +84,6 @@ def lyapunov_residual(lam: float = 150.0, draws: int = 1000) -> float:
     return float(np.max(np.abs(terms[0] + terms[1] - stated) / (np.abs(terms[0]) + np.abs(terms[1]))))
 
 
-def printed_rules_poles(gain: float, lam: float = 150.0) -> np.ndarray:
-    """Poles of the loop under ``K_f = -gain (s - s_c) / 2``: ``(p + lam) ((p + lam)^2 + lam gain)``, 1/s."""
-    return np.roots(np.polyadd(np.poly([-lam] * 3), lam * gain * np.poly([-lam])))
-
-
-def corrected_rules_poles(gain: float, lam: float = 150.0) -> np.ndarray:
-    """Poles of the loop under ``K_f = -gain (s + s_c) / 2``: ``(p + lam) ((p + lam)^2 + gain p)``, 1/s."""
-    return np.roots(np.polyadd(np.poly([-lam] * 3), gain * np.poly([-lam, 0.0])))
-
-
 def feedback_growth() -> float:
     """Growth rate of a stuck stage under ``T = F_hat`` of the measured speed, ``s1`` included, 1/s."""
     true, hat = LuGre(), HAT

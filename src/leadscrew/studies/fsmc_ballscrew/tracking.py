@@ -7,7 +7,6 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from leadscrew.friction.lugre import LuGre
 from leadscrew.plants.ballscrew_stage import TRAVEL_MM_PER_RAD
 from leadscrew.studies.fsmc_ballscrew.scenarios import SAMPLE_S, sine_of
 from leadscrew.studies.lab import Lab, measure
@@ -182,23 +181,3 @@ def at_rest(run: Any) -> AtRest:
 def settled_run(lab: Lab, law: str) -> Any:
     """1 mm in 50 ms with f_hat from the measured speed, sampled finely enough for the limit cycle that follows."""
     return lab.run(law, "step_quintic", 0.8, changes={"controller.friction_from": 2}, sample=2e-5)
-
-
-def time_constant(run: Any, first: float, last: float) -> float:
-    """Time constant in s of an error that decays as an exponential between two instants: least squares on its log."""
-    t = run["time"]
-    inside = (t >= first) & (t <= last)
-    slope = np.polyfit(t[inside], np.log(np.abs(run["true_error"][inside])), 1)[0]
-    return float(-1.0 / slope)
-
-
-def stick_time_constant(law: Any) -> float:
-    """``(sigma0 / J + 2 lam K / phi) / lam^3``: how slowly the integral of the complementary law moves a stuck stage.
-
-    Derivation: stuck, the stage is a spring of ``sigma0``; ``J u = sigma0 (e - e_0)`` with (9), (10) and (15) at
-    ``e' = 0`` leaves ``(sigma0 / J + 3 lam^2 + 2 lam K / phi) e + lam^3 xi = constant``, and ``xi' = e``. The term
-    ``3 lam^2`` is a ten-thousandth of the rest.
-    """
-    p = law.params
-    gain = p.bound.static / p.inertia + p.eta
-    return float((LuGre().stiffness / p.inertia + 2.0 * p.lam * gain / p.boundary) / p.lam**3)
