@@ -4,7 +4,6 @@ import contextlib
 import gc
 import importlib
 import os
-import platform
 import signal
 from pathlib import Path
 
@@ -20,10 +19,6 @@ os.environ.setdefault("LEADSCREW_CACHE_DIR", str(Path(__file__).parents[1] / "bu
 
 # Several workers share the cores: more threads of BLAS in each would only wait for one another.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
-
-# Its kernels round matrix products differently from processor to processor: old runs are replayed bit for bit on one.
-if platform.machine() in ("x86_64", "AMD64"):
-    os.environ.setdefault("OPENBLAS_CORETYPE", "Haswell")
 
 # A shell that starts the tests in the background has Ctrl-C ignored, and so would every program that a test interrupts.
 if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
