@@ -66,6 +66,6 @@ def test_trainings_done_again_end_as_they_did(reading, method, count):
 def test_the_accepted_network_can_be_trained_again():
     from leadscrew.neural.training import train
 
-    found, kept = train(seed=0), safety(runs.accepted_net())
+    found, kept = train(seed=0), safety(runs.nets()[runs.ACCEPTED])
     assert found.safety.accepted
     assert found.safety.rmse == pytest.approx(kept.rmse, abs=0.03)

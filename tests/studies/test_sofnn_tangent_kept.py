@@ -69,12 +69,29 @@ def test_the_rules_are_set_to_what_was_chosen_on_other_lines():
         assert np.array_equal(getattr(chosen, name), getattr(curvature_network.params, name)), name
 
 
+def next_to(name):
+    """What was tried that differs from the chosen setting in one value alone: the nearest on either side."""
+    best = curvature_rules.chosen().setting
+    alone = [
+        t
+        for t in curvature_rules.kept()
+        if t.setting != best and t.setting._replace(**{name: getattr(best, name)}) == best
+    ]
+    sides = {
+        above: [t for t in alone if (getattr(t.setting, name) > getattr(best, name)) == above]
+        for above in (False, True)
+    }
+    return [
+        min(side, key=lambda t: abs(getattr(t.setting, name) - getattr(best, name))) for side in sides.values() if side
+    ]
+
+
 @pytest.mark.slow
 def test_the_choice_is_made_again():
     """The chosen setting and its neighbours, as the file has them; the chosen one is the best of all tried."""
     own = {round(x.length) for x in curvature_rules.lines_of_choice()}
     assert len(own) == 3 and not own & {round(line(name).travel[-1]) for name in LINES}
-    best, near = curvature_rules.chosen(), curvature_rules.next_to("scale") + curvature_rules.next_to("highpass_s")
+    best, near = curvature_rules.chosen(), next_to("scale") + next_to("highpass_s")
     assert len(near) == 4 and len(curvature_rules.kept()) > 40
     for row in (best, *near):
         again = curvature_rules.tried(lab(), row.setting)

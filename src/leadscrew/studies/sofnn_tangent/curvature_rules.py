@@ -204,16 +204,3 @@ def kept() -> list[Tried]:
 def chosen() -> Tried:
     """The setting of the smallest cost."""
     return min(kept(), key=lambda t: t.worst)
-
-
-def next_to(name: str) -> list[Tried]:
-    """What was tried that differs from the chosen setting in one value alone: the nearest on either side."""
-    best = chosen().setting
-    alone = [t for t in kept() if t.setting != best and t.setting._replace(**{name: getattr(best, name)}) == best]
-    sides: dict[bool, list[Tried]] = {
-        above: [t for t in alone if (getattr(t.setting, name) > getattr(best, name)) == above]
-        for above in (False, True)
-    }
-    return [
-        min(side, key=lambda t: abs(getattr(t.setting, name) - getattr(best, name))) for side in sides.values() if side
-    ]

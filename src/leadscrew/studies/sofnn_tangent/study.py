@@ -46,6 +46,11 @@ ASSUMED = (
         "The text names the reference first; area I of Figure 4 (too low, E = NM) asks for this order.",
     ),
     Assumption(
+        "positive direction",
+        "counter-clockwise, of angles and offset",
+        "The paper prints clockwise. A mirrored line gives the same deviations; counter-clockwise is usual for G-code.",
+    ),
+    Assumption(
         "rules at the start",
         "the set of E plus that of EC, trained on Mamdani's answers at 169 points",
         "The paper gives neither rules nor samples. Its Figure 2 has 49 rules.",
@@ -88,8 +93,8 @@ STUDY = Study(
     contents=contents_of(*(f"leadscrew.studies.sofnn_tangent.{part}" for part in ("claims", "experiments", "figures"))),
     summary=(
         "A performance network corrects the rules of a fuzzy network while a blade cuts. It learns, and beats fixed "
-        "rules; a tuned PID equals it. Feed-forward of the curvature, and learning from piece to piece, which composes "
-        "with the network, are three times better."
+        "rules; a tuned PID equals it. Feed-forward of the curvature is better, and so is learning from piece to "
+        "piece, which composes with the network."
     ),
     record=("actual.deviation", "actual.angle", "actual.lateral", "controller.watch", "controller.updates"),
     card=("change_by_learning", "deviation_with_the_closest_network", "less_after_a_change.wave"),

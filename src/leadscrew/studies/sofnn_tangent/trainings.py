@@ -236,11 +236,6 @@ def nets() -> dict[str, Performance]:
         }
 
 
-def accepted_net() -> Performance:
-    """The network that training gives out."""
-    return nets()[ACCEPTED]
-
-
 def of(reading: str, method: str) -> list[Row]:
     """The kept trainings of one reading by one method."""
     return [r for r in trainings() if r.reading == reading and r.method == method]
