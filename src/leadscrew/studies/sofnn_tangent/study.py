@@ -97,7 +97,7 @@ STUDY = Study(
         "piece, which composes with the network."
     ),
     record=("actual.deviation", "actual.angle", "actual.lateral", "controller.watch", "controller.updates"),
-    card=("change_by_learning", "deviation_with_the_closest_network", "less_after_a_change.wave"),
+    card=("change_by_learning", "steady_deviation_compensated", "less_after_a_change.wave"),
     assumed=ASSUMED,
     method=(
         "The cut is simulated with a period of 10 ms; lags are exact between samples. Every controller meets the same "
