@@ -19,7 +19,7 @@ ASSUMED = (
     Assumption(
         "where e_max clips",
         "inside the gain only",
-        "Read to the letter the error itself is clipped, and the axis loses a sine of 2 mm.",
+        "Read to the letter the error itself is clipped; with e in µm the axis then loses a sine of 2 mm.",
     ),
     Assumption(
         "sampling",
@@ -88,9 +88,9 @@ STUDY = Study(
     folder=Path(__file__).parent,
     contents=contents_of(*(f"leadscrew.studies.npid_xytable.{part}" for part in ("claims", "experiments", "figures"))),
     summary=(
-        "A gain that grows with the error: with the error in mm, as printed, it never leaves 1; in um it halves the "
-        "harmonics and chatters, because the slope of its curve, not its gain, decides on stability. A linear PID with "
-        "integral action beats it on all fifteen rows of Table II."
+        "A gain that grows with the error: with the error in mm, as printed, it never leaves 1; in µm it reduces "
+        "the harmonics and chatters, because the slope of its curve, not its gain, decides on stability. A linear PID "
+        "with integral action leaves less at the lines of Table II."
     ),
     card=("mean_reduction", "adjusts_its_gain", "popov_from_zero"),
     assumed=ASSUMED,
@@ -105,8 +105,7 @@ STUDY = Study(
         "All results are for a simulated linear axis. Nothing here is evidence about the authors' machine.",
         "The PID column is calibrated and cannot be tested; what NPID makes of it depends on the phases of the forces "
         "and on the amplitude of the motion, which the paper does not give.",
-        "A mode of the screw of 40 to 150 Hz makes the loops unstable that read a scale at the table: see the mode of "
-        "the screw.",
+        "A mode of the screw can make a loop unstable that reads a scale at the table: see the mode of the screw.",
         "Proofs hold for the sampled linear axis and its dead time, each plant of the box by itself.",
     ),
 )
