@@ -5,9 +5,10 @@ import tomllib
 from pathlib import Path
 
 import pytest
+from typer.testing import CliRunner
 
 from leadscrew import catalogue, controller_file
-from leadscrew.cli import main
+from leadscrew.cli import app
 from leadscrew.studies.tuned import FOLDER, tuned
 
 FILES = [file for name in catalogue.STUDIES for file in sorted((catalogue.study(name).folder / FOLDER).glob("*.toml"))]
@@ -33,7 +34,8 @@ def test_the_gains_are_those_of_a_controller_of_the_study_and_a_command_tells_wh
 def test_the_command_finds_as_good_a_setting_again(file, tmp_path):
     """The same search reaches the same goal; its last digits may hang on the processor."""
     before, out = controller_file.read(file).tuning, tmp_path / "again.toml"
-    assert main([*shlex.split(before["command"])[1:], "-o", str(out)]) == 0
+    done = CliRunner().invoke(app, [*shlex.split(before["command"])[1:], "-o", str(out)])
+    assert done.exit_code == 0, done.output
     after = tomllib.loads(out.read_text(encoding="utf-8"))["tuning"]
     for goal in before["minimise"]:
         assert after["held_out"][goal] == pytest.approx(before["held_out"][goal], rel=0.02)
