@@ -20,11 +20,12 @@ from leadscrew.sensors.grating.quadrature import first_order_error, interpolatio
 from leadscrew.studies.exhibits import experiment
 from leadscrew.studies.lab import Lab, measure
 from leadscrew.studies.vud_lathe import axes, curvature, laws, limits, old_servo
-from leadscrew.studies.vud_lathe.controllers import CONSTANT, CONTROLLERS, VARIANTS
+from leadscrew.studies.vud_lathe.controllers import CONSTANT, CONTROLLERS, EQUALS, VARIANTS
 from leadscrew.studies.vud_lathe.fast_search import SENSOR_ERRORS
 from leadscrew.studies.vud_lathe.iso_230_2 import CONTROLLER, run_test
 from leadscrew.studies.vud_lathe.laws import ALONE, NOISES, POINTS, SEED, TRIAL
 from leadscrew.studies.vud_lathe.scenarios import MACHINES, METRICS, PERIOD_S, STEPS
+from leadscrew.tune.compare_statistics import difference
 
 if TYPE_CHECKING:
     from leadscrew.kernel.loop import Loop
@@ -425,6 +426,49 @@ def _worst(lab: Lab, block: Block, way: float | np.ndarray, changes: Mapping[str
         1e3 * float(late.max()),
         1e3 * float(done["error_after_2s"].max()),
         1e3 * float(done["overshoot"].max()),
+    )
+
+
+@measure
+def settled_s(lab: Lab, controller: str) -> np.ndarray:
+    """Seconds to 2 um of both steps, on the nominal axis and on those that no search has seen, ``[axis, step]``."""
+    speeds = np.concatenate([[MACHINES["linear"].plant.params.full_duty_speed_mm_s], HELD_OUT_MM_S])
+    varied = {"plant.full_duty_speed_mm_s": speeds}
+    found = [lab.batch(controller, s.scenario, varied, 2.5).metrics["settling_2um"] for s in STEPS.values()]
+    return np.nan_to_num(np.array(found).T, nan=np.inf)
+
+
+@experiment("What would an engineer use instead of the rules?")
+def rules_or_pd(lab: Lab) -> tuple[Table, str]:
+    """PD and rules tuned by the same search: three seeds, 10,000 settings each on the nominal axis, 2,500 on 16 axes of
+    259 to 334 mm/s; at most 1 µm off after 2 s, 2 µm of overshoot. Judged on 64 other axes; the difference, with its
+    95 % interval, is to the PD of the same measurements.
+    """
+    rows: dict[str, tuple[Any, ...]] = {}
+    means = {}
+    for name in EQUALS:
+        found = settled_s(lab, name)
+        nominal, others = found[0], found[1:].mean(axis=1)
+        known = others[np.isfinite(others)]
+        means[name] = float(nominal.mean())
+        base = settled_s(lab, name.replace("vud_tuned", "pd_tuned").replace("vud_observed", "pd_observed"))[1:].mean(axis=1)
+        both = np.isfinite(others) & np.isfinite(base)
+        gap = difference(others[both], base[both]) if both.any() and "vud" in name else None
+        rows[name] = (
+            "error and observer" if "observed" in name else "error",
+            *nominal,
+            float(known.mean()) if len(known) == len(others) else None,
+            len(others) - len(known),
+            *((gap.value, gap.low, gap.high) if gap else (None, None, None)),
+        )
+    columns = (
+        "measures", *_both("2 um (s)"), "mean, other axes (s)", "of 64 not arrived", "less the PD (s)", "from (s)", "to (s)"
+    )
+    plain, rules = means["ours.pd_tuned"], means["ours.vud_tuned"]
+    seen, fast = means["ours.pd_observed"], means["ours.vud_observed"]
+    return Table("controller", columns, rows), (
+        f"The same search gives a PD {plain:.3f} s and the rules {rules:.3f} s in the mean of both steps; behind the observer "
+        f"{seen:.3f} and {fast:.3f} s: the observer makes the difference, not the rules."
     )
 
 
