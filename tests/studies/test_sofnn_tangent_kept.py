@@ -11,7 +11,7 @@ from leadscrew.controllers.tangent.curvature_network import curvature_network
 from leadscrew.controllers.tangent.taught_offset import taught_alone
 from leadscrew.kernel.errors import ValueRefused
 from leadscrew.kernel.sheet import checked_replace
-from leadscrew.studies.sofnn_tangent import all_weights, curvature_rules, tuning, workflow
+from leadscrew.studies.sofnn_tangent import all_weights, curvature_rules, scenarios, tuning, workflow
 from leadscrew.studies.sofnn_tangent.cuts import rules
 from leadscrew.studies.sofnn_tangent.delayed_pd import delayed_pd
 from leadscrew.studies.sofnn_tangent.pieces import PLACES, PLAIN, Learned, Plan, others_mean, pieces
@@ -54,7 +54,7 @@ def test_what_is_carried_is_what_the_last_piece_ended_with():
     assert np.array_equal(carried.rms[0], batch.rms[0])
     block, errors = curvature_feed_forward, []
     for piece in range(2):
-        live = lab().loop(block, "flower_fabric").using(seed=SEED).start(run=2 * piece)
+        live = lab().loop(block, "flower_fabric").using(seed=scenarios.SEED).start(run=2 * piece)
         errors.append(live.advance(live.loop.periods(FLOWER_S), every=0).metrics.rms_error)
         state = rules(live)
         block = curvature_feed_forward(prior=state.weights, prior_covariance=state.covariance)
