@@ -88,8 +88,8 @@ STUDY = Study(
     contents=contents_of(*(f"leadscrew.studies.sofnn_tangent.{part}" for part in ("claims", "experiments", "figures"))),
     summary=(
         "A performance network corrects the rules of a fuzzy network while a blade cuts. It learns, and beats fixed "
-        "rules; tuned alike, it equals three gains in its equation (3) without rules, and a PID comes close. Feed-forward "
-        "of the curvature, and learning from piece to piece, which composes with the network, are twice as good."
+        "rules; tuned alike, it equals three gains in its equation (3) without rules, and a PID comes close. "
+        "Feed-forward of the curvature, and learning from piece to piece, are twice as good."
     ),
     record=("actual.deviation", "actual.angle", "actual.lateral", "controller.watch", "controller.updates"),
     assumed=ASSUMED,
