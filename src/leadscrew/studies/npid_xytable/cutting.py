@@ -156,14 +156,15 @@ def tried(
     encoder: bool = True,
     spindle: bool = True,
     box: bool = False,
-    drawn: bool = False,
+    own_plants: bool = False,
     phases: np.ndarray | None = None,
     **options: Any,
 ) -> Trial:
     """The three speeds with ``draws`` of phases each, on the nominal plant or on every plant of :data:`BOX`.
 
-    ``drawn``: each draw on a plant of its own, from within the box. ``encoder``: of 0.5 um with 0.1 um of noise. ``phases``: ``(3, runs a speed, 5)`` in place of random ones. The
-    controllers of :data:`TOLD` are told the spindle's speed.
+    ``own_plants``: each draw on a plant of its own, from within the box. ``encoder``: of 0.5 um with 0.1 um of noise.
+    ``phases``: ``(3, runs a speed, 5)`` in place of random ones. The controllers of :data:`TOLD` are told the spindle's
+    speed.
     """
     read = {} if encoder else {"encoder_um": 0.0, "noise_um": 0.0}
     loop = lab.loop(controller, "measured_1000", **read, **options)
@@ -179,7 +180,7 @@ def tried(
         varied[spindle_key(loop)] = rpm / 60.0
     if box:
         varied |= {key: values[plant] for key, values in BOX.items()}
-    if drawn:
+    if own_plants:
         varied |= {key: values[draw] for key, values in plants_of(by_speed.shape[1]).items()}
     done = loop.batch(CUT_S, varied, record=("true_error",))
     fitted = amplitudes_um(done, (BASE_HZ, *LINES_HZ))
@@ -197,10 +198,12 @@ def trial(
     encoder: bool = True,
     spindle: bool = True,
     box: bool = False,
-    drawn: bool = False,
+    own_plants: bool = False,
 ) -> Trial:
     """:func:`tried`, once."""
-    return tried(lab, controller, amplitude_mm, draws, encoder=encoder, spindle=spindle, box=box, drawn=drawn)
+    return tried(
+        lab, controller, amplitude_mm, draws, encoder=encoder, spindle=spindle, box=box, own_plants=own_plants
+    )
 
 
 # ---- sines and constant loads

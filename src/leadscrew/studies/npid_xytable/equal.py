@@ -25,16 +25,12 @@ class Standing(NamedTuple):
     less: Interval | None
     """Its mean row less that of the PID with the same bounds and knowledge, on the same draws."""
     row_15mm: float
+    worst_15mm: float | None
+    """Where its row is largest against the PID's, percent above it."""
     rms: float
     ms: float
     rest: float
     work: float
-
-    @property
-    def order(self) -> str:
-        """Against the PID: better, worse, or not told apart."""
-        low, high = (0.0, 0.0) if self.less is None else self.less[1:]
-        return "better" if high < 0.0 else "worse" if low > 0.0 else "no different"
 
 
 @measure
@@ -42,19 +38,21 @@ def tuned_standings(lab: Lab) -> dict[str, Standing]:
     """The controllers of ``leadscrew design rejection`` by name."""
     found: dict[str, Standing] = {}
     for group in (f"_{bound}{fed}" for fed in ("", "_ff") for bound in BOUNDS):
-        against = np.zeros(0)
+        against = far_against = np.zeros(0)
         for law, (block, ranges, ends_of) in LAWS.items():
             name = f"ours.{law}{group}"
             p = lab.study.controllers[name].params
             inner = replace(block, params=p.inner if group.endswith("_ff") else p)
             ends = ends_of({key: np.array([value_at(inner.params, key)]) for key in ranges})
-            near, far = trial(lab, name, 1.0, JUDGED), trial(lab, name, 15.0, JUDGED)
-            rows = trial(lab, name, 1.0, PLANTS, drawn=True).by_draw()
-            against = rows if law == "pid" else against
+            near, far = trial(lab, name, 1.0, JUDGED), trial(lab, name, 15.0, JUDGED).by_row()
+            rows = trial(lab, name, 1.0, PLANTS, own_plants=True).by_draw()
+            if law == "pid":
+                against, far_against = rows, far
             none = np.zeros(PLANTS, dtype=bool)
             pair = None if law == "pid" else paired(name, "pid", rows, against, none, none, 0).difference
+            worst = None if law == "pid" else float(100.0 * (far / far_against - 1.0).max())
             found[name] = Standing(
-                float(near.rows.mean()), standing(rows, 0).mean, pair, float(far.rows.mean()), float(near.rms.mean()),
+                float(near.rows.mean()), standing(rows, 0).mean, pair, float(far.mean()), worst, float(near.rms.mean()),
                 float(largest_ms(ends)[0]), float(rest_du_mv(lab, inner)[0]), float(near.chatter.mean()),
             )  # fmt: skip
     return found

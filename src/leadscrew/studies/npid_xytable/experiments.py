@@ -30,6 +30,7 @@ from leadscrew.studies.npid_xytable.claims import (
     differentiated,
     uncompensated_um,
 )
+from leadscrew.studies.npid_xytable.controllers import BOUNDS
 from leadscrew.studies.npid_xytable.cutting import FEW, LOADS_UM, Trial, load_volts, sines, swing_um, trial
 from leadscrew.studies.npid_xytable.equal import engineers_choice, tuned_standings
 from leadscrew.studies.npid_xytable.laws import GAINS
@@ -47,6 +48,7 @@ from leadscrew.studies.npid_xytable.measurement import (
 )
 from leadscrew.studies.npid_xytable.rejection import BEST, let_through, opened, peak
 from leadscrew.studies.npid_xytable.table2 import LINES_HZ, NPID_UM, ORDERS, PID_UM, SPEEDS
+from leadscrew.tune.compare_statistics import Interval
 
 LINE_COLUMNS = tuple(f"{hz:.1f} Hz (%)" for hz in LINES_HZ)
 COMPARED = (
@@ -284,18 +286,21 @@ def equal_baselines(lab: Lab) -> tuple[Table, str]:
     judged under other phases, and on other plants with 95 % intervals of the difference. *_ff* knows the plant.
     """
     found = tuned_standings(lab)
-    rows = {}
+    rows: dict[str, tuple[Any, ...]] = {}
     for name, x in found.items():
-        less = (None, None, None) if x.less is None else x.less
-        rows[name] = (x.row, x.other_plants.value, *less, x.row_15mm, x.rms, x.ms, x.rest, x.work)
+        less: tuple[Any, ...] = (None, None, None) if x.less is None else x.less
+        key = f"{name}, knows the plant" if name.endswith("_ff") else name
+        rows[key] = (x.row, x.other_plants.value, *less, x.row_15mm, x.worst_15mm, x.rms, x.ms, x.rest, x.work)
     columns = ("mean row (um)", "other plants, mean row (um)", "less PID (um)", "from (um)", "to (um)",
-               "15 mm, mean row (um)", "rms error (um)", "Ms (1)", "at rest (mV)", "at work (mV)")  # fmt: skip
-    ranked = ", ".join(f"{name} {x.order}" for name, x in found.items() if x.less is not None)
+               "15 mm, mean row (um)", "15 mm, worst row over PID (%)", "rms error (um)", "Ms (1)", "at rest (mV)",
+               "at work (mV)")  # fmt: skip
+    rest, work = (Interval(*rows[f"ours.npid_split_{bound}"][2:5]) for bound in BOUNDS)
     proofs = split.proofs(lab)
     proved = sum(one.grade == "certificate" for one in proofs)
     return Table("controller", columns, rows), (
-        f"{engineers_choice(lab)} Drawn plants: {ranked}; ours.npid_split_rest is proved by a matrix inequality on "
-        f"{proved} of {len(proofs)} plants."
+        f"{engineers_choice(lab)} On other plants npid_split is {1e3 * rest.value:+.0f} nm from the PID (95 % "
+        f"{1e3 * rest.low:+.0f} to {1e3 * rest.high:+.0f}) and {1e3 * work.value:+.1f} nm; it is proved by a matrix "
+        f"inequality on {proved} of {len(proofs)} plants."
     )
 
 
