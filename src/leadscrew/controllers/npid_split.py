@@ -102,6 +102,6 @@ def npid_split(p, s, command, feedback, dt):
 
 
 TUNINGS: dict[str, Block] = {"ours.npid_split": npid_split}
-"""For the XY table at 2 kHz with 0.775 ms of delay and a scale of 0.5 um, rounded by hand: Ms <= 1.6 at every error, 0.5
-mV of change from sample to sample at rest. ``leadscrew design rejection npid_split`` tunes the law.
+"""For the XY table at 2 kHz with 0.775 ms of delay and a scale of 0.5 um, rounded by hand: Ms <= 1.6 at every error,
+0.5 mV of change from sample to sample at rest. ``leadscrew design rejection npid_split`` tunes the law.
 """

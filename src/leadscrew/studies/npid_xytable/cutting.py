@@ -201,9 +201,7 @@ def trial(
     own_plants: bool = False,
 ) -> Trial:
     """:func:`tried`, once."""
-    return tried(
-        lab, controller, amplitude_mm, draws, encoder=encoder, spindle=spindle, box=box, own_plants=own_plants
-    )
+    return tried(lab, controller, amplitude_mm, draws, encoder=encoder, spindle=spindle, box=box, own_plants=own_plants)
 
 
 # ---- sines and constant loads
