@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
+from leadscrew.kernel.sheet import entries
 from leadscrew.studies.lab import Lab, measure
 from leadscrew.studies.npid_xytable.controllers import BOUNDS
 from leadscrew.studies.npid_xytable.cutting import trial
@@ -39,11 +40,11 @@ def tuned_standings(lab: Lab) -> dict[str, Standing]:
     found: dict[str, Standing] = {}
     for group in (f"_{bound}{fed}" for fed in ("", "_ff") for bound in BOUNDS):
         against = far_against = np.zeros(0)
-        for law, (block, ranges, ends_of) in LAWS.items():
+        for law, (block, _, ends_of) in LAWS.items():
             name = f"ours.{law}{group}"
             p = lab.study.controllers[name].params
             inner = replace(block, params=p.inner if group.endswith("_ff") else p)
-            ends = ends_of({key: np.array([value_at(inner.params, key)]) for key in ranges})
+            ends = ends_of({e.key: np.array([e.default]) for e in entries(inner.params)})
             near, far = trial(lab, name, 1.0, JUDGED), trial(lab, name, 15.0, JUDGED).by_row()
             rows = trial(lab, name, 1.0, PLANTS, own_plants=True).by_draw()
             if law == "pid":
@@ -56,13 +57,6 @@ def tuned_standings(lab: Lab) -> dict[str, Standing]:
                 float(largest_ms(ends)[0]), float(rest_du_mv(lab, inner)[0]), float(near.chatter.mean()),
             )  # fmt: skip
     return found
-
-
-def value_at(params: Any, key: str) -> float:
-    """A parameter by its dotted key."""
-    for name in key.split("."):
-        params = getattr(params, name)
-    return float(params)
 
 
 def engineers_choice(lab: Lab) -> str:
