@@ -78,7 +78,7 @@ def rejection(
     tuning = {
         "made_by": "leadscrew design rejection", "leadscrew": leadscrew.__version__, "command": shlex.join(words),
         "minimise": [GOAL], "subject_to": bounds, "budget": budget, "seed": seed, "holds": found.holds,
-        "proved": found.proved, "at_an_end": list(found.ends), "held_out": measured,
+        "at_an_end": list(found.ends), "held_out": measured,
     }  # fmt: skip
     base = f"ours.{law}_ff" if feed_forward else law
     if out is not None:

@@ -167,7 +167,6 @@ class Found(NamedTuple):
     ms: float
     rest_mv: float
     work_mv: float
-    proved: bool
     holds: bool
     ends: tuple[str, ...]
     """Parameters within 1 % of an end of their range."""
@@ -217,4 +216,4 @@ def searched(
     peak, proved = float(largest_ms(ends)[0]), bool(unproved(ends)[0] <= 0.0)
     holds = proved and peak <= 1.001 * ms and rest <= rest_mv and work <= work_mv
     at_end = tuple(key for key, x in zip(ranges, at, strict=True) if not 0.01 < x < 0.99)
-    return Found(law, {key: float(v[0]) for key, v in inner.items()}, row, peak, rest, work, proved, holds, at_end)
+    return Found(law, {key: float(v[0]) for key, v in inner.items()}, row, peak, rest, work, holds, at_end)
