@@ -40,8 +40,8 @@ from leadscrew.studies.npid_xytable.claims import (
 )
 from leadscrew.studies.npid_xytable.controllers import BOUNDS
 from leadscrew.studies.npid_xytable.cutting import FEW, LOADS_UM, Trial, load_volts, sines, swing_um, trial
-from leadscrew.studies.npid_xytable.intercept import crossing, sampled_crossing
 from leadscrew.studies.npid_xytable.equal import engineers_choice, tuned_standings
+from leadscrew.studies.npid_xytable.intercept import crossing, sampled_crossing
 from leadscrew.studies.npid_xytable.laws import GAINS
 from leadscrew.studies.npid_xytable.measurement import (
     COHERENT,
