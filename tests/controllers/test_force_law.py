@@ -55,7 +55,7 @@ def test_nothing_is_concluded_from_a_spindle_too_slow_or_a_start_in_the_cut():
 
 
 def plain_inversion(readings, p, target):
-    """The digest's update, written anew on lists, with NumPy's interpolation."""
+    """The update, written anew on lists, with NumPy's interpolation."""
     x, turns, y = (np.array([r[i] for r in readings]) for i in (0, 1, 2))
     k_hat, variance, feed, u, out = p.first_k, 1.0, 0.0, 0.0, []
     for k in range(len(x)):

@@ -15,7 +15,7 @@ SAMPLES = ("y_km4", "y_km3", "y_km2", "y_km1", "y_k")
 
 
 def vectors() -> list[dict[str, str]]:
-    """The rows of the digest's table."""
+    """The rows of the table of golden vectors."""
     with VECTORS.open(newline="", encoding="utf-8") as file:
         return list(csv.DictReader(file))
 

@@ -1,4 +1,4 @@
-"""GM(1,1): the digest's vectors, exact rationals, least squares, and windows that no model fits."""
+"""GM(1,1): golden vectors, exact rationals, least squares, and windows that no model fits."""
 
 import math
 

@@ -13,8 +13,7 @@ not run up. It is set for the depth that comes next, else for the last one that 
 is known the output is at most ``air_feed``, until the believed depth is :data:`NEAR` of the one aimed at. A change to
 less than ``least_depth`` is not acted upon before it is commanded: the tool still cuts.
 
-Source: ours; the radial servo as in :mod:`leadscrew.plants.turning`, from which "depth feed-forward with preview" in
-the digest of the study ``grey_turning``, section 9, has its numbers.
+Source: ours; the radial servo as in :mod:`leadscrew.plants.turning`.
 """
 
 from __future__ import annotations

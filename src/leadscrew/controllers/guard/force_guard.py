@@ -18,8 +18,7 @@ What it cannot do: prevent the peak. The chip of the next revolution lies there 
 stop. It is no substitute for the machine's emergency stop. See ``docs/force_guard.md``.
 
 Outputs are at least 0 and grow with the feed. Command: :class:`~leadscrew.references.cutting_program.CutCommand`,
-feedback: :class:`~leadscrew.sensors.load_cell.CutReading`; a controller on numbers gets their forces. Source: section 9
-of the digest of the study ``grey_turning`` asks for a threshold of the raw signal with feed hold; the rest is ours.
+feedback: :class:`~leadscrew.sensors.load_cell.CutReading`; a controller on numbers gets their forces. Source: ours.
 
 Bumpless start: that of the inner controller, the guard running with no holds counted.
 """

@@ -6,11 +6,11 @@
 
 ``d``: droop, 1/min lost for each N m in the steady state; ``J``: inertia of rotor, gears, chuck and work, referred to
 the spindle, kg m^2. ``J d pi/30`` is the time in which the rotor follows the field. With ``d = 0`` the speed is the
-field's whatever the torque: the first-order lag of the digest. Both equations are stepped by their exact solution for
+field's whatever the torque: a first-order lag. Both equations are stepped by their exact solution for
 an input and a torque held over ``dt``.
 
 Source: an inverter in front of the lathe's induction motor, section 2 of the paper of the study ``grey_turning``, which
-gives no number; 150 1/min per volt and 0.3 s are its digest's. A droop of 2.5 1/min per N m (a motor of some 3 kW with
+gives no number; 150 1/min per volt and 0.3 s are chosen. A droop of 2.5 1/min per N m (a motor of some 3 kW with
 5 % slip at its rating) and 0.15 kg m^2 are ours, for a lathe of 400 mm swing.
 """
 
