@@ -929,7 +929,7 @@ def conclusion(lab: Lab) -> list[str]:
         f"The printed gains must be sampled every {min(periods.values()):.1f} to {max(periods.values()):.0f} µs, which "
         "the paper does not state; the ball bar of section 7 could not tell the three laws apart.",
         f"At 4 kHz, tuned by equal searches for friction within 20 %, FSMC errs {tuned['fsmc']:.1f} µm at most on 24 "
-        f"other stages, CSMC {tuned['csmc']:.1f}, the integral law, a PID inside its layer, {tuned['smc_integral']:.1f}, "
+        f"other stages, CSMC {tuned['csmc']:.1f}, the integral law (a PID in its layer) {tuned['smc_integral']:.1f}, "
         f"a PID with the same friction model {tuned['pid_friction']:.1f}, one without a model {tuned['pid_bare']:.1f}, "
         f"and a PD with an observer and gains scheduled by speed {tuned['pd_dob']:.2f} µm.",
     ]
