@@ -44,6 +44,7 @@ def test_a_pd_with_an_observer_and_fixed_gains_is_a_pid():
     assert np.abs(torques(block, angles, dt) - pid).max() < 1e-3 * np.abs(pid).max()
 
 
+@pytest.mark.filterwarnings("ignore:.*diverged")
 def test_a_sine_from_rest_is_late_and_leaves_the_track_when_it_is_asked_to():
     """A delay or a mode that the scenario does not pass on leaves the loop as it was."""
     study = catalogue.study("fsmc_ballscrew")
