@@ -112,7 +112,7 @@ errors on the paper's three sines from rest, on the machine that they are for, a
 different (``docs/drive_realism.md``). ``delay``: one sample of computation delay; ``late``: that and a scale filtered
 at 1 kHz; ``drive``: everything of :mod:`leadscrew.studies.fsmc_ballscrew.drives`; ``1khz``: sampled at 1 kHz."""
 
-_OWN: Mapping[str, Block] = (
+_OWN: dict[str, Block] = (
     IDEAL | {name: block(travel_per_rad=TRAVEL_MM_PER_RAD) for name, block in SAMPLED.items()} | TUNINGS
 )
 FOLDER = Path(__file__).parent / tuned_gains.FOLDER
