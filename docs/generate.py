@@ -3,9 +3,8 @@
     python docs/generate.py            writes docs/studies/generated and docs/reference/generated
 
 Nothing is computed here: claims, figures and notes come from the study, sheets from the blocks. Where the variable
-``LEADSCREW_STUDY_PAGES`` is ``keep``, pages that exist stay (in CI the tests have written them of the evaluation that
-they judge). Of those that do not, a study with contents is evaluated, which takes seconds; the page of another goes
-without its results.
+``LEADSCREW_STUDY_PAGES`` is ``keep``, pages that exist stay: in CI the tests have written them of the evaluation that
+they judge. A study whose page does not exist is evaluated.
 """
 
 from __future__ import annotations
@@ -14,19 +13,16 @@ import csv
 import os
 import re
 import sys
-from collections import Counter
 from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 
 from leadscrew import catalogue, escape
 from leadscrew.kernel.sheet import entries
 from leadscrew.report import tables
-from leadscrew.report.claim import Claim
 from leadscrew.report.report import Picture, Report, Section, TextTable
 from leadscrew.report.study import report_of
-from leadscrew.studies import results as new_results
-from leadscrew.studies.results import Results
-from leadscrew.studies.study import Study, StudyResult
+from leadscrew.studies.results import Results, evaluate
+from leadscrew.studies.study import Study
 
 
 def kept() -> bool:
@@ -46,51 +42,11 @@ def table(head: Sequence[str], rows: Iterable[Sequence[object]]) -> str:
     return "\n".join(f"| {line} |" for line in lines)
 
 
-def row(c: Claim) -> tuple[object, ...]:
-    """A claim as cells."""
-    return (c.statement, c.source, f"{c.group}; {c.basis}", c.paper, c.measured, c.unit, c.verdict, c.reason)
-
-
-def claims_tables(result: StudyResult) -> str:
-    """Every claim below its topic: what the paper says, what we measured, and the verdict with its reason."""
-    head = ["claim", "source", "whose", "paper", "measured", "unit", "verdict", "reason"]
-    parts = []
-    for title, claims in result.by_topic():
-        shown, ours = tables.of_the_paper(claims)
-        parts += [f"### {title}"] if title else []
-        parts += [table(head, map(row, shown))] if shown else []
-        if ours:
-            parts += [f"On these {len(ours)} the paper says nothing:", table(head, map(row, ours))]
-    return "\n\n".join(parts)
-
-
 def items_table(study: Study) -> str:
     """Every equation, table, figure and experiment of the paper, with what covers it."""
     with (study.folder / "paper_items.csv").open(encoding="utf-8", newline="") as file:
         head, *rows = csv.reader(file)
     return table(head, rows)
-
-
-def results(study: Study, folder: Path, result: StudyResult) -> list[str]:
-    """Findings, figures and claims; the figures go to ``folder``."""
-    verdicts = Counter(c.verdict for c in result.claims)
-    parts = [
-        "This page was written by the run that measured its numbers. All results are for a simulated plant; nothing "
-        "here is evidence about the real machine.",
-        "## Findings",
-        "\n".join(f"- {note}" for note in result.notes),
-        "## Figures",
-    ]
-    for picture in result.pictures:
-        file = f"{study.name}_{picture.name}.svg"
-        picture.draw().savefig(folder / file, metadata={"Date": None})
-        parts.append(f":::{{figure}} {file}\n{picture.caption}\n:::")
-    parts += [
-        "## Claims",
-        f"{len(result.claims)} claims: " + ", ".join(f"{n} {verdict}" for verdict, n in verdicts.most_common()) + ".",
-        claims_tables(result),
-    ]
-    return parts
 
 
 # ---- a report as Markdown
@@ -144,20 +100,14 @@ def report_parts(report: Report, folder: Path) -> Iterator[str]:
             yield from section(shown, report.name, folder)
 
 
-def study_page(study: Study, folder: Path, result: StudyResult | Results | None) -> str:
+def study_page(study: Study, folder: Path, result: Results) -> str:
     """The page of a study; its figures go to ``folder``."""
-    if isinstance(result, Results):
-        found = list(report_parts(report_of(result), folder))
-    elif result is not None:
-        found = results(study, folder, result)
-    else:
-        found = ["This build did not evaluate the study."]
     parts = [
         f"# {study.title}",
         f"{study.paper}",
         study.summary,
         f"```console\n$ leadscrew run {study.name}\n$ leadscrew list {study.name}\n```",
-        *found,
+        *report_parts(report_of(result), folder),
     ]
     parts += ["## Controllers", table(["name", "block", "what it is"], (
         (name, block.name, tables.first_line(block.doc)) for name, block in study.controllers.items()
@@ -167,13 +117,6 @@ def study_page(study: Study, folder: Path, result: StudyResult | Results | None)
     ))]  # fmt: skip
     parts += ["## The paper, item by item", items_table(study)]
     return "\n\n".join(filter(None, parts)) + "\n"
-
-
-def evaluated(study: Study) -> StudyResult | Results | None:
-    """The study, evaluated; None of one that takes long where pages are kept."""
-    if study.contents is not None:
-        return new_results.evaluate(study)
-    return None if kept() or study.evaluate is None else study.evaluate(lambda what, done: None)
 
 
 def blocks_page() -> str:
@@ -211,7 +154,7 @@ def everything(docs: Path) -> None:
     for name in catalogue.STUDIES:
         if not (kept() and page_of(docs, name).exists()):
             study = catalogue.study(name)
-            write_study(docs, study, evaluated(study))
+            write_study(docs, study, evaluate(study))
 
 
 def page_of(docs: Path, name: str) -> Path:
@@ -219,8 +162,8 @@ def page_of(docs: Path, name: str) -> Path:
     return docs / "studies" / "generated" / f"{name}.md"
 
 
-def write_study(docs: Path, study: Study, result: StudyResult | Results | None) -> None:
-    """The page of a study, of an evaluation of it or without one; the page itself comes last."""
+def write_study(docs: Path, study: Study, result: Results) -> None:
+    """The page of a study, of an evaluation of it; the page itself comes last."""
     page = page_of(docs, study.name)
     page.parent.mkdir(parents=True, exist_ok=True)
     write(page, study_page(study, page.parent, result))

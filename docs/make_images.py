@@ -8,6 +8,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
+from friction_images import images as friction_images_of_the_stage
 
 from leadscrew import Loop, catalogue, experiment, fuzzy
 from leadscrew.bench import stage_picture
@@ -21,18 +22,16 @@ from leadscrew.report import backlash, friction
 from leadscrew.report import fuzzy as pictures
 from leadscrew.report.identified_axis_picture import friction_figure, position_figure
 from leadscrew.sensors.axis_reading import axis_reading
-from leadscrew.studies.fsmc_ballscrew.figures_beaten import beaten_pictures
-from leadscrew.studies.fsmc_ballscrew.figures_selftuned import selftuned_pictures
-from leadscrew.studies.fsmc_ballscrew.runs import Loops
 from leadscrew.studies.lab import Lab
-from leadscrew.studies.sofnn_tangent.figures_pieces import pieces_pictures
-from leadscrew.studies.sofnn_tangent.runs import Loops as Cuts
 from leadscrew.tune.job import Job
 from leadscrew.tune.tuned_figures import figures
 from leadscrew.tune.tuned_report import units
 from leadscrew.tune.tuner import tune
 
-IMAGES = {"lathe": ("vud_lathe", "fig11b_position_m170")}
+IMAGES = {
+    "lathe": ("vud_lathe", "fig11b_position_m170"),
+    **{name: ("sofnn_tangent", name) for name in ("pieces_error", "pieces_swap", "pieces_recall")},
+}
 """Name of the image; study and picture that it is."""
 EXAMPLES = Path(__file__).parents[1] / "examples"
 
@@ -86,16 +85,8 @@ def integration_image(folder: Path) -> None:
 
 def friction_of_the_stage_images(folder: Path) -> None:
     """The pictures of the pages on a controller that learns its friction, and on friction from one log."""
-    loops = Loops()
-    for picture in (*beaten_pictures(loops), *selftuned_pictures(loops)):
-        picture.draw().savefig(folder / f"{picture.name}.png", dpi=90)
-
-
-def tangent_images(folder: Path) -> None:
-    """The pictures of the page on learning from piece to piece."""
-    for picture in pieces_pictures(Cuts()):
-        if picture.name in ("pieces_error", "pieces_swap", "pieces_recall"):
-            picture.draw().savefig(folder / f"{picture.name}.png", dpi=85)
+    for name, figure in friction_images_of_the_stage().items():
+        figure.savefig(folder / f"{name}.png", dpi=90)
 
 
 def identification_images(folder: Path) -> None:
@@ -121,17 +112,16 @@ def identification_images(folder: Path) -> None:
 def main(folder: Path = Path(__file__).parent / "images") -> None:
     """Draws every image."""
     folder.mkdir(exist_ok=True)
+    labs = {study: Lab(catalogue.study(study)) for study, _ in IMAGES.values()}
     for image, (study, wanted) in IMAGES.items():
-        found = catalogue.study(study)
-        assert found.contents is not None
-        shown = next(f for f in found.contents().figures if f.name == wanted)
-        shown.draw(Lab(found)).savefig(folder / f"{image}.png", dpi=110)
+        assert labs[study].study.contents is not None
+        shown = next(f for f in labs[study].study.contents().figures if f.name == wanted)
+        shown.draw(labs[study]).savefig(folder / f"{image}.png", dpi=110)
     fuzzy_images(folder)
     tuning_images(folder)
     friction_images(folder)
     integration_image(folder)
     friction_of_the_stage_images(folder)
-    tangent_images(folder)
     identification_images(folder)
 
 

@@ -23,8 +23,8 @@ QUARTER = 4
 KERNEL, ITS_OWN = "src/leadscrew/kernel/", "tests/kernel/"
 """The kernel is below everything. Where it changes, its own tests are kept (every block of the catalogue in C, machine
 code and Python) and, as ever, a quarter of the others; ``make test`` has run all mechanisms."""
-EVALUATION = "tests/studies/whole.py"
-"""Whole evaluations of studies, minutes each: kept where something of the study has changed, never drawn."""
+EVALUATION = "tests/studies/test_every_study.py"
+"""Whole evaluations of studies, a minute and more: kept where something of the study has changed, never drawn."""
 
 
 def drawn(head: str, tests: list[str]) -> list[str]:

@@ -19,7 +19,7 @@ from fnmatch import fnmatch
 from functools import cache, cached_property
 from pathlib import Path, PurePath
 
-from tests.links import Links, Scan, strings
+from tests.links import EVALUATES, MAY, STUDY, Links, Scan, strings
 
 ROOT = Path(__file__).parents[1]
 EVERYTHING = ("pyproject.toml", "constraints.txt", "tests/conftest.py")
@@ -43,7 +43,7 @@ class Tree:
                 self.named.setdefault(Path(f).name, set()).add(f)
         self.root, self.links = root, cache(self._links)
         self.module, self.exports = cache(self._module), cache(self._exports)
-        self.next, self.judging = cache(self._next), cache(self._judging)
+        self.next = cache(self._next)
 
     def _module(self, name: str) -> str:
         base = ("" if name.startswith("tests") else "src/") + name.replace(".", "/")
@@ -73,11 +73,10 @@ class Tree:
         """Where a file leads whoever reaches it: imports, files that it names, the packages that hold it."""
         return {*self.links(file).edges, *(f"{p}/__init__.py" for p in PurePath(file).parents)} & self.files
 
-    def _judging(self, file: str) -> set[str]:
-        """Where the file of a study leads who evaluates it."""
-        links, folder = self.links(file), file.rpartition("/")[0]
-        whole = any(self.links(e).siblings for e in links.edges & self.files)
-        return links.judging | {f for f in self.files if whole and f.startswith(f"{folder}/") and f.endswith(".py")}
+    def judging(self, file: str) -> set[str]:
+        """Where the file of a study leads who evaluates it: to all of its folder."""
+        folder = file.rpartition("/")[0]
+        return {f for f in self.files if STUDY.fullmatch(file) and f.startswith(f"{folder}/") and f.endswith(".py")}
 
     @cached_property
     def shared(self) -> set[str]:
@@ -102,7 +101,7 @@ class Tree:
                 commands = commands.union(*(x.commands for x in links))
                 taken = taken.union(*(x.taken for x in links))
                 new = set[str]().union(*map(self.next, new)) - reached
-            judges = any(self.links(f).judges for f in reached)
+            judges = any(EVALUATES in self.links(f).edges and MAY.match(f) for f in reached)
             for file in reached:  # last, when all words are known
                 new |= self.judging(file) if judges else set()
                 new |= {f for name, listed in self.links(file).lists.items() if (file, name) in taken for f in listed}

@@ -24,8 +24,10 @@ PROGRAM = re.compile(r"\bleadscrew +([a-z][\w-]*)(?: +([a-z][\w-]*))?")
 PAGES = "*.md"
 FIRST = re.compile(r"(?:^|\")\s*([a-z][\w-]*)(?: +([a-z][\w-]*))?", re.MULTILINE)
 IMPORT = re.compile(r"\bfrom ((?:leadscrew|tests)[\w.]*) import \(?([\w, \n]+)")
-STUDY, JUDGES = re.compile(r"src/leadscrew/studies/\w+/study\.py"), ("src/leadscrew/cli/", "src/leadscrew/panel/")
-"""The file of a study; what of the library may evaluate one."""
+STUDY = re.compile(r"src/leadscrew/studies/\w+/study\.py")
+"""The file of a study."""
+EVALUATES, MAY = "src/leadscrew/studies/results.py", re.compile("tests/|src/leadscrew/cli/|src/leadscrew/panel/")
+"""The module that evaluates a study, and where one who imports it does so."""
 
 
 @dataclass
@@ -43,12 +45,6 @@ class Links:
     """The file of each key, table by table."""
     lists: dict[str, set[str]] = field(default_factory=dict)
     """Files that a global name of a test helper stands for: who takes that name reads them."""
-    judging: set[str] = field(default_factory=set)
-    """What a study needs only to be evaluated: claims, pictures, findings."""
-    judges: bool = False
-    """It evaluates studies."""
-    siblings: bool = False
-    """It imports modules by their name from a package that is an argument: each caller's own package."""
 
 
 def walk(tree: ast.AST) -> defaultdict[type, list[Any]]:
@@ -132,12 +128,6 @@ class Scan:
 
     def code(self, tree: ast.Module) -> None:
         """Adds what Python code leads to."""
-        for judging in (n for n in tree.body if STUDY.fullmatch(self.file)):
-            if isinstance(judging, ast.FunctionDef) and judging.name == "evaluate":
-                tree = ast.Module([n for n in tree.body if n is not judging], [])
-                inner = Scan(self.tree, self.file)
-                inner.code(ast.Module(judging.body, []))
-                self.links.judging |= inner.links.edges
         kinds = walk(tree)
         for imported in (*kinds[ast.Import], *kinds[ast.ImportFrom]):
             self.imported(imported)
@@ -152,7 +142,6 @@ class Scan:
             for value in ast.walk(node)
         }
         for node in kinds[ast.Attribute]:
-            self.links.judges |= node.attr == "evaluate" and (not self.library or self.file.startswith(JUDGES))
             if dotted := self.dotted(node):
                 self.path(dotted, not self.library or (self.file.startswith("src/") and id(node) in gone_through))
         for node in kinds[ast.Name]:
@@ -201,9 +190,13 @@ class Scan:
         return node.value.values
 
     def template(self, parts: list[object]) -> None:
-        """Adds the modules whose name is put together: all of the package that it begins with."""
+        """Adds the modules whose name is put together: all of the package that it begins with.
+
+        Those of a study are claims, experiments and figures: only who evaluates it needs them.
+        """
+        if STUDY.fullmatch(self.file):
+            return
         if isinstance(parts[0], str) and DOTTED.fullmatch(package := parts[0].rstrip(".")) and parts[0].endswith("."):
-            self.links.siblings |= parts[1:] == [None, ".", None]
             folder = PurePath(self.tree.module(package) or f"src/{package.replace('.', '/')}/__init__.py").parent
             self.links.edges |= {f for f in self.tree.files if f.endswith(".py") and PurePath(f).parent == folder}
 

@@ -33,7 +33,12 @@ def blocks(): return [block(name) for name in BLOCKS]
     "src/leadscrew/helper.py": "",
     "src/leadscrew/studies/lathe/__init__.py": "",
     "src/leadscrew/studies/lathe/data/moves.csv": "1,2",
-    "src/leadscrew/studies/lathe/study.py": "def evaluate():\n    from leadscrew.studies.lathe.claims import topics",
+    "src/leadscrew/studies/lathe/study.py": """
+from leadscrew.studies.results import contents_of
+CONTENTS = contents_of(*(f"leadscrew.studies.lathe.{part}" for part in ("claims",)))
+""",
+    "src/leadscrew/studies/__init__.py": "",
+    "src/leadscrew/studies/results.py": "def evaluate(study): ...",
     "src/leadscrew/studies/lathe/claims.py": "",
     "src/leadscrew/cli/__init__.py": """
 from importlib import import_module
@@ -43,7 +48,7 @@ app = [import_module(target.split(":")[0]) for target in COMMANDS.values()]
 def main(): ...
 """,
     "src/leadscrew/cli/output.py": "",
-    "src/leadscrew/cli/run.py": "from leadscrew import catalogue\ndef run(study): study.evaluate()",
+    "src/leadscrew/cli/run.py": "from leadscrew import catalogue\nfrom leadscrew.studies.results import evaluate",
     "src/leadscrew/cli/tune.py": """
 import typer
 from leadscrew.cli import tune_all, tune_one
@@ -66,7 +71,7 @@ app.command("one")(tune_one.run)
     "tests/test_block.py": "from leadscrew.catalogue import block\ndef test(): block('sine')",
     "tests/test_blocks.py": "from leadscrew import catalogue\ndef test(): catalogue.blocks()",
     "tests/test_study.py": "from leadscrew import catalogue\ndef test(): catalogue.study('lathe')",
-    "tests/test_judged.py": "from leadscrew import catalogue\ndef test(): catalogue.study('lathe').evaluate()",
+    "tests/test_judged.py": "from leadscrew import catalogue\nfrom leadscrew.studies import results\nSTUDY = 'lathe'",
     "tests/test_run.py": "from leadscrew.cli import app\ndef test(): call(app, ['run', 'x'])",
     "tests/test_tune.py": "from leadscrew.cli import app\ndef test(): call(app, 'tune one x'.split())",
     "tests/test_any_command.py": "from leadscrew.cli import app\ndef test(command): call(app, [command])",

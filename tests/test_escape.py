@@ -32,7 +32,8 @@ from leadscrew.machine import file as machine_file
 from leadscrew.operate import capture_formats, script, session_file
 from leadscrew.operate.session import Session, Start
 from leadscrew.paths.path import polyline
-from leadscrew.report import page
+from leadscrew.report import html, page
+from leadscrew.report.report import Report, Section
 from leadscrew.report.strict import strict
 from leadscrew.tangent.emit import program
 from leadscrew.tangent.settings import Settings
@@ -241,14 +242,10 @@ def pages(text):
     yield held._repr_html_()
     yield page.page(text, [*page.paragraphs([text.replace("`", "")]), page.bullets(text, ["a"]),
                            page.table(text, [text], [[text]])])  # fmt: skip
-    from leadscrew.report.html import template
-
-    row = {"name": text, "value": 1.0, "unit": text, "doc": text, "reason": text}
-    yield template("report.html.j2", number=str).render(
-        study={"name": text, "title": text, "paper": text, "summary": text}, result={"notes": [text]}, missed=[],
-        topics=[], tally={"verdicts": {text: 1}, "required": 0, "required_met": 0}, pictures=[(text, text, "data:,")],
-        runs=[(text, "runs/a", 1.0, text, [row])], manifest={"command": text, text: text},
-    )  # fmt: skip
+    said = text.replace("`", "")  # backticks are code
+    below = Section(said, [said], conclusion=said, anchor="below")
+    report = Report(text, text, text, [said], sections=[below], notes=[said], missed=[said], command=text)
+    yield html.page(report, {"command": text, text: text}, {})
     yield exported(text)["fmu2/documentation/index.html"]
 
 

@@ -210,9 +210,9 @@ def test_the_remembering_multiplier_is_what_the_inequality_says_at_every_frequen
 
 def test_resonators_on_the_unit_circle_are_no_obstacle_to_a_proof():
     from leadscrew.controllers.resonant import TUNINGS
-    from leadscrew.studies.npid_xytable.certified import loop_of
+    from leadscrew.studies.npid_xytable.rejection import opened
 
-    loop = loop_of(TUNINGS["ours.resonant"])
+    loop = opened(TUNINGS["ours.resonant"])
     assert len(loop.a) == 18 and np.abs(np.linalg.eigvals(loop.a)).max() > 1.0 - 1e-9
     found = largest_proved(loop, 1.0)
     assert found.grade == "certificate" and found.limit == pytest.approx(2.266, rel=1e-3)

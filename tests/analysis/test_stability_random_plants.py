@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from leadscrew.analysis.stability.margins import margins
-from leadscrew.studies.npid_xytable import random_plants as r
+from tests.analysis import random_plants as r
 
 pytestmark = pytest.mark.slow
 

@@ -5,8 +5,8 @@ import pytest
 
 from leadscrew.bench import FIELDS, PARTS, stage, stage_c, stage_peers
 from leadscrew.bench.stage import BEST, NAMES, OURS, TARGETS
+from leadscrew.bench.stage_schemes import NM, SMOOTH, TRUTH, angles, every, rodas
 from leadscrew.bench.yardstick import NoCompilerError
-from leadscrew.studies.fsmc_ballscrew.integrators import NM, SMOOTH, TRUTH, angles, every, rodas
 from tests.tools import missing
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from pathlib import Path
 from typing import Annotated, NamedTuple
 
@@ -13,8 +12,7 @@ from leadscrew.kernel.loop import Loop
 from leadscrew.kernel.metrics import max_error, rms_error
 from leadscrew.kernel.sheet import Doc, Ge, Gt, Unit
 from leadscrew.references.step import step
-from leadscrew.report.claim import Claim
-from leadscrew.studies.study import Picture, Scenario, Study, StudyResult
+from leadscrew.studies.study import Scenario, Study
 
 
 class GainParams(NamedTuple):
@@ -84,25 +82,6 @@ def build(block: Block, scenario: Scenario) -> Loop:
     )
 
 
-def _claim(name: str, target: float, verdict: str, reason: str, kind: str = "required") -> Claim:
-    return Claim(
-        f"plain.{name}", "(1)", "as printed", "arithmetic", f"statement <{name}>", 1.0, float("nan") if name == "lost"
-        else 1.0, "mm", "=", target, 0.01, kind, verdict, reason,
-    )  # fmt: skip
-
-
-def evaluate(progress=lambda what, done: None) -> StudyResult:
-    """One run, three claims, a figure; the loop is built once, because the tests evaluate often."""
-    progress("running", 0.0)
-    run = replace(LOOP.run(0.2), loop=LOOP.using(name="plain"))
-    claims = [
-        _claim("kept", 1.0, "reproduced", "agrees"),
-        _claim("denied", 1.0, "not reproduced", "the paper <forgets> a term & a sign"),
-        _claim("lost", 1.0, "cannot be checked", "no number", "report"),
-    ]
-    return StudyResult(claims, [Picture("way", "The way.", run.plot)], {"small/p": run}, ["A finding & more."])
-
-
 STUDY = Study(
     name="plain",
     title="A plain <study>",
@@ -110,17 +89,10 @@ STUDY = Study(
     controllers={"p": gain, "p_half": gain(kp=1.0), "paper.half": half},
     scenarios=SCENARIOS,
     build=build,
-    evaluate=evaluate,
     folder=Path(__file__).parent,
 )
 
 
-def _evaluate_missed(progress=lambda what, done: None) -> StudyResult:
-    result = evaluate(progress)
-    return replace(result, claims=[*result.claims, _claim("missed", 2.0, "not reproduced", "far off")])
-
-
-MISSED = replace(STUDY, evaluate=_evaluate_missed)
 LOOP = build(gain, SCENARIOS["small"])
 NUMBER = 3
 

@@ -210,7 +210,7 @@ def test_undamped_resonators_do_not_stop_it():
 def test_two_paths_are_one_map_beside_a_linear_loop():
     found = certified("npid_split")
     assert found["map"]["slope_sector"] == [0.0, 1.0] and found["driven"]["grade"] == "certificate"
-    from leadscrew.studies.npid_xytable.certified import SPLIT, around_large
+    from leadscrew.studies.npid_xytable.split_law import SPLIT, around_large
 
     loop = around_large(SPLIT)
     w = np.geomspace(1.0, 6e3, 200)

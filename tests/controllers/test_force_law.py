@@ -74,7 +74,7 @@ def plain_inversion(readings, p, target):
     return np.array(out)
 
 
-def test_the_inversion_is_the_digests_update():
+def test_the_inversion_is_the_update_written_anew():
     run = cut(TUNINGS["ours.inversion"]).run(4.0, record=["feedback", "output"])
     readings = list(zip(run["feedback.travel"], run["feedback.turns"], run["feedback.force"], strict=True))
     assert np.allclose(run["output"], plain_inversion(readings, power_law_inversion.params, 150.0), atol=1e-10)

@@ -11,14 +11,15 @@ from leadscrew.studies.grey_turning.linear_force_loop import (
     force_margins,
     force_plant,
 )
-from leadscrew.studies.grey_turning.runs import Loops
+from leadscrew.studies.grey_turning.study import STUDY
+from leadscrew.studies.lab import Lab
 
 S9_HALF = FACTORS["s9_half"]
 
 
 def sizes(name, machine, gains):
     """Largest departure from 150 N from 10 and from 20 s on, without noise and runout; a row a gain."""
-    loop = Loops().get(name, "noise_free", machine=machine, metrics={})
+    loop = Lab(STUDY).loop(name, "noise_free", machine=machine, metrics={})
     run = loop.batch(21.0, {"controller.output_scale": np.asarray(gains)}, record=("actual.force",))
     off = np.abs(np.asarray(run["actual.force"]) - 150.0)
     return np.stack([off[:, 500:550].max(axis=1), off[:, 1000:1050].max(axis=1)], axis=1)

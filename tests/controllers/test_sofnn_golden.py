@@ -1,4 +1,4 @@
-"""Noise-free deviations of an independent implementation, and the same loop in a second writing."""
+"""The noise-free deviations of an earlier, independent simulation, and the same loop in a second writing."""
 
 import numpy as np
 import pytest
@@ -29,7 +29,7 @@ CASES = [c if c == "tuned" else pytest.param(c, marks=pytest.mark.slow) for c in
 
 @pytest.mark.slow
 @pytest.mark.parametrize("case", CASES)
-def test_the_digests_deviations_come_out_within_two_percent(case, line):
+def test_the_deviations_of_the_earlier_simulation_come_out_within_two_percent(case, line):
     block, _, root, most, at_200 = GOLDEN[case]
     e = knife_loop(block, *line).using(QUIET).run(9.24)["actual.deviation"][1:]
     assert len(e) == 923 and rms(e) == pytest.approx(root, rel=0.02) and abs(e).max() == pytest.approx(most, rel=0.02)

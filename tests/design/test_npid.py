@@ -12,8 +12,8 @@ from leadscrew.design.npid_paper import paper_design
 from leadscrew.design.npid_retune import retuned
 from leadscrew.design.npid_trial import Bench
 from leadscrew.kernel.errors import ValueRefused
-from leadscrew.studies.npid_xytable.calibration import LINES_HZ, volts
-from leadscrew.studies.npid_xytable.columns import PID_UM
+from leadscrew.studies.npid_xytable.calibration import volts
+from leadscrew.studies.npid_xytable.table2 import LINES_HZ, PID_UM
 
 WORK = Work(tuple(Case(f"{rpm} 1/min", volts(um), rpm / 60.0) for rpm, um in PID_UM.items()), LINES_HZ)
 RETUNED = Gains(1.6533, 248.0, 0.00533)

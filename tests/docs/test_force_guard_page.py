@@ -4,7 +4,7 @@ import re
 from pathlib import Path
 
 from leadscrew.kernel.sheet import entries
-from leadscrew.studies.grey_turning import guarding
+from leadscrew.studies.grey_turning.protection import SLOW_GUARD
 
 ROOT = Path(__file__).parents[2]
 PAGE = ROOT / "docs" / "force_guard.md"
@@ -26,7 +26,7 @@ def number(cell):
 
 def test_the_parameters_and_their_defaults_are_those_of_the_block():
     said = {row[0].strip("`"): number(row[1]) for row in table("| parameter |")}
-    own = [e for e in entries(guarding.SLOW_GUARD.params) if not e.key.startswith("inner.")]
+    own = [e for e in entries(SLOW_GUARD.params) if not e.key.startswith("inner.")]
     assert said == {e.key: float(e.default) for e in own}
 
 

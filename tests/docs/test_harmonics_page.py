@@ -81,8 +81,8 @@ def test_intervals_hold_as_often_as_the_page_says_in_noise_that_bends(samples, s
 
 
 def test_the_bias_of_an_encoder_is_what_the_study_measures():
-    from leadscrew.studies.npid_xytable.columns import PID_UM
     from leadscrew.studies.npid_xytable.measurement import encoded, turned
+    from leadscrew.studies.npid_xytable.table2 import PID_UM
 
     off = [np.abs(encoded(4, tuple(p)).mean(axis=0) - np.array(PID_UM[1000])).max() for p in turned(20)]
     assert round(float(np.median(off)), 2) == 0.01 and round(float(np.max(off)), 3) == 0.025

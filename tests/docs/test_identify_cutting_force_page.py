@@ -8,8 +8,7 @@ from typer.testing import CliRunner
 
 from leadscrew.cli import app
 from leadscrew.identify.cutting_force import fit_forces
-from leadscrew.studies.grey_turning import force_facts
-from tests.docs import sessions
+from tests.docs import published_cuts, sessions
 from tests.docs.snippets import ROOT
 
 PAGE = ROOT / "docs" / "identify_cutting_force.md"
@@ -36,7 +35,7 @@ def test_the_commands_of_the_page_print_what_it_shows(tmp_path, monkeypatch):
 def test_the_table_of_the_published_fit_is_what_is_found():
     rows = {c[0]: c[1:] for line in TEXT.splitlines() if len(c := [x.strip() for x in line.strip("|").split("|")]) == 4}
     for column, measured in ((1, True), (2, False)):
-        fit = fit_forces(force_facts.cuts(force_facts.FEED_SERIES, measured))
+        fit = fit_forces(published_cuts.cuts(published_cuts.FEED_SERIES, measured))
         assert rows["specific force at 1 mm, N/mm2"][column] == f"{fit.law.kf:.1f}"
         assert rows["exponent mc"][column] == f"{1.0 - fit.law.exponent:.3f}"
         assert rows["R2 of ln kc"][column] == f"{fit.chosen.r2['log specific force']:.3f}"
@@ -48,9 +47,9 @@ def test_the_table_of_the_published_fit_is_what_is_found():
 
 def test_the_errors_on_eight_cuts_are_those_that_the_page_says():
     said = re.search(r"their law is off by ([\d.]+) % and ours\nby ([\d.]+) %", TEXT)
-    ours = fit_forces(force_facts.cuts(force_facts.DISTINCT)).law
-    for shown, law in zip(said.groups(), (force_facts.PUBLISHED, ours), strict=True):
-        off = np.array(force_facts.FORCE) / law.force(force_facts.FEED, force_facts.DEPTH) - 1.0
+    ours = fit_forces(published_cuts.cuts(published_cuts.DISTINCT)).law
+    for shown, law in zip(said.groups(), (published_cuts.PUBLISHED, ours), strict=True):
+        off = np.array(published_cuts.FORCE) / law.force(published_cuts.FEED, published_cuts.DEPTH) - 1.0
         assert float(shown) == pytest.approx(100.0 * np.sqrt(np.mean(off**2)), abs=0.005)
     assert (150.0 / ours.kf) ** (1.0 / ours.exponent) == pytest.approx(0.06, abs=0.005)
     assert "about 0.06 mm/rev" in TEXT

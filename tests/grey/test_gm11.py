@@ -1,4 +1,4 @@
-"""GM(1,1): golden vectors, exact rationals, least squares, and windows that no model fits."""
+"""GM(1,1): vectors of 60 digits, exact rationals, least squares, and windows that no model fits."""
 
 import math
 
@@ -29,12 +29,12 @@ def close(found, printed, scale):
     assert abs(found - printed) <= 1e-9 * max(abs(printed), 1e-3 * scale)
 
 
-def test_the_digests_table_is_whole():
+def test_the_table_of_vectors_is_whole():
     assert len(ROWS) == 20 and len(FITTED) == 18
 
 
 @pytest.mark.parametrize("row", FITTED, ids=lambda r: r["name"])
-def test_the_vectors_of_the_digest(row):
+def test_the_vectors(row):
     y = samples_of(row)
     scale, w = max(map(abs, y)), window(y)
     grey, many = gm11.fit(w), vectorised.fit(y)
@@ -108,7 +108,7 @@ def test_it_is_not_invariant_to_an_offset():
 @pytest.mark.parametrize(
     ("rate", "percent", "digits"), [(-0.3, -1.74, 2), (-0.1, -0.12, 2), (0.1, -0.046, 3), (0.5, 2.5, 1), (1.0, 29.0, 0)]
 )
-def test_exponentials_are_predicted_with_the_bias_of_the_digest(rate, percent, digits):
+def test_exponentials_are_predicted_with_their_known_bias(rate, percent, digits):
     y = 100.0 * np.exp(-rate * np.arange(6))
     grey = vectorised.fit(y[:5])
     assert float(grey.c) == pytest.approx(2.0 * math.tanh(rate / 2.0), rel=1e-12)
@@ -152,7 +152,7 @@ def test_no_window_gives_anything_but_a_finite_number(model, y):
         assert math.isfinite(step) and math.isfinite(many)
 
 
-def test_leading_zeros_and_a_change_of_sign_are_as_wild_as_the_digest_says():
+def test_leading_zeros_and_a_change_of_sign_are_predicted_wildly():
     assert float(vectorised.gm11([0, 0, 0, 0, 1])) == 0.0 and float(vectorised.fit([0, 0, 0, 0, 1]).c) == -2.0
     assert round(float(vectorised.gm11([0, 0, 0, 1, 5]))) == 55 and float(MODELS["line"]([0, 0, 0, 1, 5])) == 5.5
     assert round(float(vectorised.gm11([-2, -1, 0, 1, 2]))) == 121

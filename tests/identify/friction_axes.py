@@ -9,7 +9,7 @@ import numpy as np
 
 from leadscrew.plants.ballscrew_stage import TRAVEL_MM_PER_RAD
 from leadscrew.references.friction_test import ROWS, friction_test
-from leadscrew.studies.fsmc_ballscrew.selftuned import record_loop
+from leadscrew.studies.fsmc_ballscrew.records import record_loop
 
 AXES = 60
 FULL_N_M = 6.24

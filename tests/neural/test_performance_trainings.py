@@ -1,49 +1,30 @@
-"""The study's kept trainings of the performance network: what was found can be found again, and is told rightly."""
+"""The study's kept trainings of the performance network: they can be found again, and are what their names say."""
 
 import numpy as np
 import pytest
 
 from leadscrew.neural.performance import TABLE, measured
 from leadscrew.neural.safety import safety, slope_at_origin
-from leadscrew.studies.sofnn_tangent import performance_runs as runs
-from leadscrew.studies.sofnn_tangent.claims_performance import performance_claims
-from leadscrew.studies.sofnn_tangent.claims_performance_training import performance_training_claims
-from leadscrew.studies.sofnn_tangent.performance_facts import nearest_plane, rises, uneven_pairs
+from leadscrew.studies.sofnn_tangent import trainings as runs
+from leadscrew.studies.sofnn_tangent.laws import rises, uneven_pairs
 
-DIGEST_PAIRS = {
+PAIRS = {
     (0, 3), (0, 4), (0, 5), (0, 6), (1, -6), (1, -4), (1, 3), (1, 4), (1, 5), (1, 6), (2, -4), (2, 2), (2, 4), (3, 4),
     (4, 1), (4, 2), (4, 3), (4, 4), (5, 2), (6, 2),
 }  # fmt: skip
-"""(EC, E) of the pairs that do not cancel."""
-
-
-@pytest.fixture(scope="module")
-def claims():
-    return {c.id.removeprefix("sofnn_tangent."): c for c in (*performance_claims(), *performance_training_claims())}
-
-
-def test_every_claim_that_asks_for_something_gets_it(claims):
-    assert [c.id for c in claims.values() if c.passed is False] == []
-
-
-def test_every_claim_has_a_name_of_its_own_a_source_and_a_reason():
-    made = [*performance_claims(), *performance_training_claims()]
-    assert len({c.id for c in made}) == len(made)
-    assert all(c.source and c.reason and c.statement for c in made)
+"""(EC, E) of the pairs that do not cancel, counted on the printed table."""
 
 
 def test_the_pairs_that_do_not_cancel_are_those_counted_by_hand():
-    assert {(p.ec, p.e) for p in uneven_pairs(TABLE)} == DIGEST_PAIRS
+    assert {(p.ec, p.e) for p in uneven_pairs(TABLE)} == PAIRS
     assert all(
         p.value == TABLE[p.ec + 6, p.e + 6] and p.mirror == TABLE[6 - p.ec, 6 - p.e] for p in uneven_pairs(TABLE)
     )
 
 
-def test_a_table_that_is_a_plane_has_no_faults():
+def test_an_odd_and_monotone_table_has_no_faults():
     e, ec = np.meshgrid(np.arange(-6.0, 7.0), np.arange(-6.0, 7.0))
     plane = np.clip(-(0.7 * e + 0.4 * ec), -6.0, 6.0)
-    found = nearest_plane(plane)
-    assert (found.a, found.b, found.rmse) == pytest.approx((0.7, 0.4, 0.0), abs=1e-3)
     assert rises(plane, 0) == rises(plane, 1) == 0 and not uneven_pairs(plane)
 
 
@@ -85,6 +66,6 @@ def test_trainings_done_again_end_as_they_did(reading, method, count):
 def test_the_accepted_network_can_be_trained_again():
     from leadscrew.neural.training import train
 
-    found, kept = train(seed=0), safety(runs.accepted_net())
+    found, kept = train(seed=0), safety(runs.nets()[runs.ACCEPTED])
     assert found.safety.accepted
     assert found.safety.rmse == pytest.approx(kept.rmse, abs=0.03)

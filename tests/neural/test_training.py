@@ -17,7 +17,7 @@ from leadscrew.neural.performance_shape import READINGS, Shape, reading, shape_o
 from leadscrew.neural.safety import Safety, crossing, safety, table_faults
 from leadscrew.neural.searches import cma_search, pymoo_search
 from leadscrew.neural.training import METHODS, train
-from leadscrew.studies.sofnn_tangent.performance_runs import nets
+from leadscrew.studies.sofnn_tangent.trainings import nets
 
 COUNTS = {"18": 18, "18_linear": 18, "19": 19, "24": 24, "25": 25, "16_four_hidden": 16, "16_five_hidden": 16}
 
@@ -67,7 +67,7 @@ def test_half_of_the_plane_costs_an_odd_network_what_the_whole_plane_does():
 
 
 def test_the_golden_network_lies_at_the_foot_of_the_safe_loss():
-    """The golden weights come from elsewhere: polished here, they stay as good and move the surface by little."""
+    """The kept weights come from elsewhere: polished here, they stay as good and move the surface by little."""
     shape = Shape()
     row = polish(shape.row(GOLDEN), Loss(shape, TABLE, safe=True))
     before, after = safety(GOLDEN), safety(shape.net(row))
@@ -118,7 +118,7 @@ def test_without_pymoo_the_extra_is_named(monkeypatch):
 def test_the_golden_network_is_safe():
     found = safety(GOLDEN)
     assert found.accepted and found.right_way and not found.failures()
-    assert found.rmse == pytest.approx(0.601, abs=0.002)  # A3
+    assert found.rmse == pytest.approx(0.601, abs=0.002)
     e, step = 0.0, 1e-6
     assert found.slope == pytest.approx((measured(GOLDEN, e + step, 0.0) - measured(GOLDEN, e - step, 0.0)) / 2e-6)
 
@@ -271,7 +271,7 @@ def test_every_method_gives_a_safe_network(method):
 
 @pytest.mark.slow
 def test_the_best_of_three_seeds_of_the_genetic_algorithm_is_near_the_table():
-    """A2."""
+    """What `leadscrew tangent train` asks for."""
     cost = rmse_of(Shape(), TABLE)
     assert min(evolve(cost, 18, Genetic(80, 600), seed).cost for seed in range(3)) <= 0.85
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated, Any, NamedTuple
+from typing import Annotated, NamedTuple
 
 import numpy as np
 
@@ -12,7 +12,7 @@ from leadscrew.kernel.block import Block, controller, plant
 from leadscrew.kernel.loop import Loop
 from leadscrew.kernel.sheet import Doc, Ge, Gt, Le, Unit
 from leadscrew.references.sine import sine
-from leadscrew.studies.study import Scenario, Study, StudyResult
+from leadscrew.studies.study import Scenario, Study
 
 
 class GainParams(NamedTuple):
@@ -100,11 +100,6 @@ def build(block: Block, scenario: Scenario) -> Loop:
     )
 
 
-def evaluate(progress: Any = None) -> StudyResult:
-    """Claims nothing."""
-    return StudyResult([], [], {})
-
-
 def _slow() -> Block:
     from dataclasses import replace
 
@@ -119,7 +114,6 @@ STUDY = Study(
                  "slow": _slow()},
     scenarios={"way": Scenario("way", Way(), "two turns a second", 2.0)},
     build=build,
-    evaluate=evaluate,
     folder=Path(__file__).parent,
 )  # fmt: skip
 NAME = f"{Path(__file__)}:STUDY"

@@ -1,4 +1,4 @@
-"""Paths and the shapes of the study, against geometry worked by hand."""
+"""Paths and the shapes of the study, against known numbers and geometry worked by hand."""
 
 import math
 
@@ -19,7 +19,7 @@ SHAPES = {
 
 
 @pytest.mark.parametrize("name", SHAPES)
-def test_the_paths_of_the_study_have_known_lengths_radii_and_rates(name):
+def test_the_paths_of_the_study_have_the_known_numbers(name):
     make, laps, count, radius, swivel = SHAPES[name]
     places = sampled(make(), 0.5, laps)
     assert len(places.travel) == count

@@ -84,7 +84,7 @@ def test_a_constant_load_on_the_table_moves_both_sides_as_a_voltage_does():
 )
 def test_the_printed_gains_shake_on_a_mode_that_the_analysis_forbids(hz, at_table, stable):
     """The analysis of the study, another method: poles of the closed loop."""
-    from leadscrew.studies.npid_xytable.two_mass import judged
+    from leadscrew.studies.npid_xytable.two_mass import Axis, judged
 
     plant = xy_table_two_mass(mode_hz=hz, at_table=at_table)
     loop = Loop(
@@ -93,4 +93,4 @@ def test_the_printed_gains_shake_on_a_mode_that_the_analysis_forbids(hz, at_tabl
     )  # fmt: skip
     run = loop.run(1.0)
     assert (run.diverged is None) == stable
-    assert judged(TUNINGS["paper.pid"], plant.params).stable is stable
+    assert judged(TUNINGS["paper.pid"], Axis(plant.params)).stable is stable

@@ -21,7 +21,7 @@ MINE = os.getpid()
 
 def study_of(*draws):
     contents = Contents([], [], [FigureOf(draw, "", False) for draw in draws], None)
-    study = SimpleNamespace(contents=lambda: contents)
+    study = SimpleNamespace(judged=lambda: contents)
     pictures = [Picture(draw.__name__, "", lambda draw=draw: draw(None)) for draw in draws]
     return study, Report("s", "s", sections=[Section("figures", pictures=pictures)])
 

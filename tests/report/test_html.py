@@ -1,10 +1,8 @@
-"""The page of a report, the picture of a run, and the numbers in their tables."""
+"""Figures in a page, the picture of a run, and the numbers in their tables."""
 
 from __future__ import annotations
 
 import math
-import re
-from html.parser import HTMLParser
 
 import numpy as np
 import pytest
@@ -16,77 +14,13 @@ from leadscrew.references.sine import sine_motion
 from leadscrew.report import html, tables
 from leadscrew.report.plots import run_figure
 from leadscrew.report.strict import strict
-from tests.cli.plain_study import LOOP, MISSED, STUDY, evaluate, gain, slide
+from tests.cli.plain_study import LOOP, gain, slide
 
 
 @controller()
 def follow(command, feedback):
     """Follows a motion."""
     return command.position - feedback
-
-
-@pytest.fixture(scope="module")
-def result():
-    return evaluate()
-
-
-@pytest.fixture(scope="module")
-def page(result):
-    manifest = {"command": "leadscrew run plain", "numpy": "<2>"}
-    folders = {"small/p": "runs/small__p"}
-    return html.render(STUDY, result, manifest=manifest, folders=folders, pictures=result.pictures)
-
-
-class Tags(HTMLParser):
-    """Collects tags, and checks that they close in order."""
-
-    VOID = ("meta", "img", "br", "link")
-
-    def __init__(self) -> None:
-        super().__init__()
-        self.open: list[str] = []
-        self.seen: list[tuple[str, dict]] = []
-
-    def handle_starttag(self, tag, attrs):
-        self.seen.append((tag, dict(attrs)))
-        if tag not in self.VOID:
-            self.open.append(tag)
-
-    def handle_endtag(self, tag):
-        assert self.open.pop() == tag
-
-
-def test_the_page_is_whole_and_needs_no_network(page):
-    parser = Tags()
-    parser.feed(page)
-    assert parser.open == []
-    links = [a.get("src") or a.get("href") for _, a in parser.seen if "src" in a or "href" in a]
-    assert all(x.startswith(("data:", "runs/")) for x in links)
-    assert "<script" not in page and "url(" not in page and "@import" not in page
-    images = [a for tag, a in parser.seen if tag == "img"]
-    assert len(images) == 1 and images[0]["alt"] == "The way."
-
-
-def test_texts_are_escaped(page):
-    assert "A plain &lt;study&gt;" in page and "the paper &lt;forgets&gt; a term &amp; a sign" in page
-    assert "&lt;2&gt;" in page
-
-
-def test_a_denial_is_as_large_as_a_confirmation(page):
-    cells = re.findall(r'<td><span class="verdict v\d">([^<]+)</span></td>', page)
-    assert cells == ["reproduced", "not reproduced", "cannot be checked"]
-    assert not re.search(r"\.v\d[^}]*font-size", page)
-
-
-def test_the_numbers_stand_in_the_column_of_whose_they_are(result):
-    assert tables.three_columns(result.claims[0]) == ("1", "1", "")
-    assert tables.three_columns(result.claims[2]) == ("1", tables.NOTHING, "")
-    assert tables.tally(result.claims).verdicts["not reproduced"] == 1
-    assert [c.id for c in tables.missed(MISSED.evaluate(lambda *_: None).claims)] == ["plain.missed"]
-
-
-def test_how_to_replay_is_told(page):
-    assert "leadscrew replay runs/small__p" in page and "leadscrew run plain" in page
 
 
 @pytest.mark.slow

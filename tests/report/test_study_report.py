@@ -7,7 +7,7 @@ from html.parser import HTMLParser
 
 import pytest
 
-from leadscrew.report import demo, drawing, html, text
+from leadscrew.report import drawing, html, text
 from leadscrew.report.report import Report, TextTable
 from leadscrew.report.study import claims_table, report_of
 from leadscrew.studies.claims import VERDICTS
@@ -106,12 +106,3 @@ def test_a_column_of_ours_stands_only_where_there_is_one(results):
     claims = results.claims
     assert "ours" in claims_table(claims).heads
     assert "ours" not in claims_table([replace(c, ours=None) for c in claims]).heads
-
-
-@pytest.mark.parametrize(
-    ("printed", "corrected", "end"),
-    [(9.0, 3.0, "smaller by a factor of 3."), (2.0, 3.0, "larger by a factor of 1.5."), (2.0, 2.0, "corrected law.")],
-)
-def test_the_sentence_of_the_demo_follows_its_numbers(printed, corrected, end):
-    pair = demo.PAIRS["npid_xytable"]
-    assert demo.sentence(pair, printed, corrected, {}).endswith(end)

@@ -1,15 +1,9 @@
 """A second, plain writing of the tangent-following loop of the study sofnn_tangent: nothing of Leadscrew is in it.
 
-Plant, sensor, fuzzy network, table, golden performance network and Kalman learning are written straight from the
-equations of the digest (sections 1 to 6), with dense matrices and the Joseph form of the covariance. Order within a
-sample: plant, measure, learn, control. Angles in deg, counter-clockwise positive; lengths in mm; one sample is 0.01 s
-and, at 50 mm/s, 0.5 mm.
-
-The digest leaves open where the fibre points, at which sample the curvature enters and what its tuned network has. What
-stands here is what gives its numbers back: fibre along x, the curvature of the sample itself, :data:`TUNED`.
-
-The shapes are cut here a second time too: the wave by :class:`scipy.interpolate.BSpline`, the flower by its polar
-equation, the rounded rectangle by hand.
+Plant, sensor, fuzzy network, table, performance network and Kalman learning from their equations, with dense matrices
+and the Joseph form of the covariance. Order within a sample: plant, measure, learn, control. Angles in deg,
+counter-clockwise positive; lengths in mm; a sample is 0.01 s and, at 50 mm/s, 0.5 mm. The shapes are cut here a second
+time too: the wave by :class:`scipy.interpolate.BSpline`, the flower by its polar equation, the rectangle by hand.
 """
 
 from __future__ import annotations
@@ -20,18 +14,13 @@ from typing import Any, NamedTuple
 import numpy as np
 from scipy.interpolate import BSpline
 
-T = 0.01
-"""Sample time, s."""
-FEED = 50.0
-"""mm/s at which the shear stiffness of a material is stated."""
-FULL = 15.0
-"""Largest offset angle, deg."""
-
+T, FEED, FULL = 0.01, 50.0, 15.0
+"""Sample time (s), feed (mm/s), largest offset (deg)."""
 MATERIALS = {
-    # shear S deg mm, lag tau s, fibre A deg, bias B deg, exponent p, gain g
-    "fabric": (45.0, 0.03, 1.0, 0.3, 0.3, 0.95),
-    "leather": (25.0, 0.02, 0.4, 0.8, 0.2, 0.90),
-    "foam": (90.0, 0.10, 0.2, 0.3, 0.5, 0.75),
+    # shear S deg mm, lag tau s, fibre A deg, bias B deg, gain g
+    "fabric": (45.0, 0.03, 1.0, 0.3, 0.95),
+    "leather": (25.0, 0.02, 0.4, 0.8, 0.90),
+    "foam": (90.0, 0.10, 0.2, 0.3, 0.75),
 }
 
 TABLE = np.array(
@@ -53,7 +42,6 @@ TABLE = np.array(
     dtype=float,
 )
 """Table 1 of the paper: rows EC = -6..6, columns E = -6..6."""
-
 GOLDEN = np.array(
     [
         [-1.629998, -2.371473, 6.735155],
@@ -74,7 +62,7 @@ class Control(NamedTuple):
     k_ec: float = 6.0 / 90.0  # level per deg a sample
     k_d: float = 2.5  # deg per level
     learn: str = "stored"  # fixed; stored: equation 3 of the paper; accumulate
-    source: int = 0  # 0 table bilinear, 1 table rounded, 2 the network
+    source: int = 0  # 0 table bilinear, 2 the network
     kg: float = 1.0
     delay: int = 6  # samples by which the correction is referred back, m_c
     r: float = 0.01
@@ -89,7 +77,6 @@ FIXED = Control(learn="fixed")
 LITERAL_TABLE = Control()
 LITERAL_NET = Control(source=2)
 TUNED = Control(k_e=6.0 / 45.0, learn="accumulate", kg=0.7)
-"""Not all of it is in the digest; its numbers come out with the table, k_ec as printed, referred back by 6."""
 
 
 def memberships(level: float) -> np.ndarray:
@@ -97,13 +84,11 @@ def memberships(level: float) -> np.ndarray:
     return np.maximum(0.0, 1.0 - np.abs(min(max(level, -6.0), 6.0) - np.arange(-6.0, 7.0, 2.0)) / 2.0)
 
 
-def correction(source: int, e: float, ec: float, net: np.ndarray = GOLDEN) -> float:
+def correction(source: int, e: float, ec: float) -> float:
     """P(E, EC) in levels."""
-    if source == 1:
-        return float(TABLE[math.floor(ec + 0.5) + 6, math.floor(e + 0.5) + 6])
     if source == 2:
-        hidden = np.tanh(net[:, 0] * e / 6.0 + net[:, 1] * ec / 6.0)
-        return 6.0 * math.tanh(float(net[:, 2] @ hidden))
+        hidden = np.tanh(GOLDEN[:, 0] * e / 6.0 + GOLDEN[:, 1] * ec / 6.0)
+        return 6.0 * math.tanh(float(GOLDEN[:, 2] @ hidden))
     i, j = min(math.floor(ec) + 6, 11), min(math.floor(e) + 6, 11)
     a, b = ec + 6.0 - i, e + 6.0 - j
     return float(np.array([1 - a, a]) @ TABLE[i : i + 2, j : j + 2] @ np.array([1 - b, b]))
@@ -121,13 +106,11 @@ def learn(w: np.ndarray, p: np.ndarray, h: np.ndarray, innovation: float, c: Con
 
 
 class Cut(NamedTuple):
-    """What :func:`cut` gives, a value a sample but for the last two."""
+    """What :func:`cut` gives, a value a sample."""
 
     e: np.ndarray  # deviation, deg
     d: np.ndarray  # offset under which the sample was cut, deg
     lateral: np.ndarray  # mm
-    weights: np.ndarray
-    covariance: np.ndarray
 
 
 def cut(
@@ -142,9 +125,6 @@ def cut(
     texture: np.ndarray | None = None,
     noise: np.ndarray | None = None,
     sensor_delay: int = 4,
-    net: np.ndarray = GOLDEN,
-    feed: float = FEED,
-    covariance: np.ndarray | None = None,
     waiting: int = 0,
 ) -> Cut:
     """Cut a path; ``control`` None sends no offset. ``texture`` adds to the steady shear angle (a step goes there).
@@ -158,7 +138,7 @@ def cut(
     e, d, lateral = np.zeros(n), np.zeros(n), np.zeros(n)
     gamma = x = rate = seen_before = offset = side = total = 0.0
     w = np.asarray(w0, float).ravel().copy()
-    p = np.eye(49) if covariance is None else covariance
+    p = np.eye(49)
     rules, output = np.zeros((waiting + n, 49)), np.zeros(waiting + n)
     c = Control() if control is None else control
     a_x, a_f = math.exp(-T / 0.02), math.exp(-T / c.filter_s)
@@ -166,14 +146,14 @@ def cut(
         k = now - waiting
         # plant
         if k >= 0:
-            shear, lag, fibre, own_bias, exponent, gain = MATERIALS[later if later and k >= change else material]
-            load = shear * (feed / FEED) ** exponent * curvature[k] + fibre * math.sin(2 * math.radians(heading[k]))
+            shear, lag, fibre, own_bias, gain = MATERIALS[later if later and k >= change else material]
+            load = shear * curvature[k] + fibre * math.sin(2 * math.radians(heading[k]))
             load += own_bias if bias is None else bias
             a = math.exp(-T / lag)
             gamma = a * gamma + (1 - a) * 14.0 * math.tanh((texture[k] - load) / 14.0)
             x = a_x * x + (1 - a_x) * offset
             e[k] = gain * x + gamma
-            side += feed * T * math.sin(math.radians(e[k]))
+            side += FEED * T * math.sin(math.radians(e[k]))
             lateral[k], d[k] = side, offset
         if control is None:
             continue
@@ -191,14 +171,14 @@ def cut(
         rules[now] = np.kron(memberships(level_rate), memberships(level))
         # learn
         if c.learn != "fixed" and now >= c.delay:
-            g = c.kg * correction(c.source, level, level_rate, net)
+            g = c.kg * correction(c.source, level, level_rate)
             past = rules[now - c.delay]
             innovation = output[now - c.delay] + g - past @ w if c.learn == "stored" else g
             w, p = learn(w, p, past, innovation, c)
         # control
         output[now] = min(max(rules[now] @ w, -6.0), 6.0)
         offset = min(max(c.k_d * output[now], -FULL), FULL)
-    return Cut(e, d, lateral, w, p)
+    return Cut(e, d, lateral)
 
 
 def texture_of(n: int, step: float, generator: np.random.Generator) -> np.ndarray:
@@ -255,8 +235,3 @@ def _sampled(first: Any, second: Any, u: np.ndarray, step: float) -> tuple[np.nd
     (dx, dy), (ddx, ddy) = first(at).T, second(at).T
     heading = np.degrees(np.unwrap(np.arctan2(dy, dx)))
     return heading, (dx * ddy - dy * ddx) / np.hypot(dx, dy) ** 3
-
-
-def numbers(e: np.ndarray) -> tuple[float, float]:
-    """RMS and largest magnitude."""
-    return float(np.sqrt(np.mean(e**2))), float(np.max(np.abs(e)))

@@ -6,17 +6,12 @@ import pytest
 from leadscrew.controllers.pid import TUNINGS
 from leadscrew.plants.xy_table_cutting import xy_table_cutting
 from leadscrew.studies.npid_xytable.calibration import PERIOD_S, gain_um_per_mv
-from leadscrew.studies.npid_xytable.runs import Loops
-from leadscrew.studies.npid_xytable.spindle_sweep import SWEPT, line, seen_hz, table
+from leadscrew.studies.npid_xytable.spindle import APART, SWEPT, closed_form, line, seen_hz, sweep, table
+from tests.studies.npid_lab import lab
 
 RETUNED = TUNINGS["ours.pid_ms_159"]
 FINE = 16
 """Steps of the true motion in a control period."""
-
-
-@pytest.fixture(scope="module")
-def loops():
-    return Loops()
 
 
 def test_the_closed_form_of_a_slow_line_is_the_studys_disturbance_gain():
@@ -73,9 +68,17 @@ def test_a_resonator_at_the_folded_line_moves_the_table_at_both_frequencies(forc
     assert amplitude_um(motion[FINE - 1 :: FINE], seen_hz(force_hz), PERIOD_S) < 0.01 * ghost.ghost
 
 
-def test_resonators_are_refused_above_half_the_control_rate(loops):
+def test_resonators_are_refused_above_half_the_control_rate():
     """The block says so itself: nobody places one at a folded line by accident."""
     from leadscrew.kernel.errors import ValueRefused
 
     with pytest.raises(ValueRefused, match=r"1600 Hz .* half the sampling frequency"):
-        loops.get(SWEPT["resonant"](spindle_hz=400.0, teeth=4), "sine_1mm").run(0.1)
+        lab().loop(SWEPT["resonant"](spindle_hz=400.0, teeth=4), "sine_1mm").run(0.1)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["paper.pid", "ours.pid_ms_159"])
+def test_simulated_lines_are_those_of_the_closed_form_above_half_the_control_rate_too(name):
+    found, expected = sweep(lab(), name), closed_form(name)
+    for what in ("spindle", "tooth"):
+        assert getattr(found, what)[APART] == pytest.approx(getattr(expected, what)[APART], rel=1e-6)

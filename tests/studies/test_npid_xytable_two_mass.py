@@ -8,7 +8,7 @@ from leadscrew.controllers.pid import TUNINGS, pid
 from leadscrew.kernel.loop import Loop
 from leadscrew.plants.xy_table_two_mass import XYTableTwoMassParams, xy_table_two_mass
 from leadscrew.references.sine import sine
-from leadscrew.studies.npid_xytable.two_mass import judged, notched, slowed
+from leadscrew.studies.npid_xytable.two_mass import Axis, judged, notched, slowed
 
 RETUNED = TUNINGS["ours.pid_ms_159"]
 
@@ -24,12 +24,12 @@ def test_ms_is_that_of_the_loop_that_runs(controller, hz, at_table):
         reference=sine(amplitude=1.0, frequency=0.7), controller=controller, plant=plant, period=0.5e-3, substeps=20,
         computation_delay=0.775e-3, metrics={},
     )  # fmt: skip
-    assert judged(controller, plant.params).ms == pytest.approx(margins(sampled_loop(loop)).ms, rel=2e-3)
+    assert judged(controller, Axis(plant.params)).ms == pytest.approx(margins(sampled_loop(loop)).ms, rel=2e-3)
 
 
 def test_without_a_mode_it_is_the_rigid_loop():
-    """L* of the digest: Ms 1.87, gain margin 2.51."""
-    stiff = XYTableTwoMassParams(mode_hz=5e4, mode_damping=0.5)
+    """L*: Ms 1.87, gain margin 2.51."""
+    stiff = Axis(XYTableTwoMassParams(mode_hz=5e4, mode_damping=0.5))
     assert judged(pid, stiff).ms == pytest.approx(1.869, abs=2e-3)
     gained = [pid(**{key: k * getattr(pid.params, key) for key in ("kp", "ki", "kd")}) for k in (2.500, 2.515)]
     assert [judged(block, stiff).stable for block in gained] == [True, False]

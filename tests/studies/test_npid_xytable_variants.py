@@ -1,4 +1,4 @@
-"""The law of the paper, its variants and add-ons: claims against other ways of finding the same, and the pictures."""
+"""The law of the paper and its variants: measures against other ways of finding the same."""
 
 import math
 
@@ -6,24 +6,17 @@ import numpy as np
 import pytest
 from scipy import stats
 
+from leadscrew.analysis.stability.margins import margins
 from leadscrew.controllers.npid import npid
 from leadscrew.controllers.npid_after import npid_after
 from leadscrew.controllers.pid import pid
 from leadscrew.references.eased_sine import eased_sine
 from leadscrew.references.step import step
-from leadscrew.studies.npid_xytable.claims_add_ons import followed_rate, margins_of
-from leadscrew.studies.npid_xytable.claims_law import straight_fit
-from leadscrew.studies.npid_xytable.claims_variants import LOADS_UM, swing, volts_of
-from leadscrew.studies.npid_xytable.figures_law import gain_against_e_max, law_pictures, laws
-from leadscrew.studies.npid_xytable.runs import Loops
-from leadscrew.studies.npid_xytable.sines import sines
+from leadscrew.studies.npid_xytable.cutting import load_volts, sines, swing_um
+from leadscrew.studies.npid_xytable.laws import straight_fit
+from leadscrew.studies.npid_xytable.rejection import opened
 from tests.controllers.xy_loop import xy_loop
-from tests.studies.whole import claims_of
-
-
-@pytest.fixture(scope="module")
-def loops():
-    return Loops()
+from tests.studies.npid_lab import lab
 
 
 def test_the_straight_line_through_the_gain_is_scipys():
@@ -44,9 +37,9 @@ def test_the_integral_of_table_1_takes_1600_seconds():
 
 @pytest.mark.slow
 @pytest.mark.parametrize(("block", "most", "calm"), [(npid, 6.35, 21.8), (npid_after, 3.06, 0.67)])
-def test_the_place_of_the_gain_decides_on_chatter_on_another_simulation_too(loops, block, most, calm):
+def test_the_place_of_the_gain_decides_on_chatter_on_another_simulation_too(block, most, calm):
     """The study's plant, exact at once, and the plain one in 25 us steps."""
-    _, peak, change = sines(loops, block, "sine_1mm", {"reference.amplitude": np.array([1.0])})
+    _, peak, change = sines(lab(), block, "sine_1mm", {"reference.amplitude": np.array([1.0])})
     run = xy_loop(block, eased_sine(amplitude=1.0, frequency=0.7)).run(12.0, record=("true_error", "output"))
     stepped = 1e3 * np.abs(run["true_error"][4000:]).max(), 1e3 * np.diff(run["output"][4000:]).std()
     assert (peak[0], change[0]) == pytest.approx((most, calm), rel=0.005)
@@ -54,62 +47,27 @@ def test_the_place_of_the_gain_decides_on_chatter_on_another_simulation_too(loop
 
 
 @pytest.mark.slow
-def test_a_constant_load_is_counted_as_the_error_that_it_leaves_under_the_pid(loops):
+def test_a_constant_load_is_counted_as_the_error_that_it_leaves_under_the_pid():
     """5 um, less the share of the spring, a0 / (b Kp) = 0.1816 %, and what the slow integral took in 3 s."""
-    held = loops.get("paper.pid", "constant_load").batch(
-        3.0, {"disturbance.first.amplitude": volts_of(np.array([5.0]))}, record="true_error"
+    held = (
+        lab()
+        .loop("paper.pid", "constant_load")
+        .batch(3.0, {"disturbance.first.amplitude": load_volts(np.array([5.0]))}, record="true_error")
     )
     expected = 5.0 / (1.0 + 166.3 / (69380.0 * 1.32)) * math.exp(-6.24e-4 * 3.0)
     assert 1e3 * abs(held["true_error"][0, -1]) == pytest.approx(expected, rel=1e-4)
-    loud = swing(loops, npid, {"disturbance.first.amplitude": volts_of(np.array([2.5, 5.0]))})
+    loud = swing_um(lab(), npid, {"disturbance.first.amplitude": load_volts(np.array([2.5, 5.0]))})
     assert loud[0] < 1e-3 and loud[1] == pytest.approx(4.89, abs=0.05)
-    assert LOADS_UM.min() == 2.0 and LOADS_UM.max() == 30.0
 
 
-@pytest.mark.parametrize(("lag", "digest"), [(0.5e-3, 2.04), pytest.param(1e-3, 1.81, marks=pytest.mark.slow)])
-def test_a_lag_of_the_derivative_eats_the_gain_margin_in_the_time_domain_too(lag, digest):
+@pytest.mark.parametrize(("lag", "expected"), [(0.5e-3, 2.04), pytest.param(1e-3, 1.81, marks=pytest.mark.slow)])
+def test_a_lag_of_the_derivative_eats_the_gain_margin_in_the_time_domain_too(lag, expected):
     """At 1 % less gain than the margin a push dies away, at 1 % more it grows."""
-    found = margins_of(pid(filter_s=lag)).gm
-    assert found == pytest.approx(digest, abs=0.005)
+    found = margins(opened(pid(filter_s=lag))).gm
+    assert found == pytest.approx(expected, abs=0.005)
     for factor, grows in ((0.99, False), (1.01, True)):
         k = factor * found
         block = pid(kp=k * 1.32, ki=0.0, kd=k * 0.006805, filter_s=lag)
         run = xy_loop(block, step(target=1e-3)).run(2.0, record="actual")
         early, late = (np.ptp(run["actual"][a:b]) for a, b in ((1000, 1400), (3600, 4000)))
         assert (late > early) == grows
-
-
-def test_the_difference_is_noisier_than_what_is_followed():
-    plain, followed, true = followed_rate(1e-3)
-    assert np.std(plain - true) > 4.0 * np.std((followed - true)[100:]) > 0.0
-    assert np.abs(true).max() == pytest.approx(7.12e-3 * 2.0 * math.pi * 0.7, rel=1e-6)
-
-
-@pytest.mark.slow
-@pytest.mark.xdist_group("whole npid_xytable")
-def test_what_the_paper_recommends_has_its_verdicts():
-    by_name = claims_of("npid_xytable")
-    assert by_name["compute_time"].measured < 0.1
-    assert by_name["future_differentiator"].verdict == "not reproduced"
-    assert by_name["future_dead_zone"].verdict == "reproduced"
-
-
-def test_the_pictures_show_what_their_captions_say(loops):
-    assert [p.name for p in law_pictures(loops)] == ["gain_against_e_max", "laws", "clip_readings", "add_ons"]
-    axes = gain_against_e_max().axes[0]
-    assert axes.get_lines()[0].get_ydata()[-1] == pytest.approx(2.35241, abs=1e-5)
-    panels = laws().axes
-    assert [a.get_ylabel() for a in panels] == ["scaled error f (um)", "gain f / e", "slope df/de"]
-    steepest = {line.get_label(): np.max(line.get_ydata()) for line in panels[2].get_lines()}
-    assert steepest["corrected.npid_um: e in um"] == pytest.approx(5.546, abs=0.02)
-    assert steepest["cosh with slopes to 2.27"] == pytest.approx(2.27, abs=0.01)
-    assert steepest["ours.npid_slope: k = 2.2, es = 0.5 um"] < 2.2
-
-
-@pytest.mark.slow
-def test_the_pictures_that_need_runs_are_drawn(loops):
-    drawn = {p.name: p.draw() for p in law_pictures(loops)}
-    position, error = drawn["clip_readings"].axes
-    command, inside, clipped = (line.get_ydata() for line in position.get_lines())
-    assert np.abs(inside - command).max() < 0.01 < 1.0 < np.abs(clipped - command).max()
-    assert error.get_ylabel() == "size of the error (um)"

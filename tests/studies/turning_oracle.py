@@ -1,4 +1,4 @@
-"""Turning under force control in plain Python: the digest's plant, fuzzy law and grey predictor written a second time.
+"""Turning under force control in plain Python: the plant, the fuzzy law and grey predictor written a second time.
 
 Nothing of the package is used: root search for the chip by SciPy's ``brentq``, surface of one revolution ago by
 interpolation over a list of past angles, fuzzy inference as a sum over all 49 rules.
@@ -18,7 +18,7 @@ STANDARD = [[max(-3, min(3, i + j)) for j in range(-3, 4)] for i in range(-3, 4)
 
 @dataclass
 class Lathe:
-    """Plant F of the digest, section 4."""
+    """Plant F."""
 
     kf: float = 2256.3
     exponent: float = 0.77
@@ -113,8 +113,6 @@ class Fuzzy:
     factors: tuple[float, float, float]
     reading: str = ""
     rules: list[list[int]] = field(default_factory=lambda: STANDARD)
-    literal: bool = False
-    predictor: str = "clamped"
     u: float = 0.0
     last: float | None = None
     window: list[float] = field(default_factory=list)
@@ -124,14 +122,8 @@ class Fuzzy:
         self.window = [*self.window, y][-5:]
         if len(self.window) < 5:
             return y
-        if self.predictor == "two_point":
-            return 2.0 * y - self.window[-2]
         found = grey(self.window)
-        if found is None:
-            return y
-        if self.literal:
-            return -found
-        return min(max(found, 0.0), 2.0 * r) if self.predictor == "clamped" else found
+        return y if found is None else min(max(found, 0.0), 2.0 * r)
 
     def increment(self, e: float, ec: float) -> float:
         """All 49 rules: product inference, height method."""
@@ -156,34 +148,17 @@ class Fuzzy:
 
 
 def run(
-    controller: Fuzzy | None,
-    seconds: float,
-    lathe: Lathe,
-    first: int = 0,
-    period: float = 0.02,
-    noise: np.ndarray | None = None,
-    u: float = 0.0,
-    keep: float = 0.8,
+    controller: Fuzzy, seconds: float, lathe: Lathe, noise: np.ndarray | None = None, keep: float = 0.8
 ) -> dict[str, np.ndarray]:
-    """Simulates; ``first`` is the step before which the controller samples first.
-
-    Gives force and voltage a step and filtered force a sample, with the time of each; without a controller ``u`` acts.
-    """
-    every = round(period / lathe.dt)
-    forces, volts, ys, times = [], [], [], []
-    y = force = 0.0
+    """Simulates with a sample every 20 ms: force a step, filtered force a sample."""
+    every = round(0.02 / lathe.dt)
+    forces, ys = [], []
+    y = force = u = 0.0
     for k in range(round(seconds / lathe.dt)):
-        if k >= first and (k - first) % every == 0:
-            sample = (k - first) // every
-            y = keep * y + (1.0 - keep) * (force + (0.0 if noise is None else noise[sample]))
-            if controller is not None:
-                u = controller(150.0, y)
+        if k % every == 0:
+            y = keep * y + (1.0 - keep) * (force + (0.0 if noise is None else noise[k // every]))
+            u = controller(150.0, y)
             ys.append(y)
-            times.append(k * lathe.dt)
         force = lathe.step(u)
         forces.append(force)
-        volts.append(u)
-    return {
-        "force": np.array(forces), "volts": np.array(volts), "y": np.array(ys), "times": np.array(times),
-        "time": lathe.dt * np.arange(1, len(forces) + 1),
-    }  # fmt: skip
+    return {"force": np.array(forces), "y": np.array(ys)}

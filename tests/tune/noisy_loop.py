@@ -10,9 +10,8 @@ from leadscrew.kernel.loop import Loop
 from leadscrew.kernel.metrics import max_error, overshoot, rms_error, settling_time
 from leadscrew.kernel.sheet import Doc, Ge, Gt, Unit
 from leadscrew.references.step import step
-from leadscrew.report.claim import Claim
 from leadscrew.sensors.noisy_ruler import noisy_ruler
-from leadscrew.studies.study import Scenario, Study, StudyResult
+from leadscrew.studies.study import Scenario, Study
 
 
 class GainParams(NamedTuple):
@@ -76,11 +75,6 @@ def build(block: Block, scenario: Scenario) -> Loop:
     )
 
 
-def _evaluate(progress=lambda what, done: None) -> StudyResult:
-    claims: list[Claim] = []
-    return StudyResult(claims, [], {}, [])
-
-
 STUDY = Study(
     name="noisy",
     title="A noisy loop",
@@ -88,7 +82,6 @@ STUDY = Study(
     controllers={"p": gain, "p_half": gain(kp=10.0)},
     scenarios=SCENARIOS,
     build=build,
-    evaluate=_evaluate,
     folder=Path(__file__).parent,
 )
 LOOP = build(gain, SCENARIOS["small"])

@@ -17,16 +17,17 @@ def boxed(most: int | None = None) -> dict[str, float]:
     then the amplitudes at five lines by least squares. ``most``: only so many controllers.
     """
     began = time.perf_counter()
+    from leadscrew.studies.lab import Lab
     from leadscrew.studies.npid_xytable.controllers import CONTROLLERS
-    from leadscrew.studies.npid_xytable.runs import Loops
+    from leadscrew.studies.npid_xytable.cutting import tried
     from leadscrew.studies.npid_xytable.scenarios import CUT_S
-    from leadscrew.studies.npid_xytable.trials import BOX, trial
+    from leadscrew.studies.npid_xytable.study import STUDY
 
-    names, loops = list(CONTROLLERS)[:most], Loops()
+    names, lab = list(CONTROLLERS)[:most], Lab(STUDY)
     runs: list[int] = []
 
     def work() -> float:
-        runs.append(sum(len(trial(loops, name, draws=1, box=BOX)) for name in names))
+        runs.append(sum(len(tried(lab, name, draws=1, box=True).speeds) for name in names))
         return runs[-1] * CUT_S
 
     return whole.twice(began, work) | {"controllers": len(names), "runs": runs[-1]}

@@ -14,10 +14,7 @@ import numpy as np
 from leadscrew.bench import entries, stage_c, stage_peers
 from leadscrew.bench.machine import load
 from leadscrew.bench.row import row
-from leadscrew.bench.timing import interleaved, repeated
-from leadscrew.bench.yardstick import NoCompilerError
-from leadscrew.plants.ballscrew_stage import INERTIA
-from leadscrew.studies.fsmc_ballscrew.integrators import (
+from leadscrew.bench.stage_schemes import (
     NM,
     PERIOD_S,
     SMOOTH,
@@ -29,6 +26,9 @@ from leadscrew.studies.fsmc_ballscrew.integrators import (
     every,
     rodas,
 )
+from leadscrew.bench.timing import interleaved, repeated
+from leadscrew.bench.yardstick import NoCompilerError
+from leadscrew.plants.ballscrew_stage import INERTIA
 
 NAMES = {"sine_wide": "stage, 5 sin t", "sine_fast": "stage, sin 2 pi t"}
 SPANS = {"sine_wide": 8000, "sine_fast": 4000}

@@ -8,6 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from leadscrew.bench.stage_schemes import PERIOD_S, SINES, SoftParams
 from leadscrew.friction.lugre import LuGre, steady_bristle
 from leadscrew.plants.ballscrew_stage import (
     INERTIA,
@@ -16,7 +17,6 @@ from leadscrew.plants.ballscrew_stage import (
     BallscrewStageState,
     stage_jacobian,
 )
-from leadscrew.studies.fsmc_ballscrew.integrators import PERIOD_S, SINES, SoftParams
 
 METHODS = {"LSODA": (1e-4, 1e-6), "Radau": (1e-4, 1e-6)}
 """Relative tolerances; the absolute one is 1e-5 of it."""

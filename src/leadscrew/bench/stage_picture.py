@@ -6,14 +6,15 @@ python -m leadscrew.bench.stage_picture docs/images/stiff_friction.png
 from __future__ import annotations
 
 import sys
-from typing import TYPE_CHECKING
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from leadscrew.bench import stage_c, stage_peers
 from leadscrew.bench.stage import BY_HAND, HOLDS, real_time, speeds
-from leadscrew.studies.fsmc_ballscrew.figures_integrators import Point, work_precision_figure
-from leadscrew.studies.fsmc_ballscrew.integrators import NM, TRUTH, angles, error_nm, every, rodas
+from leadscrew.bench.stage_schemes import NM, TRUTH, angles, error_nm, every, rodas
+from leadscrew.report.style import BLACK, BLUE, GREEN, ORANGE, PURPLE, SKY, VERMILION
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -27,6 +28,26 @@ SCHEMES = (
 """Ours: scheme, group and label."""
 FORMS = {"euler": "explicit Euler", "exponential": "exponential Rosenbrock-Euler"}
 """Of the C, where it was built."""
+
+
+class Point(NamedTuple):
+    """A scheme in the work-precision picture."""
+
+    group: str
+    real_time: float
+    error_nm: float
+    label: str = ""
+
+
+MARKS = {
+    "RODAS": (BLUE, "o"),
+    "SDIRK3, scalar": (GREEN, "s"),
+    "RK4": (ORANGE, "^"),
+    "exponential Rosenbrock-Euler": (PURPLE, "D"),
+    "explicit Euler": (VERMILION, "v"),
+    "SciPy LSODA": (SKY, "X"),
+    "SciPy Radau": (BLACK, "P"),
+}
 
 
 def points(rounds: int = 5) -> list[Point]:
@@ -46,6 +67,30 @@ def points(rounds: int = 5) -> list[Point]:
             each = real_time(done.seconds / HOLDS * 1e9)
             made.append(Point(f"SciPy {method}", each, error, f"rtol {rtol:.0e}".replace("e-0", "e-")))
     return made
+
+
+def work_precision_figure(points: Sequence[Point], title: str) -> Figure:
+    """Error against how many times faster than real time, of schemes that were measured in one run."""
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(8.0, 5.0), layout="constrained")
+    axes = figure.subplots()
+    for group, (colour, mark) in MARKS.items():
+        mine = sorted((p for p in points if p.group == group), key=lambda p: p.real_time)
+        if not mine:
+            continue
+        axes.loglog([p.real_time for p in mine], [p.error_nm for p in mine], color=colour, marker=mark, label=group)
+        for p in mine:
+            axes.annotate(p.label, (p.real_time, p.error_nm), textcoords="offset points", xytext=(6, 5), fontsize=8)
+    axes.margins(x=0.1)
+    axes.axhline(0.5, color=BLACK, linestyle=":", linewidth=1.0)
+    axes.axvline(500.0, color=BLACK, linestyle=":", linewidth=1.0)
+    axes.set_xlabel("times faster than real time, one core (1)")
+    axes.set_ylabel("largest error of the position (nm)")
+    axes.set_title(title)
+    axes.grid(alpha=0.3)
+    figure.legend(loc="outside lower center", ncols=4)
+    return figure
 
 
 def figure(rounds: int = 5) -> Figure:

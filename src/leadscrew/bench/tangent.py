@@ -16,21 +16,21 @@ def cut(most: int | None = None) -> dict[str, float]:
     Each cell: five textures of the line to its end, 7.9 to 9.2 s at 100 Hz. ``most``: only so many controllers.
     """
     began = time.perf_counter()
-    from leadscrew.studies.sofnn_tangent.controllers import CONTROLLERS
-    from leadscrew.studies.sofnn_tangent.lines import LAPS, MATERIAL_NAMES
-    from leadscrew.studies.sofnn_tangent.runs import CELLS, Loops
-    from leadscrew.studies.sofnn_tangent.scenarios import SCENARIOS
+    from leadscrew.studies.lab import Lab
+    from leadscrew.studies.sofnn_tangent.cuts import RUNS, cells
+    from leadscrew.studies.sofnn_tangent.scenarios import LINES
+    from leadscrew.studies.sofnn_tangent.study import STUDY
 
-    loops = Loops()
-    seconds = CELLS * sum(SCENARIOS[f"{line}_{material}"].duration_s for line in LAPS for material in MATERIAL_NAMES)
-    blocks = [CONTROLLERS[name] for name in list(CONTROLLERS)[:most]]
+    names = list(STUDY.controllers)[:most]
+    seconds = 3 * RUNS * sum(STUDY.scenario(f"{line}_fabric").duration_s for line in LINES)
 
     def work() -> float:
-        for block in blocks:  # blocks, not names: those are kept
-            loops.cells(block)
-        return seconds * len(blocks)
+        lab = Lab(STUDY)  # a new one, as a lab keeps what it measures
+        for name in names:
+            cells(lab, name)
+        return seconds * len(names)
 
-    return whole.twice(began, work) | {"controllers": len(blocks), "runs": 9 * CELLS * len(blocks)}
+    return whole.twice(began, work) | {"controllers": len(names), "runs": 9 * RUNS * len(names)}
 
 
 def said(found: dict[str, float]) -> str:

@@ -5,6 +5,8 @@ from __future__ import annotations
 import time
 from typing import Any
 
+import numpy as np
+
 from leadscrew.bench import whole
 
 LIMIT_S = 20.0
@@ -18,17 +20,23 @@ def drawn(most: int | None = None) -> dict[str, float]:
     many controllers.
     """
     began = time.perf_counter()
-    from leadscrew.studies.grey_turning.montecarlo_runs import MonteCarlo, force_controllers, table
-    from leadscrew.studies.grey_turning.runs import Loops
+    from leadscrew.studies.grey_turning.random_plants import SECONDS, share
+    from leadscrew.studies.grey_turning.random_plants import drawn as drawn_on
+    from leadscrew.studies.grey_turning.study import STUDY
+    from leadscrew.studies.lab import Lab
+    from leadscrew.tune.statistics import quantiles
 
-    loops = Loops()
-    names = force_controllers(loops)[:most]
+    names = list(STUDY.controllers)[:most]
     runs = DRAWS * len(names)
 
     def work() -> float:
-        made = MonteCarlo(loops)
-        table({name: made.of(name, "plant_f", DRAWS) for name in names})
-        return runs * 3.0
+        lab = Lab(STUDY)
+        for name in names:
+            reading = drawn_on(lab, name, "plant_f", DRAWS)
+            share(reading.bad)
+            quantiles(reading.overshoot, (50.0, 90.0))
+            quantiles(reading.rise_s[np.isfinite(reading.rise_s)], (50.0,))
+        return runs * SECONDS
 
     return whole.twice(began, work) | {"controllers": len(names), "runs": runs}
 

@@ -1,7 +1,7 @@
 """The command line: one row a command, imported when it is called.
 
-It adds nothing that the library lacks. Exit codes: 0 well, 1 a
-required target missed (or a replay that is not identical), 2 bad input, 3 a loop diverged, 130 interrupted.
+It adds nothing that the library lacks. Exit codes: 0 well, 1 a number that is not the expected one (or a replay that is
+not identical), 2 bad input, 3 a loop diverged, 130 interrupted.
 """
 
 from __future__ import annotations

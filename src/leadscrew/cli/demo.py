@@ -82,16 +82,12 @@ def evaluated(show_progress: Callable[[str, float], None]) -> dict[str, tuple[Re
 
 
 def report_of(name: str) -> Report:
-    """The key claims of a study; of one that has no contents yet, its paper's law beside the corrected one."""
+    """The key claims of a study."""
     from leadscrew import catalogue
-    from leadscrew.report import demo as pairs
     from leadscrew.report.study import summary_of
     from leadscrew.studies.results import evaluate
 
-    study = catalogue.study(name)
-    if study.contents is None and study.name in pairs.PAIRS:
-        return pairs.report_of(study, pairs.PAIRS[study.name])
-    return summary_of(evaluate(study, key=True), shlex.join(["leadscrew", "run", name]))
+    return summary_of(evaluate(catalogue.study(name), key=True), shlex.join(["leadscrew", "run", name]))
 
 
 def print_demo(found: list[Report], page: Path, wall: float) -> None:

@@ -109,8 +109,8 @@ def npid(
 def table_2_work(amplitude: float, encoder: float, noise: float, tracking: float) -> Work:
     """The force lines that make Table II's PID column, one case a spindle speed."""
     from leadscrew.design.npid_axis import Case, Work
-    from leadscrew.studies.npid_xytable.calibration import BASE_HZ, LINES_HZ, volts
-    from leadscrew.studies.npid_xytable.columns import PID_UM
+    from leadscrew.studies.npid_xytable.calibration import volts
+    from leadscrew.studies.npid_xytable.table2 import BASE_HZ, LINES_HZ, PID_UM
 
     cases = tuple(Case(f"{rpm} 1/min", volts(um), rpm / 60.0) for rpm, um in PID_UM.items())
     return Work(cases, LINES_HZ, amplitude, BASE_HZ, encoder, noise, tracking_weight=tracking)

@@ -22,7 +22,7 @@ belongs on the outermost block: of a limit inside, the lines know nothing. With 
 
 The problem is that of R. Marino, G. L. Santosuosso, P. Tomei, *Robust adaptive compensation of biased sinusoidal
 disturbances with unknown frequency*, Automatica 39 (10), 2003; this simple form, normalised by ``abs(z)^2``, is ours.
-No proof of convergence is given: it is measured (study ``npid_xytable``, M7). Bumpless start as the inner controller's,
+No proof of convergence is given: it is measured (study ``npid_xytable``). Bumpless start as the inner controller's,
 with resonators at rest at the believed speed.
 """
 

@@ -12,7 +12,7 @@ Where one gain for all errors (:mod:`leadscrew.controllers.npid_slope`) can only
 differ in their filters too, and that is what a loop needs that is to be firm without being louder at rest.
 
 The law is ours. With the quiet loop closed, the firm path is a Lur'e system around ``large``, whose slope lies in
-[0, 1]: :mod:`leadscrew.studies.npid_xytable.certified` proves it under every load and command.
+[0, 1]: :mod:`leadscrew.studies.npid_xytable.split_law` proves it under every load and command.
 
 ``max_output`` limits the output, 0 does not; the integral of both stands while the output is at its limit and would be
 driven further out. A positive output moves the axis in the positive direction. Bumpless start: the integral is preset
@@ -102,9 +102,6 @@ def npid_split(p, s, command, feedback, dt):
 
 
 TUNINGS: dict[str, Block] = {"ours.npid_split": npid_split}
-"""For the XY table at 2 kHz with 0.775 ms of delay and a scale of 0.5 um.
-
-Sought as :func:`leadscrew.studies.npid_xytable.certified.searched` does, and rounded by hand: small rows of Table II
-with Ms <= 1.6 at every error, 0.5 mV of change from sample to sample at rest, and a proof for all twelve plants of the
-robustness box.
+"""For the XY table at 2 kHz with 0.775 ms of delay and a scale of 0.5 um, rounded by hand: Ms <= 1.6 at every error,
+0.5 mV of change from sample to sample at rest. ``leadscrew design rejection npid_split`` tunes the law.
 """

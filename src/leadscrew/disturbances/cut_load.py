@@ -6,7 +6,7 @@
 correlation length ``length``; ``w`` is Gaussian and white. ``step`` is a change of the steady shear from ``step_at``
 on, for ``step_for`` seconds; ``push`` one of the cut line itself.
 
-Source: chosen, a reconstruction: the paper of the study ``sofnn_tangent`` gives no process.
+Source: a reconstruction for the study ``sofnn_tangent``, whose paper gives no process.
 """
 
 from __future__ import annotations

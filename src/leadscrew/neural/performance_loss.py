@@ -6,7 +6,8 @@
     origin    10 P(0, 0), where the network has biases (without it is 0)
     ridge     0.003 w of every weight
 
-``plain`` is cells and ridge; ``safe`` all of them. Source: ours; the paper trains by the cells alone.
+``plain`` is cells and ridge; ``safe`` all of them. Source: ours, for the study
+``sofnn_tangent``.
 """
 
 from __future__ import annotations

@@ -9,8 +9,8 @@ surroundings of the origin, then the search starts again; :attr:`Trained.notes` 
 helps training is refused. A network that goes the right way, but knows the table less well than asked, is given out
 with a note.
 
-Source: step 1 of the paper of the study ``sofnn_tangent`` ("train PNN off line by a genetic algorithm"); other
-methods, weights and acceptance are ours.
+Source: step 1 of the paper of the study ``sofnn_tangent`` ("train PNN off line by a genetic algorithm"); methods,
+weights and acceptance are ours.
 """
 
 from __future__ import annotations

@@ -17,7 +17,7 @@ play of that half-width in the steady shear).
 
 From ``change_at`` on the material is ``changed``.
 
-Source: ours, a reconstruction: the paper of the study ``sofnn_tangent`` gives no process. Materials are believed
+Source: a reconstruction for the study ``sofnn_tangent``, whose paper gives no process. Materials are believed
 values, none is measured.
 """
 

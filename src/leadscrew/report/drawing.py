@@ -77,8 +77,7 @@ def beside(study: Study, figures: bool = True) -> Iterator[Draw]:
 
     Where there is one core, or the system cannot copy a process, that function draws them all.
     """
-    assert study.contents is not None
-    wanted = study.contents().figures if figures else []
+    wanted = study.judged().figures if figures else []
     copies = min((os.cpu_count() or 1) - 1, MOST_COPIES, len(wanted) - 1)
     if not figures:
         yield draw_none

@@ -5,7 +5,6 @@ from __future__ import annotations
 import base64
 import json
 import platform
-import shlex
 import time
 from collections.abc import Callable, Mapping
 from importlib.metadata import version
@@ -16,14 +15,12 @@ from leadscrew import reading
 from leadscrew.escape import file_name
 from leadscrew.kernel.errors import DataError
 from leadscrew.newfolder import replaceable, replacing
-from leadscrew.report.claim import SCHEMA_VERSION
 from leadscrew.report.drawing import Draw, draw_all
 from leadscrew.report.report import KIND, Report
 from leadscrew.report.strict import strict
 
 if TYPE_CHECKING:
     from leadscrew.kernel.run import Run
-    from leadscrew.studies.study import Study, StudyResult
 
 
 def claimable(folder: str | Path) -> Path:
@@ -43,84 +40,6 @@ def _is_report(folder: Path) -> bool:
     return found.get("kind") == KIND and "schema_version" in found
 
 
-def summary(study: Study, result: StudyResult, wall_s: float, report: Path) -> dict[str, Any]:
-    """The result as the one JSON object that ``leadscrew run --json`` prints."""
-    from leadscrew import __version__
-
-    found: dict[str, Any] = strict(
-        {
-            "study": study.name,
-            "version": __version__,
-            "schema_version": SCHEMA_VERSION,
-            "wall_s": wall_s,
-            "claims": [c.as_dict() for c in result.claims],
-            "report": str(report),
-        }
-    )
-    return found
-
-
-def write(
-    study: Study,
-    result: StudyResult,
-    folder: str | Path,
-    *,
-    wall_s: float,
-    origin: str,
-    figures: bool = True,
-    progress: Callable[[str, float], None] = lambda what, done: None,
-) -> Path:
-    """Writes the report beside ``folder``, then puts it in its place; ``origin`` is the name that found the study.
-
-    Raises:
-        DataError: see :func:`claimable`; or the disk refuses.
-    """
-    target = Path(folder)
-    with replacing(target, _is_report, "a report of ours") as beside:
-        _fill(beside, study, result, wall_s, origin, figures, progress, target)
-    return target
-
-
-def _fill(
-    beside: Path,
-    study: Study,
-    result: StudyResult,
-    wall_s: float,
-    origin: str,
-    figures: bool,
-    progress: Callable[[str, float], None],
-    target: Path,
-) -> None:
-    from leadscrew.report.html import render
-
-    saved = {key: run for key, run in result.runs.items() if hasattr(run, "save")}
-    folders = {}
-    for at, (key, run) in enumerate(saved.items()):
-        progress(f"saving {key}", at / len(saved))
-        scenario, _, controller = key.partition("/")
-        if not run.loop.origin:
-            run.loop.origin = {"study": origin, "controller": controller, "scenario": scenario, "changes": {}}
-        name = file_name(f"{scenario}__{controller}" if controller else scenario)
-        folders[key] = f"runs/{name}"
-        run.save(beside / "runs" / name)
-    progress("drawing", 1.0)
-    page = render(
-        study,
-        result,
-        manifest=manifest(wall_s) | {"command": shlex.join(["leadscrew", "run", origin, "--out", str(target)])},
-        folders=folders,
-        pictures=result.pictures if figures else (),
-    )
-    (beside / "report.html").write_text(page, encoding="utf-8", newline="\n")
-    found = {
-        "kind": KIND,
-        "title": study.title,
-        **summary(study, result, wall_s, target / "report.html"),
-        "manifest": manifest(wall_s),
-    }
-    (beside / "report.json").write_text(json.dumps(found, indent=1, allow_nan=False), encoding="utf-8", newline="\n")
-
-
 def manifest(wall_s: float) -> dict[str, Any]:
     """What the report was made with."""
     from leadscrew import __version__
@@ -134,7 +53,6 @@ def manifest(wall_s: float) -> dict[str, Any]:
     }
 
 
-# ---- a report as data
 def run_folder(key: str) -> str:
     """Where the run ``scenario/controller`` is saved, in the folder of the report."""
     scenario, _, controller = key.partition("/")

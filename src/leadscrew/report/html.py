@@ -1,17 +1,16 @@
-"""The report of a study as one HTML file that opens anywhere, offline: figures and style are inside."""
+"""A report as one HTML file that opens anywhere, offline: figures and style are inside."""
 
 from __future__ import annotations
 
 import base64
 import io
 import re
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from leadscrew.escape import html as escaped
 from leadscrew.escape import visible
-from leadscrew.report import tables
 
 if TYPE_CHECKING:
     from jinja2 import Template
@@ -20,7 +19,6 @@ if TYPE_CHECKING:
 
     from leadscrew.report.drawing import Drawn
     from leadscrew.report.report import Report
-    from leadscrew.studies.study import Picture, Study, StudyResult
 
 LARGEST_SVG = 600_000
 """Bytes; a figure with more points than that is embedded as a picture of 160 dots an inch."""
@@ -58,33 +56,6 @@ def template(name: str, **filters: Callable[..., Any]) -> Template:
     return environment.get_template(name)
 
 
-def render(
-    study: Study,
-    result: StudyResult,
-    *,
-    manifest: Mapping[str, Any],
-    folders: Mapping[str, str],
-    pictures: Sequence[Picture] = (),
-) -> str:
-    """The page. ``folders`` are the run folders beside it, by the key of the run."""
-    drawn = [(p.name, p.caption, embedded(p.draw(), p.name)) for p in pictures]
-    topics = [
-        (title, [[(c, tables.three_columns(c), tables.target(c), tables.met(c)) for c in part]
-                 for part in tables.of_the_paper(claims)])
-        for title, claims in result.by_topic()
-    ]  # fmt: skip
-    runs = [
-        (key, folders[key], run.duration, run.diverged, tables.metric_rows(run))
-        for key, run in result.runs.items()
-        if key in folders
-    ]
-    return template("report.html.j2", number=tables.number).render(
-        study=study, result=result, topics=topics, tally=tables.tally(result.claims),
-        missed=tables.missed(result.claims), pictures=drawn, runs=runs, manifest=manifest,
-    )  # fmt: skip
-
-
-# ---- a report as data
 PX_PER_INCH = 84
 """Width that a figure keeps on a narrow window: a text of 7 points is then 8 pixels high."""
 

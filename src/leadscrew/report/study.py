@@ -48,7 +48,7 @@ def report_of(results: Results, saved: Sequence[tuple[str, str]] = (), command: 
         conclusion=results.conclusion,
         key_table=claims_table(key_claims, short=True) if key_claims else None,
         key_picture=key,
-        key_numbers=[card_number(c) for c in with_number(key_claims)[-3:]],
+        key_numbers=[card_number(c) for c in on_card(results, key_claims)],
         lines=[e.conclusion for e in results.experiments],
         sections=[s for s in sections if not _empty(s)],
         counts={v: n for v in VERDICTS if (n := sum(c.verdict == v for c in results.claims))},
@@ -118,6 +118,12 @@ def with_number(claims: Iterable[Claim]) -> list[Claim]:
     measured = [c for c in claims if isinstance(_value(c), int | float)]
     printed = [c for c in measured if _is_number(c.says)]
     return printed if len(printed) >= 3 else measured
+
+
+def on_card(results: Results, claims: Iterable[Claim]) -> list[Claim]:
+    """The claims whose numbers stand on the card of the study."""
+    known = {c.id.removeprefix(f"{results.study.name}."): c for c in claims}
+    return [known[name] for name in results.study.card if name in known] or with_number(known.values())[-3:]
 
 
 def _is_number(text: str) -> bool:

@@ -7,7 +7,11 @@ ours.
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
 from zlib import crc32
+
+if TYPE_CHECKING:
+    pass
 
 BLACK, ORANGE, SKY, GREEN, YELLOW, BLUE, VERMILION, PURPLE = (
     "#000000", "#E69F00", "#56B4E9", "#009E73", "#F0E442", "#0072B2", "#D55E00", "#CC79A7",
@@ -42,6 +46,10 @@ COLOURS = {
     "ours.npid_slope_159": PURPLE,
     "ours.npid_split": BLUE,
     "ours.pid_ms_159": ORANGE,
+    "ours.pid_ms_185": PURPLE,
+    "ours.pid_dob_60": SKY,
+    "ours.cascade": GREEN,
+    "ours.learned": BLACK,
     "ours.pid_159_ff": GREEN,
     "ours.resonant_full": BLACK,
     "corrected.tfc_s6": VERMILION,

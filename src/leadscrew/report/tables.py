@@ -4,13 +4,11 @@ from __future__ import annotations
 
 import math
 import re
-from collections import Counter
 from collections.abc import Iterable, Mapping
 from dataclasses import asdict, dataclass, replace
-from typing import TYPE_CHECKING, Any, NamedTuple, get_args
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from leadscrew.kernel.sheet import Entry, entries
-from leadscrew.report.claim import Claim, Verdict
 
 if TYPE_CHECKING:
     from leadscrew.kernel.block import Block
@@ -47,68 +45,6 @@ def plain(text: str) -> str:
 def first_line(text: str) -> str:
     """The first line of a docstring, plain."""
     return plain(text.strip().splitlines()[0].strip()) if text.strip() else ""
-
-
-# ---- claims
-def met(claim: Claim) -> str:
-    """Whether our own target is met, in a word."""
-    return {True: "yes", False: "NO", None: NOTHING}[None if claim.passed is None else bool(claim.passed)]
-
-
-def target(claim: Claim) -> str:
-    """What we asked of ourselves."""
-    if claim.target is None or claim.kind == "report":
-        return NOTHING
-    wanted = number(claim.target)
-    if claim.sense in ("yes/no", "order"):
-        return wanted
-    slack = f" ± {number(claim.tolerance)}" if claim.tolerance else ""
-    return f"{ {'<=': '≤ ', '>=': '≥ '}.get(claim.sense, '') }{wanted}{slack}"
-
-
-class ThreeColumns(NamedTuple):
-    """A claim's numbers by whose they are."""
-
-    paper_says: str
-    as_printed: str
-    corrected_or_ours: str
-
-
-def three_columns(claim: Claim) -> ThreeColumns:
-    """The paper's number, and ours in the column of the group that it belongs to."""
-    ours = number(claim.measured)
-    printed = claim.group == "as printed"
-    return ThreeColumns(number(claim.paper), ours if printed else "", "" if printed else ours)
-
-
-def of_the_paper(claims: Iterable[Claim]) -> tuple[list[Claim], list[Claim]]:
-    """Claims on which the paper says something, or whose target is missed; and the others, which are ours alone."""
-    claims = list(claims)
-    shown = [c for c in claims if c.paper is not None or c.passed is False]
-    return shown, [c for c in claims if not (c.paper is not None or c.passed is False)]
-
-
-class Tally(NamedTuple):
-    """How a study came out."""
-
-    verdicts: dict[str, int]
-    required: int
-    required_met: int
-
-
-def tally(claims: Iterable[Claim]) -> Tally:
-    """Counts of verdicts, and of required targets met."""
-    claims = list(claims)
-    counted = Counter(c.verdict for c in claims)
-    required = [c for c in claims if c.kind == "required"]
-    return Tally(
-        {v: counted.get(v, 0) for v in get_args(Verdict)}, len(required), sum(c.passed is not False for c in required)
-    )
-
-
-def missed(claims: Iterable[Claim]) -> list[Claim]:
-    """The claims whose required target is missed."""
-    return [c for c in claims if c.kind == "required" and c.passed is not None and not c.passed]
 
 
 # ---- metrics and units

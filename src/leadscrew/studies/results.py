@@ -107,9 +107,7 @@ def evaluate(
         BlockError: a claim, an experiment or the conclusion raised an exception.
         DataError: ``expected.csv`` is malformed.
     """
-    if study.contents is None:
-        raise ValueRefused(f"{study.name} has no claims to judge: leadscrew simulate, compare or tune run it")
-    contents, lab = study.contents(), Lab(study)
+    contents, lab = study.judged(), Lab(study)
     claims = [c for c in contents.claims if c.key or not key]
     experiments = [] if key else contents.experiments
     _check_names(study, [*claims, *experiments])

@@ -7,20 +7,16 @@ A study is data about one published system. It holds no numerics of its own: blo
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
-from itertools import accumulate
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from leadscrew.kernel.errors import NameUnknown
+from leadscrew.kernel.errors import NameUnknown, ValueRefused
 from leadscrew.kernel.sheet import checked_replace, nearest
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
     from leadscrew.kernel.block import Block
     from leadscrew.kernel.loop import Loop
-    from leadscrew.report.claim import Claim
     from leadscrew.studies.results import Contents
 
 
@@ -33,50 +29,6 @@ class Scenario:
     doc: str
     duration_s: float
     """How long a simulation of it runs unless told otherwise."""
-
-
-class Picture(NamedTuple):
-    """A figure of a study, drawn on demand from results that exist."""
-
-    name: str
-    caption: str
-    draw: Callable[[], Figure]
-
-
-@dataclass(frozen=True)
-class StudyResult:
-    """What ``Study.evaluate`` gives: judged claims, pictures, and the runs behind them."""
-
-    claims: list[Claim]
-    pictures: list[Picture]
-    runs: dict[str, Any] = field(default_factory=dict)
-    """Run results by ``scenario/controller``."""
-    notes: list[str] = field(default_factory=list)
-    """Findings in words, for the report."""
-    topics: tuple[tuple[str, int], ...] = ()
-    """Headings of the claims, in their order, and how many stand below each; none: all in one table."""
-
-    @classmethod
-    def of(
-        cls,
-        judged: list[tuple[str, list[Claim]]],
-        pictures: list[Picture],
-        runs: Mapping[str, Any],
-        findings: Callable[[list[Claim]], list[str]],
-    ) -> StudyResult:
-        """The result for claims below their headings; ``findings`` makes the notes of all of them."""
-        claims = [claim for _, below in judged for claim in below]
-        return cls(
-            claims, pictures, dict(runs), findings(claims), tuple((title, len(below)) for title, below in judged)
-        )
-
-    def by_topic(self) -> list[tuple[str, list[Claim]]]:
-        """The claims below their headings; one group without a heading where the study has none."""
-        if not self.topics:
-            return [("", self.claims)]
-        ends = list(accumulate(count for _, count in self.topics))
-        starts = [0, *ends[:-1]]
-        return [(title, self.claims[a:b]) for (title, _), a, b in zip(self.topics, starts, ends, strict=True)]
 
 
 class Assumption(NamedTuple):
@@ -103,16 +55,26 @@ class Study:
     """Where ``paper_items.csv``, ``expected.csv`` and the paper's data lie."""
     contents: Callable[[], Contents] | None = None
     """Claims, experiments and figures: ``contents_of("leadscrew.studies.NAME.claims", ...)``."""
-    evaluate: Callable[[Callable[[str, float], None]], StudyResult] | None = None
-    """Of a study without ``contents``: judges all claims; reports progress as ``(what, fraction done)``."""
     summary: str = ""
     record: tuple[str, ...] = ()
     """Signals that runs record beside those that every run records."""
+    card: tuple[str, ...] = ()
+    """Three key claims, by their id without the study, for the study's card; the last ones unless given."""
     assumed: tuple[Assumption, ...] = ()
     method: tuple[str, ...] = ()
     """How the numbers came about, a paragraph each."""
     limits: tuple[str, ...] = ()
     """What the results do not say, a paragraph each."""
+
+    def judged(self) -> Contents:
+        """What the study claims and shows.
+
+        Raises:
+            ValueRefused: it has no contents.
+        """
+        if self.contents is None:
+            raise ValueRefused(f"{self.name} has no claims to judge: leadscrew simulate, compare or tune run it")
+        return self.contents()
 
     def scenario(self, name: str, changes: Mapping[str, Any] | None = None) -> Scenario:
         """The scenario ``name`` with some of its parameters changed.

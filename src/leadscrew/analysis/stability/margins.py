@@ -62,9 +62,10 @@ def margins(loop: LinearLoop, gain: float = 1.0, grid: Any = None) -> Margins:
     own = own_grid(loop)
     if grid is not None:
         own, wrong = given_grid(loop, grid)
-    scaled = LinearLoop(
-        loop.a, loop.b, gain * loop.c, gain * loop.d, loop.dt, loop.dead_time, loop.name, loop.notes, loop.from_blocks
-    )
+    scaled = loop
+    if gain != 1.0:
+        c, d = gain * loop.c, gain * loop.d
+        scaled = LinearLoop(loop.a, loop.b, c, d, loop.dt, loop.dead_time, loop.name, loop.notes, loop.from_blocks)
     phase, crossed = phase_crossings(scaled, own.w), gain_crossings(scaled, own.w)
     up = min((c for c in phase if c.value > -1.0), key=lambda c: -1.0 / c.value, default=None)
     down = min((c for c in phase if c.value < -1.0), key=lambda c: -c.value, default=None)

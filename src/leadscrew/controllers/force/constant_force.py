@@ -19,7 +19,7 @@ gives no feed; in the air, told as a depth of 0, the feed is that of the coming 
 ``air_feed`` until the tool is in the cut, and nothing is learned. All knowledge of the machine is in ``gain``,
 ``preview_s``, ``lead_lag_s``, ``radial`` and the stiffness.
 
-Source: ours. It reads
+Source: ours, for the study ``grey_turning``. It reads
 :class:`~leadscrew.sensors.load_cell.CutReading` and is told :class:`~leadscrew.references.cutting_program.CutCommand`.
 
 Bumpless start: the level of the law is set so that the output is the one of the moment, for the depth commanded then;

@@ -10,7 +10,7 @@ which opens the chip only while the force changes. In every period ``C[L, L]`` g
 ``nu^2 > 9 (H' C H + R)`` it gains ``jump``: a hard spot, or a depth that is not the programmed one. ``L`` stays within
 :data:`MOST` of its prior and ``P`` within :data:`LEAST_P` to 1, so that a broken load cell cannot ask for any feed.
 
-Source: ours; a Kalman filter of one state is
+Source: ours, for the study ``grey_turning``; the Kalman filter of one state is
 :mod:`leadscrew.controllers.force.power_law_inversion`.
 """
 

@@ -15,7 +15,7 @@ comes next, and at most ``air_feed`` where there was no cut.
 The programme is known, so nothing is guessed but the exponent; it is not a reaction to a depth that is wrong. A change
 of depth that comes at once cannot be met: the force follows it at once, the feed within 0.1 s.
 
-Source: ours.
+Source: ours, for the study ``grey_turning``.
 
 Bumpless start: as the inner controller's.
 """

@@ -8,7 +8,7 @@
 rest; with it the gain at the nominal feed is ``1 + floor`` times the inner controller's. ``du`` is taken after the
 inner controller's own limit.
 
-Source: ours. That the gain of a force loop depends on depth and spindle
+Source: ours, for the study ``grey_turning``. That the gain of a force loop depends on depth and spindle
 speed: O. Masory, Y. Koren, *Adaptive control system for turning*, CIRP Annals 29, 1980.
 
 Bumpless start: the output before is set so that the next one is the last one.

@@ -16,7 +16,7 @@ The prior should lie above the true ``K``: below it the first feed is too large.
 (``stiffness`` large) the chip is over-estimated while the force rises, and the force overshoots. ``P`` is believed, not
 estimated: :mod:`leadscrew.controllers.force.constant_force` estimates it.
 
-Source: ours. Reads :class:`~leadscrew.sensors.load_cell.CutReading`.
+Source: ours, for the study ``grey_turning``. Reads :class:`~leadscrew.sensors.load_cell.CutReading`.
 
 Bumpless start: ``K`` is set so that the output is the one of the moment; nothing is learned in the first revolution.
 """

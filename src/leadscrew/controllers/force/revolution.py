@@ -8,7 +8,7 @@ carriage stood at the first sample, the force then 0. A spindle so slow that a r
 samples (94 1/min at 20 ms), or a history that begins in the cut (after a bumpless start), gives ``whole = 0``: then
 nothing must be concluded from it.
 
-Source: ours.
+Source: ours, for the study ``grey_turning``.
 """
 
 from __future__ import annotations

@@ -13,7 +13,8 @@ minimum it lies between 1 and 2 and the output has kinks where two memberships a
 With the standard table (:data:`~leadscrew.controllers.grey_fuzzy.rule_tables.STANDARD`) and the product the output is
 ``S3 (x + y)`` exactly while ``|x + y| <= 4``, and within ``S3 / 2`` of ``S3 clip(x + y, -6, 6)`` elsewhere.
 
-Source: the paper of the study ``grey_turning``, equations (15) to (18) and Fig 3.
+Source: the paper of the study ``grey_turning``, equations (15) to (18) and Fig 3; what its text layer
+does not say is ours.
 """
 
 from __future__ import annotations

@@ -49,7 +49,7 @@ FACTORS: dict[str, Factors] = {
     "smith_f": Factors(25.0, 5.65, 0.0106),  # behind the Smith predictor on plant F, by ITAE and overshoot
     "smith_n": Factors(29.3, 6.17, 0.00675),  # the same on plant N
 }
-"""By name; the last three are ours."""
+"""By name: in N, N a sample, V."""
 
 PREDICTORS = {"two_point": TWO_POINT, "line": LINE, "fir": FIR, "gm_raw": GM}
 """Other predictors for which there is a tuning, by their number in :mod:`leadscrew.grey.predictors`."""

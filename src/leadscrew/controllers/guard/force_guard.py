@@ -18,7 +18,8 @@ What it cannot do: prevent the peak. The chip of the next revolution lies there 
 stop. It is no substitute for the machine's emergency stop. See ``docs/force_guard.md``.
 
 Outputs are at least 0 and grow with the feed. Command: :class:`~leadscrew.references.cutting_program.CutCommand`,
-feedback: :class:`~leadscrew.sensors.load_cell.CutReading`; a controller on numbers gets their forces. Source: ours.
+feedback: :class:`~leadscrew.sensors.load_cell.CutReading`; a controller on numbers gets their forces. Source: ours, for
+the study ``grey_turning``: a threshold on the raw signal, then feed hold.
 
 Bumpless start: that of the inner controller, the guard running with no holds counted.
 """

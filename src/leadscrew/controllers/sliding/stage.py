@@ -8,7 +8,7 @@ order in which it happens, once a period, with the command a :class:`~leadscrew.
    lag; in the first period ``y_r'``
 3. ``e = y - y_r,  e' = y' - y_r',  xi = xi + e dt``; from the second period on; xi waits at the torque's limit
 4. ``F_hat``: friction by the believed model ``hat``, one of the readings of the paper's f_hat:
-   ``friction_from`` 1: own bristles, driven by the commanded speed (a feed-forward; the default);
+   ``friction_from`` 1: own bristles, driven by the commanded speed (a feed-forward; the default, and our reading);
    2: own bristles, driven by the measured speed, without ``s1 dz/dt``; 3: the same with it, the letter of the paper,
    whose believed damping exceeds the real one: with ``pieces`` 0 the torque leaps to kilonewton metres; 0: none
 5. ``F~ = F_C + (F_S - F_C) exp(-(y' / v_s)^2) + s2 |y'|`` with the parameters ``bound``, ``K = F~ / J + eta``, and the

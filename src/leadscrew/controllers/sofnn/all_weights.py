@@ -23,8 +23,8 @@ nothing excites a rule its variance then grows without end, unless ``cap`` holds
 Signals, scales, correction and safeguards as in :mod:`leadscrew.controllers.sofnn.network`; its learner is the Kalman
 filter. Bumpless start likewise, from the prior, even centres and certainties of one.
 
-Source: the three groups of weights of the paper of the study ``sofnn_tangent`` (Deng, Liu, Wu, Zhang), section 2; the
-reading is ours.
+Source: the three groups of weights of the paper of the study ``sofnn_tangent`` (Deng, Liu, Wu, Zhang), section 2; how
+they act and learn is our reading.
 """
 
 from __future__ import annotations

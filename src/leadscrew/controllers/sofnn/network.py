@@ -18,7 +18,8 @@ four rules: ``w += mu h (target - h . w) / (h . h)``.
 indifferent to the true delay. The other form adds ``g`` every sample; it is faster and needs about the right delay, as
 a PID does.
 
-**When not to use it**: a PID tuned as carefully does as well, feed-forward of the curvature better. Rules over (e, ec)
+**When not to use it**: tuned as carefully, the stored form with three gains in place of the rules does as well, a PID
+nearly, feed-forward of the curvature better. Rules over (e, ec)
 are an integrator, not a memory: frozen, they keep about a third of what learning gave.
 
 When nothing is learned: :mod:`leadscrew.controllers.sofnn.organising`. Bumpless start: the rules that fire are
@@ -27,9 +28,8 @@ start nothing is known of which rules fire: none is shifted, the offset fades fr
 the rules' one when the cut is seen (:mod:`leadscrew.controllers.sofnn.levels`). Learned rules are given to a new start
 by :func:`~leadscrew.controllers.sofnn.rules.with_rules`.
 
-Source: the seven steps of the paper of the study ``sofnn_tangent`` (Deng, Liu, Wu, Zhang); where it is silent,
-the choices are ours and stand in the study's list of assumptions. With ``K_p*`` of its step (4) the paper means
-``k_d``.
+Source: the seven steps of the paper of the study ``sofnn_tangent`` (Deng, Liu, Wu, Zhang); where it is silent, a
+reconstruction. With ``K_p*`` of its step (4) the paper means ``k_d``.
 """
 
 from __future__ import annotations

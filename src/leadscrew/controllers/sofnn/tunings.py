@@ -22,9 +22,9 @@ from leadscrew.neural.inference_net import initial_rules
 from leadscrew.neural.performance import NETWORK, ODD, ROUNDED, Performance
 
 LITERAL: dict[str, Any] = {"delay": 4, "leak": 0.0, "freeze": False}
-"""What goes with the paper's scales."""
+"""What all with the paper's scales have."""
 TUNED: dict[str, Any] = {"k_e": 6.0 / 45.0, "target": ACCUMULATE, "kg": 0.7}
-"""Our tuning: twice the gain of the deviation, every correction added."""
+"""Twice the gain of the deviation, every correction added."""
 
 
 def _read_bad_slope() -> Performance:

@@ -13,7 +13,7 @@ second in the study, claim ``resight_observer``). Where the camera loses the cut
 
 Bumpless start: the axis is believed at the output, and the observer settled at it.
 
-Source: ours, not the paper's (g 0.9, gain 0.9, 0.02 s are chosen); structure as in
+Source: ours, for the study ``sofnn_tangent`` (g 0.9, gain 0.9, 0.02 s); structure as in
 :mod:`leadscrew.controllers.input_dob`.
 """
 

@@ -6,7 +6,7 @@ Stepped by its exact solution for a voltage held over ``dt``. With the voltage i
 type 1: no steady error without an integral term.
 
 Source: the second AC servo motor of the lathe, section 2 of the paper of the study ``grey_turning``, which gives no
-number; 5 mm/s per volt and 30 ms are chosen as usual of a small servo axis.
+number; 5 mm/s per volt and 30 ms are ours.
 """
 
 from __future__ import annotations

@@ -10,8 +10,8 @@ field's whatever the torque: a first-order lag. Both equations are stepped by th
 an input and a torque held over ``dt``.
 
 Source: an inverter in front of the lathe's induction motor, section 2 of the paper of the study ``grey_turning``, which
-gives no number; 150 1/min per volt and 0.3 s are chosen. A droop of 2.5 1/min per N m (a motor of some 3 kW with
-5 % slip at its rating) and 0.15 kg m^2 are ours, for a lathe of 400 mm swing.
+gives no number; 150 1/min per volt and 0.3 s are ours. A droop of 2.5 1/min per N m (a motor of some 3 kW with
+5 % slip at its rating) and 0.15 kg m^2 are those of a lathe of 400 mm swing.
 """
 
 from __future__ import annotations

@@ -24,7 +24,6 @@ than load and static friction together, and the stage is left microns away with 
 from __future__ import annotations
 
 from typing import Any, NamedTuple
-from weakref import WeakKeyDictionary
 
 import numpy as np
 
@@ -34,10 +33,8 @@ from leadscrew.disturbances.step_load import step_load
 from leadscrew.friction.lugre import HAT, LuGre
 from leadscrew.kernel.block import Block
 from leadscrew.plants.ballscrew_stage import TRAVEL_MM_PER_RAD
-from leadscrew.studies.fsmc_ballscrew.algebra import tight_bounds
-from leadscrew.studies.fsmc_ballscrew.runs import Loops
-
-SYSTEMS = {name: sliding_system(rules) for name, rules in RULES.items()}
+from leadscrew.studies.fsmc_ballscrew.laws import LAM, SYSTEMS, tight_bounds
+from leadscrew.studies.lab import Lab, measure
 
 WITHOUT_DEAD_CORNER = fuzzy_ideal(
     sliding_system(
@@ -66,7 +63,8 @@ SECONDS = 0.5
 HOME_UM = 1.0
 """An end within this of the target is a return."""
 
-_KEPT: WeakKeyDictionary[Loops, dict[Any, Any]] = WeakKeyDictionary()
+SCALE, TORQUE, RATIO = 0.65, 120.0, 4.0
+"""S in rad/s, U in N m, S_c over S."""
 
 
 def hold(rules: str, ratio: float) -> float:
@@ -103,7 +101,7 @@ def ultimate_band(rules: str, ratio: float, share: float) -> float:
     return a
 
 
-def ultimate_error_um(band: float, scale: float = 0.65, lam: float = 150.0) -> float:
+def ultimate_error_um(band: float, scale: float = SCALE, lam: float = LAM) -> float:
     """Step 3, at the table."""
     return 1e3 * TRAVEL_MM_PER_RAD * tight_bounds()[0] * band * scale / lam
 
@@ -121,18 +119,14 @@ class Region(NamedTuple):
         return np.asarray(self.left_um <= HOME_UM)
 
 
-def region(loops: Loops, rules: str, ratio: float = 4.0) -> Region:
-    """A step of each of :data:`STEPS_MM` under each of :data:`LOADS`, from rest, with ``U = 120`` and ``S = 0.65``."""
-    kept = _KEPT.setdefault(loops, {})
-    if (rules, ratio) not in kept:
-        block = BLOCKS[rules](scale_sc=0.65 * ratio)
-        loop = loops.get(
-            block, "step_raw", disturbance=step_load(), metrics={}, sample=1e-2, rtol=1e-4, atol=1e-10, bound=1e6
-        )
-        loop.program  # noqa: B018  built now, so that the changed loops take it over
-        kept[rules, ratio] = Region(rules, ratio, np.array([[_left(loop, e, f) for f in LOADS] for e in STEPS_MM]))
-    found: Region = kept[rules, ratio]
-    return found
+@measure
+def region(lab: Lab, rules: str, ratio: float = RATIO) -> Region:
+    """A step of each of :data:`STEPS_MM` under each of :data:`LOADS`, from rest."""
+    loop = lab.loop(
+        BLOCKS[rules](scale_sc=SCALE * ratio), "step_raw",
+        disturbance=step_load(), metrics={}, sample=1e-2, rtol=1e-4, atol=1e-10, bound=1e6,
+    )  # fmt: skip
+    return Region(rules, ratio, np.array([[_left(loop, step, load) for load in LOADS] for step in STEPS_MM]))
 
 
 def _left(loop: Any, step: float, load: float) -> float:

@@ -6,7 +6,7 @@ All are one law with eight numbers, in rad (``sat`` inside [-1, 1], ``K`` and ``
     u = y_r'' - u_rate lam e' - u_e lam^2 e - u_xi lam^3 xi - K sat(slope / K (s_rate e' + s_e lam e + s_xi lam^2 xi))
     T = F_hat + J u
 
-Source: Shams and Safdari (2010), equations (8) to (15); the readings are those of the project's digest, section 2.
+Source: Shams and Safdari (2010), equations (8) to (15).
 """
 
 from __future__ import annotations
@@ -22,9 +22,8 @@ from leadscrew.fuzzy.engine import engine
 from leadscrew.kernel.block import Block, make
 from leadscrew.kernel.sheet import Doc, Ge, Le
 from leadscrew.plants.ballscrew_stage import TRAVEL_MM_PER_RAD, ballscrew_stage
-from leadscrew.studies.fsmc_ballscrew.machines import bent
-from leadscrew.studies.fsmc_ballscrew.runs import Loops
-from leadscrew.studies.fsmc_ballscrew.scenarios import SCENARIOS, command, start_speed
+from leadscrew.studies.fsmc_ballscrew.scenarios import SCENARIOS, command, sliding, start_speed
+from leadscrew.studies.lab import Lab
 
 if TYPE_CHECKING:
     from leadscrew.kernel.loop import Loop
@@ -128,7 +127,7 @@ def read_as(weights: Weights, eta: float, held: bool = False, friction_from: int
     return replace(block, params=ReadingParams(weights, stage))
 
 
-def held_loop(loops: Loops, block: Block, period: float, scenario: str = "sine_fast") -> Loop:
+def held_loop(lab: Lab, block: Block, period: float, scenario: str = "sine_fast") -> Loop:
     """A held law on a sine, position and speed seen exactly, from steady sliding on the command."""
     from leadscrew.kernel.loop import Loop
 
@@ -136,7 +135,8 @@ def held_loop(loops: Loops, block: Block, period: float, scenario: str = "sine_f
     speed = start_speed(move)
     plant = replace(ballscrew_stage(travel_per_rad=TRAVEL_MM_PER_RAD), output=seen)
     loop = Loop(
-        reference=command(move), controller=in_motion(block, speed), plant=bent(plant, speed), period=period,
+        reference=command(move), controller=in_motion(block, speed), plant=sliding(plant, speed), period=period,
         method="rodas", rtol=1e-4, atol=1e-10, metrics={}, bound=1e6,
     )  # fmt: skip
+    loop.adopt_program(lab.once(("program", loop.compiled_from()), lambda: loop))
     return loop

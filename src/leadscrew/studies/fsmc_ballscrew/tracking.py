@@ -1,4 +1,4 @@
-"""Runs of the five laws in continuous time, and what is read from them: errors, torque, what a reversal leaves."""
+"""What is read from runs: errors, torque, what a reversal leaves, what goes on at rest."""
 
 from __future__ import annotations
 
@@ -7,9 +7,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from leadscrew.friction.lugre import LuGre
-from leadscrew.studies.fsmc_ballscrew.runs import SIGNALS, Loops
-from leadscrew.studies.fsmc_ballscrew.scenarios import SCENARIOS, SineMove
+from leadscrew.plants.ballscrew_stage import TRAVEL_MM_PER_RAD
+from leadscrew.studies.fsmc_ballscrew.scenarios import SAMPLE_S, sine_of
+from leadscrew.studies.lab import Lab, measure
 
 LAWS = ("corrected.smc", "paper.smc", "paper.csmc", "corrected.fsmc", "paper.fsmc")
 """In continuous time, with the printed gains."""
@@ -18,15 +18,9 @@ SECONDS = {"sine_slow": 8.4, "sine_wide": 8.4, "sine_fast": 3.0}
 """How long a sine runs."""
 
 WINDOW = {"sine_slow": (3.0, 8.4), "sine_wide": (3.0, 8.4), "sine_fast": (1.0, 3.0)}
-"""What counts of it, in seconds: two reversals of the slow sines, four of the fast one.
-
-RMS values and variation per second of the slow sines depend on the window. The digest does not name its own; this one
-gives its ten RMS values within 2 %, a whole period gives 0.97 to 1.03 of the smooth ones and 0.91 to 0.96 of the peaked
-ones.
-"""
-
-SAMPLES = {"sine_fast": 5e-5}
-"""Interval between samples where the default is too coarse for the peak after a reversal, in seconds."""
+"""What counts of it, in seconds: two reversals of the slow sines, four of the fast one."""
+SAMPLES = {"sine_slow": SAMPLE_S, "sine_wide": SAMPLE_S, "sine_fast": 5e-5}
+"""Interval between samples, s; the peak after a reversal of the fast sine asks for a finer one."""
 
 
 class Tracked(NamedTuple):
@@ -42,18 +36,14 @@ class Tracked(NamedTuple):
     """Total variation of the torque per second, N m/s."""
 
 
-RECORD = (*SIGNALS, "actual.velocity", "command.velocity")
+def sine_run(lab: Lab, law: str, scenario: str, **options: Any) -> Any:
+    """The run of a law in continuous time on a sine."""
+    return lab.run(law, scenario, SECONDS[scenario], **({"sample": SAMPLES[scenario]} | options))
 
 
-def sine_run(loops: Loops, law: str, scenario: str, **options: Any) -> Any:
-    """The run of a law on a sine."""
-    more = {"sample": SAMPLES[scenario]} | options if scenario in SAMPLES else options
-    return loops.run(law, scenario, SECONDS[scenario], record=RECORD, **more)
-
-
-def tracked(run: Any, scenario: str) -> Tracked:
+def tracked(lab: Lab, law: str, scenario: str, **options: Any) -> Tracked:
     """What is read from the run of a sine; NaN after a divergence."""
-    first, last = WINDOW[scenario]
+    run, (first, last) = sine_run(lab, law, scenario, **options), WINDOW[scenario]
     t = run["time"]
     inside = (t >= first) & (t <= last)
     if run.diverged or not inside.any():
@@ -63,6 +53,52 @@ def tracked(run: Any, scenario: str) -> Tracked:
     return Tracked(
         float(np.abs(e).max()), math.sqrt(float(np.mean(e * e))), float(np.abs(torque).max()), float(variation)
     )
+
+
+def rate_rad_s(run: Any) -> float:
+    """Largest rate of the error after three tenths of a run, rad/s."""
+    late = run["time"] > 0.3 * run["time"][-1]
+    return float(np.abs((run["actual.velocity"] - run["command.velocity"])[late]).max()) / TRAVEL_MM_PER_RAD
+
+
+def tail_um(run: Any, after: float = 0.5) -> tuple[float, float]:
+    """Largest and root-mean-square true error, um, after the part ``after`` of a run; infinite if it diverged."""
+    if run.diverged:
+        return math.inf, math.inf
+    e = 1e3 * run["true_error"]
+    e = e[int(after * len(e)) :]
+    return float(np.abs(e).max()), float(np.sqrt(np.mean(e * e)))
+
+
+@measure
+def sampled_error_um(lab: Lab, controller: str, scenario: str, inertia: float | None = None) -> np.ndarray:
+    """True error of a whole scenario, um; infinite if the loop diverges."""
+    loop = lab.loop(controller, scenario, changes={} if inertia is None else {"plant.inertia": inertia})
+    run = loop.run(lab.study.scenario(scenario).duration_s, record=("true_error",))
+    return np.full(2, math.inf) if run.diverged else 1e3 * run["true_error"]
+
+
+def largest_um(lab: Lab, controller: str, scenario: str, inertia: float | None = None) -> float:
+    """Largest true error in the second half of a scenario, um."""
+    e = sampled_error_um(lab, controller, scenario, inertia)
+    return float(np.abs(e[len(e) // 2 :]).max())
+
+
+def travel_per_second(run: Any, after: float = 0.5) -> float:
+    """Total variation of the torque per second in the later part of a run, N m/s."""
+    u, t = run["output"], run["time"]
+    first = int(after * len(u))
+    return float(np.abs(np.diff(u[first:])).sum() / (t[-1] - t[first]))
+
+
+def left_um(lab: Lab, law: str, scenario: str) -> float:
+    """True error at the end of a step's run, um."""
+    return 1e3 * float(abs(lab.run(law, scenario)["true_error"][-1]))
+
+
+def error_um(lab: Lab, law: str, scenario: str) -> float:
+    """Largest error on a sine, or what a step leaves, um."""
+    return tracked(lab, law, scenario).largest if scenario in SECONDS else left_um(lab, law, scenario)
 
 
 class Reversal(NamedTuple):
@@ -80,22 +116,15 @@ class Reversal(NamedTuple):
     """How far it swings past ``after`` in between, as a part of the peak."""
 
 
-def moving(scenario: str) -> SineMove:
-    """The sine of a scenario."""
-    params = SCENARIOS[scenario].params
-    assert isinstance(params, SineMove)
-    return params
-
-
 def reversal_time(scenario: str) -> float:
     """Instant of a reversal of a sine that lies inside :data:`WINDOW` with its neighbourhood, s."""
-    rate = moving(scenario).rate_rad_s
+    rate = sine_of(scenario).rate_rad_s
     return (1.5 if rate < 2.0 else 5.5) * math.pi / rate
 
 
 def reversal(run: Any, scenario: str) -> Reversal:
     """The reversal of :func:`reversal_time`, looked at for a tenth of a period."""
-    at, period = reversal_time(scenario), 2.0 * math.pi / moving(scenario).rate_rad_s
+    at, period = reversal_time(scenario), 2.0 * math.pi / sine_of(scenario).rate_rad_s
     t = run["time"]
     inside = (t >= at) & (t <= at + 0.1 * period)
     since, error = t[inside] - at, 1e6 * run["true_error"][inside]
@@ -110,7 +139,7 @@ def reversal(run: Any, scenario: str) -> Reversal:
 
 def place_of_largest(run: Any, scenario: str) -> float:
     """Where the error is largest, as a part of the way from one reversal (0) to the next (1)."""
-    at, half = reversal_time(scenario), math.pi / moving(scenario).rate_rad_s
+    at, half = reversal_time(scenario), math.pi / sine_of(scenario).rate_rad_s
     t = run["time"]
     inside = (t >= at) & (t < at + half)
     return float((t[inside][np.abs(run["true_error"][inside]).argmax()] - at) / half)
@@ -118,7 +147,7 @@ def place_of_largest(run: Any, scenario: str) -> float:
 
 def elsewhere(run: Any, scenario: str) -> float:
     """Largest error in nm between two reversals, without a twentieth of a period after and a hundredth before one."""
-    at, period = reversal_time(scenario), 2.0 * math.pi / moving(scenario).rate_rad_s
+    at, period = reversal_time(scenario), 2.0 * math.pi / sine_of(scenario).rate_rad_s
     t = run["time"]
     inside = (t >= at + 0.05 * period) & (t <= at + 0.49 * period)
     return 1e6 * float(np.abs(run["true_error"][inside]).max())
@@ -149,26 +178,6 @@ def at_rest(run: Any) -> AtRest:
     return AtRest(1e3 * float(np.abs(run["true_error"][later]).max()), float(np.mean(cycles)), swing, variation)
 
 
-def settled_run(loops: Loops, law: str) -> Any:
+def settled_run(lab: Lab, law: str) -> Any:
     """1 mm in 50 ms with f_hat from the measured speed, sampled finely enough for the limit cycle that follows."""
-    return loops.run(law, "step_quintic", 0.8, changes={"controller.friction_from": 2}, sample=2e-5)
-
-
-def time_constant(run: Any, first: float, last: float) -> float:
-    """Time constant in s of an error that decays as an exponential between two instants: least squares on its log."""
-    t = run["time"]
-    inside = (t >= first) & (t <= last)
-    slope = np.polyfit(t[inside], np.log(np.abs(run["true_error"][inside])), 1)[0]
-    return float(-1.0 / slope)
-
-
-def stick_time_constant(law: Any) -> float:
-    """``(sigma0 / J + 2 lam K / phi) / lam^3``: how slowly the integral of the complementary law moves a stuck stage.
-
-    Derivation: stuck, the stage is a spring of ``sigma0``; ``J u = sigma0 (e - e_0)`` with (9), (10) and (15) at
-    ``e' = 0`` leaves ``(sigma0 / J + 3 lam^2 + 2 lam K / phi) e + lam^3 xi = constant``, and ``xi' = e``. The term
-    ``3 lam^2`` is a ten-thousandth of the rest.
-    """
-    p = law.params
-    gain = p.bound.static / p.inertia + p.eta
-    return float((LuGre().stiffness / p.inertia + 2.0 * p.lam * gain / p.boundary) / p.lam**3)
+    return lab.run(law, "step_quintic", 0.8, changes={"controller.friction_from": 2}, sample=2e-5)

@@ -1,8 +1,8 @@
 """The controllers of the study, by name, for a force in N and a feed voltage, every 20 ms.
 
-The paper prints neither its rules (Table 1 is missing) nor its scaling factors: ``paper.*`` has what is printed, errors
-included; ``corrected.*`` the paper's laws with the standard table and factors that the digest reconstructed. ``ours.*``
-are for comparison. More of the same kind: :data:`leadscrew.controllers.grey_fuzzy.tunings.TUNINGS`.
+The paper prints neither its rules (Table 1 is missing in the text that we have) nor its scaling factors: ``paper.*``
+has what is printed, errors included; ``corrected.*`` the paper's laws with the standard table and factors of our own.
+``ours.*`` are for comparison. More of the same kind: :data:`leadscrew.controllers.grey_fuzzy.tunings.TUNINGS`.
 """
 
 from __future__ import annotations
@@ -24,4 +24,3 @@ CONTROLLERS: Mapping[str, Block] = {
     **{name: GREY_FUZZY[name] for name in OTHERS},
     **FORCE,
 }
-"""By name."""

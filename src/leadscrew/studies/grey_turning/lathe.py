@@ -1,4 +1,4 @@
-"""The whole lathe: its three loops on one program, and the runs that claims and pictures need of it.
+"""The whole lathe: spindle, feed and depth under three loops, all their variants on one program.
 
 A TFC is a GPFC whose prediction is the last sample, so all of them are one program with other numbers; so is a constant
 feed, a force controller whose two limits are one voltage.
@@ -7,8 +7,7 @@ feed, a force controller whose two limits are one voltage.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from functools import cached_property
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -19,25 +18,26 @@ from leadscrew.kernel.block import Block
 from leadscrew.plants.turning_lathe import turning_lathe
 from leadscrew.references.lathe_program import lathe_program
 from leadscrew.sensors.lathe_sensors import lathe_sensors
-from leadscrew.studies.grey_turning.machines import PERIOD_S, SUBSTEPS
+from leadscrew.studies.grey_turning.cuts import PLANT_N
+from leadscrew.studies.grey_turning.readings import read
+from leadscrew.studies.grey_turning.scenarios import FORCE_N, PERIOD_S, RPM, SUBSTEPS
+from leadscrew.studies.lab import Lab, measure
 
 if TYPE_CHECKING:
+    from leadscrew.kernel.batch import Batch
     from leadscrew.kernel.loop import Loop
 
-RPM, FORCE_N, GAIN = 1200.0, 150.0, 150.0
-"""Speed, force, and feed in mm/min at 1 V, sections 5.1 and 5.2."""
+GAIN = 150.0
+"""Feed in mm/min at 1 V."""
 HOLDING_V = 8.0
 """Spindle voltage of 1,200 1/min."""
-LAST, READING_A = 0, 1
-DIGEST_NOISE = {"sensor.rpm_noise": 5.0, "sensor.depth_noise_mm": 0.5e-3}
-"""Scatter of speed and depth at which the digest's numbers of these two loops come out; the digest names none."""
-SLOW_FEED = {"plant.servo.rate": 20.0, "plant.servo.dead_time_s": 0.02}
-"""The feed servo of plant N."""
+SEEDS = 20
 FALLING = {"reference.depth.step": -0.2, "reference.depth.steps": 3}
-IDEAL = {f"actuator.{axis}.bits": 0 for axis in ("spindle", "feed", "radial")}
+AXES = ("spindle", "feed", "radial")
 RECORD = ("actual", "feedback", "applied", "plant.peak", "plant.removed", "plant.over_s")
-WAYS = {"tfc": (LAST, 0), "gpfc": (2, 0), "gpfc_a": (2, READING_A)}
+WAYS = {"tfc": (0, 0), "gpfc": (2, 0), "gpfc_a": (2, 1)}
 """Predictor and reading by law."""
+TFC6, GPFC6, TFC9, GPFC9 = (f"corrected.{law}_{s}" for s in ("s6", "s9") for law in ("tfc", "gpfc_b"))
 
 
 def three_loops(feed: Block = TUNINGS["corrected.gpfc_b_s9"]) -> Block:
@@ -55,7 +55,7 @@ def whole_lathe(controller: Block, **more: Any) -> Loop:
         "controller": controller,
         "plant": turning_lathe,
         "sensor": lathe_sensors,
-        "actuator": lathe_dac(**{key.removeprefix("actuator."): bits for key, bits in IDEAL.items()}),
+        "actuator": lathe_dac(**{f"{axis}.bits": 0 for axis in AXES}),
         "period": PERIOD_S,
         "substeps": SUBSTEPS,
         "metrics": {},
@@ -74,7 +74,7 @@ def force_law(tuning: str) -> dict[str, Any]:
     """Changes that put a TFC or GPFC of :data:`TUNINGS` on the feed."""
     params: Any = TUNINGS[tuning].params
     scales = {f"controller.feed.{key}": getattr(params, key) for key in ("error_scale", "change_scale", "output_scale")}
-    predictor, reading = getattr(params, "predictor", LAST), getattr(params, "reading", 0)
+    predictor, reading = getattr(params, "predictor", 0), getattr(params, "reading", 0)
     return scales | {"controller.feed.predictor": predictor, "controller.feed.reading": reading}
 
 
@@ -83,66 +83,63 @@ def constant_feed(feed: float) -> dict[str, float]:
     return {"controller.feed.lower": feed / GAIN - 1e-9, "controller.feed.upper": feed / GAIN}
 
 
-class Stair(NamedTuple):
-    """What one step of the depth does to a signal, percent of the force to hold."""
-
-    dip: float
-    over: float
-
-
-def stairs(t: np.ndarray, force: np.ndarray, count: int = 3, every_s: float = 2.0) -> list[Stair]:
-    """Lowest and highest force in each interval behind a step; of rows, their mean."""
-    found = []
-    for k in range(1, count + 1):
-        part = np.atleast_2d(force)[:, (t >= k * every_s - 1e-9) & (t < (k + 1) * every_s - 1e-9)] / FORCE_N - 1.0
-        found.append(Stair(100.0 * float(part.min(axis=1).mean()), 100.0 * float(part.max(axis=1).mean())))
-    return found
+@measure
+def running(lab: Lab) -> Loop:
+    """The spindle at 1,200 1/min, the tool at 1 mm in the cut, the feed at rest; its program made, to be shared."""
+    loop = whole_lathe(three_loops())
+    loop.batch(PERIOD_S, {}, runs=1, record=RECORD)
+    return loop
 
 
-class LatheRuns:
-    """Runs of the lathe, each made once."""
+def lathe_batch(lab: Lab, seconds: float, changes: Mapping[str, Any], runs: int = 1) -> Batch:
+    """A batch of ``runs`` with other noise."""
+    return running(lab).using(dict(changes)).batch(seconds, {}, runs=runs, record=RECORD)
 
-    def __init__(self) -> None:
-        self.kept: dict[Any, Any] = {}
 
-    @cached_property
-    def running(self) -> Loop:
-        """The spindle at 1,200 1/min, the tool at 1 mm in the cut, the feed at rest."""
-        return self.ready(whole_lathe(three_loops()))
+@measure
+def staircase(
+    lab: Lab, tuning: str, steps: int = 3, runs: int = SEEDS, droop: float = 2.5, noise_n: float = 2.0
+) -> Batch:
+    """All three loops, the depth falling by 0.2 mm every 2 s."""
+    changes = force_law(tuning) | FALLING | {"reference.depth.steps": steps, "plant.spindle.droop": droop}
+    return lathe_batch(lab, 2.0 * (steps + 1), changes | {"sensor.cell.noise_n": noise_n}, runs)
 
-    @cached_property
-    def standing(self) -> Loop:
-        """Everything at rest, no force asked for."""
-        controller = self.running.blocks["controller"]
-        assert controller is not None
-        plant = turning_lathe(**{"start.rpm": 0.0, "spindle.droop": 0.0})
-        still = {"reference.force": 0.0, "sensor.cell.noise_n": 0.0}
-        loop = whole_lathe(controller.starting(**{"spindle.output": 0.0}), plant=plant)
-        return loop.using(still)
 
-    @staticmethod
-    def ready(loop: Loop) -> Loop:
-        """The loop, its program made: those that follow from it by other values then share it."""
-        loop.batch(PERIOD_S, {}, runs=1, record=RECORD)
-        return loop
+@measure
+def last_second(lab: Lab, tuning: str = GPFC9) -> tuple[float, float, float]:
+    """Spindle speed, filtered force and depth in the last second of the falling depth, mean of the seeds."""
+    run = staircase(lab, tuning)
+    late = run.time > 7.0
+    rpm, force, depth = (
+        float(run[signal][:, late].mean()) for signal in ("actual.rpm", "feedback.force", "actual.depth")
+    )
+    return rpm, force, depth
 
-    def batch(self, loop: Loop, seconds: float, changes: Mapping[str, Any], runs: int = 1) -> Any:
-        """A batch of ``runs`` with other noise; all signals kept."""
-        key = (id(loop), seconds, tuple(sorted(changes.items())), runs)
-        if key not in self.kept:
-            self.kept[key] = loop.using(dict(changes)).batch(seconds, {}, runs=runs, record=RECORD)
-        return self.kept[key]
 
-    def spindle(self, name: str, noisy: bool = False, runs: int = 1) -> Any:
-        """Run-up from rest to 1,200 1/min."""
-        return self.batch(self.standing, 3.0, law("spindle", name) | (DIGEST_NOISE if noisy else {}), runs)
+# ---- converters
+BITS = (0, 14, 12, 10, 8)
+"""Bits over 20 V; 0: ideal."""
 
-    def depth(self, name: str, noisy: bool = False, runs: int = 1) -> Any:
-        """Cross slide from 1 to 0.8 mm, the step at the first sample."""
-        changes = law("radial", name) | {"reference.depth.start": 0.8} | (DIGEST_NOISE if noisy else {})
-        return self.batch(self.standing, 2.0, changes, runs)
 
-    def staircase(self, tuning: str, steps: int = 3, runs: int = 1, droop: float = 2.5, noise_n: float = 2.0) -> Any:
-        """All three loops, the depth falling by 0.2 mm every 2 s."""
-        changes = force_law(tuning) | FALLING | {"reference.depth.steps": steps, "plant.spindle.droop": droop}
-        return self.batch(self.running, 2.0 * (steps + 1), changes | {"sensor.cell.noise_n": noise_n}, runs)
+@measure
+def converter_error(lab: Lab, tuning: str, bits: int, quiet: bool = False) -> float:
+    """Steady error at 1 mm, % of 150 N; ``quiet``: without noise and runout."""
+    changes = force_law(tuning) | {f"actuator.{axis}.bits": bits for axis in AXES}
+    changes |= {"sensor.cell.noise_n": 0.0, "plant.runout": 0.0} if quiet else {}
+    return float(read(lathe_batch(lab, 3.0, changes, 1 if quiet else SEEDS)["feedback.force"]).steady.mean())
+
+
+# ---- other entries into the cut
+ENTRIES = {"plunge": "plunge from 0 mm while the feed winds up", "air": "0.3 s of air before the full depth"}
+
+
+@measure
+def entry_overshoot(lab: Lab, tuning: str, how: str, seeds: int = 6) -> float:
+    """Overshoot of the filtered force on plant N, percent."""
+    changes = force_law(tuning) | PLANT_N
+    if how == "plunge":
+        changes |= {"plant.start.depth": 0.0}
+    if how == "air":
+        free = lathe_batch(lab, 0.5, changes | {"plant.work.starts": 1e6})
+        changes |= {"plant.work.starts": float(np.interp(0.3, free.time, free["actual.travel"][0]))}
+    return float(read(lathe_batch(lab, 3.0, changes, seeds)["feedback.force"]).overshoot.mean())

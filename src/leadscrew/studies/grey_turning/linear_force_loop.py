@@ -20,31 +20,34 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from leadscrew.studies.grey_turning.machines import MACHINES, PERIOD_S, SUBSTEPS
+from leadscrew.analysis.stability.linear import LinearLoop
+from leadscrew.analysis.stability.margins import margins
+from leadscrew.studies.grey_turning.scenarios import FORCE_N, MACHINES, PERIOD_S, SUBSTEPS
 
-if TYPE_CHECKING:
-    from leadscrew.analysis.stability.linear import LinearLoop
+Polynomial = tuple[float, ...]
 
-FIR = (1.0, 0.5, 0.0, -0.5)
-TWO_POINT = (2.0, -1.0)
-LAST = (1.0,)
-ROUND = (1.0, -1.0)
+FIR: Polynomial = (1.0, 0.5, 0.0, -0.5)
+TWO_POINT: Polynomial = (2.0, -1.0)
+LAST: Polynomial = (1.0,)
+ROUND: Polynomial = (1.0, -1.0)
+PULSES = 200
+"""Samples of the plant's answer to one pulse: the filter's pole leaves 1e-19 of it behind them."""
 
 
-def _added(a: tuple[float, ...], b: tuple[float, ...], sign: float = 1.0) -> tuple[float, ...]:
+def _added(a: Polynomial, b: Polynomial, sign: float = 1.0) -> Polynomial:
     n = max(len(a), len(b))
     return tuple(float(x) for x in np.pad(a, (0, n - len(a))) + sign * np.pad(b, (0, n - len(b))))
 
 
-def _times(a: tuple[float, ...], b: tuple[float, ...]) -> tuple[float, ...]:
+def _times(a: Polynomial, b: Polynomial) -> Polynomial:
     return tuple(float(x) for x in np.convolve(a, b))
 
 
-LAWS: dict[str, tuple[tuple[float, ...], tuple[float, ...]]] = {
+LAWS: dict[str, tuple[Polynomial, Polynomial]] = {
     "tfc": (ROUND, LAST),
     "gpfc_b": (_times(FIR, ROUND), FIR),
     "gpfc_a": (_added(FIR, LAST, -1.0), FIR),
@@ -62,20 +65,29 @@ class ForcePlant:
     c: np.ndarray
     slope: float
     """Of the force over the feed, N per mm/min."""
-    gain: float
-    """In steady state, N/V."""
+
+    @property
+    def gain(self) -> float:
+        """In steady state, N/V."""
+        return float(self.c @ np.linalg.solve(np.eye(len(self.b)) - self.a, self.b))
+
+    def pulses(self) -> np.ndarray:
+        """The answer to one pulse, from one period after it on."""
+        found, x = np.empty(PULSES), self.b
+        for k in range(PULSES):
+            found[k] = self.c @ x
+            x = self.a @ x
+        return found
 
 
 @lru_cache
-def force_plant(
-    machine: str = "plant_f", force: float = 150.0, depth: float = 1.0, keep: float = 0.8, rigid: bool = False
-) -> ForcePlant:
-    """The linear plant of a machine at a force and a depth of cut; ``rigid``: without its compliance."""
+def force_plant(machine: str = "plant_f", force: float = FORCE_N, depth: float = 1.0, keep: float = 0.8) -> ForcePlant:
+    """The linear plant of a machine at a force and a depth of cut."""
     p = MACHINES[machine].plant.params
     dt, rev = PERIOD_S / SUBSTEPS, round(60.0 / p.spindle_rpm / (PERIOD_S / SUBSTEPS))
     chip = (force / (p.law.kf * depth)) ** (1.0 / p.law.exponent)
     s = p.law.exponent * force / chip
-    soft = 0.0 if rigid else p.feed_force_ratio / p.stiffness
+    soft = p.feed_force_ratio / p.stiffness
     # state: voltages still on their way, v, a, the feeds and forces of the last revolution, newest first
     late = round(p.servo.dead_time_s / dt)
     v, acc, feeds, forces = late, late + 1, late + 2, late + 2 + rev
@@ -112,33 +124,26 @@ def force_plant(
     a[:n, :n], b[:n] = whole, held
     a[n, :n], a[n, n], b[n] = (1.0 - keep) * whole[forces], keep, (1.0 - keep) * held[forces]
     c[n] = 1.0
-    gain = float(c @ np.linalg.solve(np.eye(n + 1) - a, b))
-    return ForcePlant(a, b, c, s / p.spindle_rpm, gain)
+    return ForcePlant(a, b, c, s / p.spindle_rpm)
 
 
+def polynomial(of: Any, z: np.ndarray) -> np.ndarray:
+    """A polynomial in ``q^-1`` at points ``z``."""
+    return np.asarray(np.polynomial.polynomial.polyval(1.0 / z, np.asarray(of, dtype=float)))
+
+
+# ---- the gains that are stable
 @lru_cache
 def response(machine: str, points: int = 1500, **at: Any) -> tuple[np.ndarray, np.ndarray]:
-    """Angles from 0 to pi (rad a period) and the plant's frequency response there; further arguments of the plant."""
-    plant = force_plant(machine, **at)
-    pulses: list[float] = []
-    x = plant.b
-    while len(pulses) < 400:
-        pulses.append(float(plant.c @ x))
-        x = plant.a @ x
-    angle = np.geomspace(1e-3, np.pi, points)
-    late = np.exp(-1j * np.outer(angle, np.arange(1, len(pulses) + 1)))
-    return angle, late @ np.array(pulses)
-
-
-def polynomial(of: tuple[float, ...], angle: np.ndarray) -> np.ndarray:
-    """A polynomial in ``q^-1`` on the unit circle."""
-    return np.asarray(np.exp(-1j * np.outer(angle, np.arange(len(of)))) @ np.array(of))
+    """Points from 0 to pi on the unit circle and the plant's response there; further arguments of the plant."""
+    z = np.exp(1j * np.geomspace(1e-3, np.pi, points))
+    return z, polynomial(force_plant(machine, **at).pulses(), z) / z
 
 
 def boundary(machine: str, law: str, **at: Any) -> tuple[np.ndarray, np.ndarray]:
     """Kp and Ki (V/N) at which the loop has a pole on the unit circle, from low to high frequency."""
-    angle, plant = response(machine, **at)
-    with_kp, with_ki = (plant * polynomial(part, angle) / polynomial(ROUND, angle) for part in LAWS[law])
+    z, plant = response(machine, **at)
+    with_kp, with_ki = (plant * polynomial(part, z) / polynomial(ROUND, z) for part in LAWS[law])
     turn = with_kp.real * with_ki.imag - with_kp.imag * with_ki.real
     return -with_ki.imag / turn, with_kp.imag / turn
 
@@ -158,33 +163,22 @@ def stable_area(machine: str, law: str, **at: Any) -> float:
     return float(np.trapezoid(ki, kp))
 
 
-class ForceMargins(NamedTuple):
-    """Margins of a force loop."""
+# ---- margins
+@dataclass(frozen=True, eq=False)
+class ForceLoop(LinearLoop):
+    """The loop cut at the error. Its response is the sum of the plant's pulses: a hundred states cost more."""
 
-    gain: float
-    """Factor by which the gain may grow; below 1 the loop is unstable."""
-    phase_deg: float
+    pulses: Polynomial = ()
+    law: Polynomial = ()
 
-
-def force_margins(machine: str, law: str, kp: float, ki: float, **at: Any) -> ForceMargins:
-    """Gain and phase margin, by straight lines between 1,500 frequencies (to about 1e-3)."""
-    angle, plant = response(machine, **at)
-    law_there = kp * polynomial(LAWS[law][0], angle) + ki * polynomial(LAWS[law][1], angle)
-    g = plant * law_there / polynomial(ROUND, angle)
-    size, phase = np.log(np.abs(g)), np.unwrap(np.angle(g))
-    i, j = int(np.argmax(phase < -np.pi)), int(np.argmax(size < 0.0))
-    at_i = (-np.pi - phase[i - 1]) / (phase[i] - phase[i - 1])
-    at_j = -size[j - 1] / (size[j] - size[j - 1])
-    return ForceMargins(
-        float(np.exp(-(size[i - 1] + at_i * (size[i] - size[i - 1])))),
-        float(180.0 + np.degrees(phase[j - 1] + at_j * (phase[j] - phase[j - 1]))),
-    )
+    def response(self, w: Any) -> np.ndarray:
+        """As of any :class:`LinearLoop`, to its last digits."""
+        z = np.exp(1j * np.asarray(w, dtype=float) * PERIOD_S)
+        return np.asarray(polynomial(self.pulses, z) / z * polynomial(self.law, z) / polynomial(ROUND, z))
 
 
-def force_loop(machine: str, law: str, kp: float, ki: float, **at: Any) -> LinearLoop:
-    """The loop cut at the error, for the stability criteria of :mod:`leadscrew.analysis.stability`."""
-    from leadscrew.analysis.stability.linear import LinearLoop
-
+def force_loop(machine: str, law: str, kp: float, ki: float, **at: Any) -> ForceLoop:
+    """The loop of a law with these gains, for the criteria of :mod:`leadscrew.analysis.stability`."""
     plant = force_plant(machine, **at)
     num = _added(tuple(kp * x for x in LAWS[law][0]), tuple(ki * x for x in LAWS[law][1]))
     order = len(num)  # the increments of the last periods and the output
@@ -201,4 +195,21 @@ def force_loop(machine: str, law: str, kp: float, ki: float, **at: Any) -> Linea
     a = np.block([[plant.a, np.outer(plant.b, ca[order - 1])], [np.zeros((order, n)), ca]])
     b = np.concatenate([plant.b * num[0], cb])[:, None]
     c = np.concatenate([plant.c, np.zeros(order)])[None, :]
-    return LinearLoop(a, b, c, np.zeros((1, 1)), PERIOD_S, name=f"{law} on {machine}")
+    name = f"{law} on {machine}"
+    return ForceLoop(a, b, c, np.zeros((1, 1)), PERIOD_S, name=name, pulses=tuple(plant.pulses()), law=num)
+
+
+class ForceMargins(NamedTuple):
+    """Margins of a force loop."""
+
+    gain: float
+    """Factor by which the gain may grow; below 1 the loop is unstable, and stable with less than this."""
+    phase_deg: float
+    """NaN of an unstable loop."""
+
+
+@lru_cache
+def force_margins(machine: str, law: str, kp: float, ki: float, **at: Any) -> ForceMargins:
+    """Gain and phase margin of a law with these gains."""
+    found = margins(force_loop(machine, law, kp, ki, **at))
+    return ForceMargins(found.gm if np.isfinite(found.gm) else found.gm_down, found.pm_deg)

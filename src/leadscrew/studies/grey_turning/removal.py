@@ -16,21 +16,15 @@ Fixed removal rate: the tuned TFC on the force, the spindle speed regulated to 9
 from __future__ import annotations
 
 import math
-from functools import cached_property
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
 from leadscrew.controllers.force.tunings import TUNINGS as FORCE
 from leadscrew.plants.turning.workpiece import stretches
-from leadscrew.studies.grey_turning.lathe import (
-    FORCE_N,
-    LatheRuns,
-    constant_feed,
-    force_law,
-    three_loops,
-    whole_lathe,
-)
+from leadscrew.studies.grey_turning.lathe import RECORD, constant_feed, force_law, running, three_loops, whole_lathe
+from leadscrew.studies.grey_turning.scenarios import FORCE_N, PERIOD_S
+from leadscrew.studies.lab import Lab, measure
 
 if TYPE_CHECKING:
     from leadscrew.kernel.loop import Loop
@@ -46,13 +40,10 @@ FEEDS = tuple(np.geomspace(33.0, 150.0, 6).tolist())
 """Constant feeds that are tried, mm/min."""
 FUZZY = ("corrected.tfc_s9", "corrected.gpfc_b_s9", "corrected.tfc_stfc", "corrected.gpfc_b_sg")
 REGULATED, OURS = "fixed removal rate", "ours.constant_force"
-CONTROLLERS = (*FUZZY, REGULATED, OURS)
+TUNED = ("corrected.tfc_stfc", "corrected.gpfc_b_sg", OURS)
 SEEDS = 2
 LONGEST_S, OURS_S = 78.0, 52.0
 """Longest of the constant feeds; of the controllers."""
-RECORD = ("actual", "plant.peak", "plant.removed", "plant.over_s")
-NOSE_MM = 0.8
-"""Nose radius for the theoretical roughness."""
 
 
 class Account(NamedTuple):
@@ -77,59 +68,58 @@ class Account(NamedTuple):
         return self.time_same_peak_s / self.time_s
 
 
-def roughness_um(feed: float, rpm: float = 1200.0) -> float:
-    """Theoretical height of the feed marks, ``f^2 / (8 r)``, um; feed in mm/min."""
-    return 1000.0 * (feed / rpm) ** 2 / (8.0 * NOSE_MM)
+class Bar(NamedTuple):
+    """A bar, turned in all ways."""
+
+    accounts: dict[str, Account]
+    """By controller, and of the constant feed with a peak of 150 N."""
+    feeds: list[Account]
+    """Of :data:`FEEDS`."""
+    along: dict[str, tuple[np.ndarray, np.ndarray, np.ndarray]]
+    """Way in mm, true force and feed of the first run, by fuzzy controller."""
 
 
-class Removal:
-    """The two bars, turned in all ways; each made once."""
+def changes_of(bar: str) -> dict[str, Any]:
+    """Changes that put a bar on the lathe; the tool at 1 mm."""
+    work = stretches([STRETCH_MM * i for i in range(4)], [b - 1.0 for b in DEPTHS[bar]], HARDER[bar])
+    known = {f"{place}.work.{key}": value for place in ("controller.removal", "plant") for key, value in work.items()}
+    return known | {"plant.work.ends": LENGTH_MM, "plant.limit": LIMIT_N}
 
-    def __init__(self, lathe: LatheRuns | None = None) -> None:
-        self.lathe = lathe or LatheRuns()
-        self.kept: dict[str, dict[str, Account]] = {}
-        self.runs: dict[tuple[str, str], Any] = {}
 
-    def bar(self, name: str) -> dict[str, Any]:
-        """Changes that put a bar on the lathe; the tool at 1 mm."""
-        work = stretches([STRETCH_MM * i for i in range(4)], [b - 1.0 for b in DEPTHS[name]], HARDER[name])
-        known = {f"controller.removal.work.{key}": value for key, value in work.items()}
-        changes: dict[str, Any] = known | {f"plant.work.{key}": value for key, value in work.items()}
-        return changes | {"plant.work.ends": LENGTH_MM, "plant.limit": LIMIT_N}
+@measure
+def lathe_of_ours(lab: Lab) -> Loop:
+    """The whole lathe with our controller of the force; its program made, to be shared by both bars."""
+    loop = whole_lathe(three_loops(FORCE[OURS]))
+    loop.batch(PERIOD_S, {}, runs=1, record=RECORD)
+    return loop
 
-    @cached_property
-    def ours(self) -> Loop:
-        """The lathe with our controller of the force."""
-        return self.lathe.ready(whole_lathe(three_loops(FORCE[OURS])))
 
-    def batch(self, bar: str) -> Any:
-        """The fuzzy controllers, the fixed removal rate and the constant feeds, side by side."""
-        rows: list[dict[str, Any]] = [force_law(name) for name in FUZZY for _ in range(SEEDS)]
-        rows += [force_law("corrected.tfc_stfc") | {"controller.removal.rate": FIXED_RATE} for _ in range(SEEDS)]
-        rows += [force_law("corrected.tfc_stfc") | constant_feed(feed) for feed in FEEDS]
-        rest = {"controller.removal.rate": 0.0, "controller.feed.lower": 0.0, "controller.feed.upper": 1.0}
-        keys = {key: np.array([(rest | row)[key] for row in rows]) for key in rest | rows[0]}
-        return self.lathe.running.using(self.bar(bar)).batch(LONGEST_S, keys, record=RECORD)
+@measure
+def turned(lab: Lab, bar: str) -> Bar:
+    """The fuzzy controllers, the fixed removal rate and the constant feeds in one batch; ours in another."""
+    rows: list[dict[str, Any]] = [force_law(name) for name in FUZZY for _ in range(SEEDS)]
+    rows += [force_law("corrected.tfc_stfc") | {"controller.removal.rate": FIXED_RATE} for _ in range(SEEDS)]
+    rows += [force_law("corrected.tfc_stfc") | constant_feed(feed) for feed in FEEDS]
+    rest = {"controller.removal.rate": 0.0, "controller.feed.lower": 0.0, "controller.feed.upper": 1.0}
+    keys = {key: np.array([(rest | row)[key] for row in rows]) for key in rest | rows[0]}
+    run = running(lab).using(changes_of(bar)).batch(LONGEST_S, keys, record=RECORD)
+    own = lathe_of_ours(lab).using(changes_of(bar)).batch(OURS_S, {}, runs=SEEDS, record=RECORD)
+    found = {n: counted(run, slice(i * SEEDS, (i + 1) * SEEDS)) for i, n in enumerate((*FUZZY, REGULATED))}
+    found[OURS] = counted(own, slice(0, SEEDS))
+    first = SEEDS * (len(FUZZY) + 1)
+    feeds = [counted(run, slice(first + i, first + i + 1)) for i in range(len(FEEDS))]
+    along = {}
+    for i, name in enumerate(FUZZY):
+        way = run["actual.travel"][i * SEEDS]
+        part = way < LENGTH_MM
+        along[name] = (way[part], run["actual.force"][i * SEEDS][part], run["actual.feed"][i * SEEDS][part])
+    accounts = {name: _beside(account, feeds) for name, account in found.items()}
+    return Bar(accounts | {"constant feed": steady(feeds, FORCE_N)}, feeds, along)
 
-    def accounts(self, bar: str) -> dict[str, Account]:
-        """Every controller of :data:`CONTROLLERS`, and the constant feed with a peak of 150 N."""
-        if bar not in self.kept:
-            run = self.batch(bar)
-            own = self.ours.using(self.bar(bar)).batch(OURS_S, {}, runs=SEEDS, record=RECORD)
-            self.runs[bar, "batch"], self.runs[bar, "ours"] = run, own
-            found = {n: counted(run, slice(i * SEEDS, (i + 1) * SEEDS)) for i, n in enumerate((*FUZZY, REGULATED))}
-            found[OURS] = counted(own, slice(0, SEEDS))
-            first = SEEDS * (len(FUZZY) + 1)
-            feeds = [counted(run, slice(first + i, first + i + 1)) for i in range(len(FEEDS))]
-            compared = {name: self.beside(account, feeds) for name, account in found.items()}
-            self.kept[bar] = compared | {"constant feed": steady(feeds, FORCE_N)}
-        return self.kept[bar]
 
-    @staticmethod
-    def beside(account: Account, feeds: list[Account]) -> Account:
-        """An account with the constant feed of its peak."""
-        same = steady(feeds, account.peak_n)
-        return account._replace(feed_same_peak=same.feed_same_peak, time_same_peak_s=same.time_s)
+def _beside(account: Account, feeds: list[Account]) -> Account:
+    same = steady(feeds, account.peak_n)
+    return account._replace(feed_same_peak=same.feed_same_peak, time_same_peak_s=same.time_s)
 
 
 def steady(feeds: list[Account], peak: float) -> Account:

@@ -11,12 +11,11 @@ disturbance (without). So ``amplitude / g`` makes the column by construction; wh
 
 from __future__ import annotations
 
-from functools import lru_cache
-
 import numpy as np
 
 from leadscrew.controllers.pid import pid
 from leadscrew.plants.xy_table_cutting import hold, xy_table_cutting
+from leadscrew.studies.npid_xytable.table2 import LINES_HZ
 
 PERIOD_S = 5e-4
 """Control period: 2 kHz."""
@@ -24,14 +23,7 @@ PERIOD_S = 5e-4
 DEAD_TIME_S = 0.775e-3
 """What the paper's stability plot needs in a loop of that period with a backward difference."""
 
-BASE_HZ = 0.7
-"""Frequency of the motion whose odd harmonics Table II shows."""
 
-ORDERS = (3, 5, 7, 9, 11)
-LINES_HZ = tuple(BASE_HZ * n for n in ORDERS)
-
-
-@lru_cache(maxsize=256)
 def responses(frequency_hz: float, dead_time_s: float = DEAD_TIME_S) -> tuple[complex, complex]:
     """Of the loop of Table I's PID: error per command, and error per volt held at the plant's input (mm/V).
 

@@ -7,12 +7,10 @@ zero-order hold, a filtered derivative; or the loop is sampled.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 
 import numpy as np
 
 from leadscrew.analysis.stability.crossings import Crossing, crossings_of, phase_crossings
-from leadscrew.analysis.stability.linear import LinearLoop
 from leadscrew.analysis.stability.loop import PLANT, TABLE_I, pid_polynomials, table_i_sampled
 
 PRINTED = -0.4
@@ -44,34 +42,3 @@ def sampled_crossing(delay_s: float, period: float = 0.5e-3) -> Crossing:
     found = deepest(phase_crossings(table_i_sampled(delay_s, period)))
     assert found is not None
     return found
-
-
-def sought(value: Callable[[float], float], low: float, high: float, wanted: float = PRINTED) -> float:
-    """The argument at which a crossing has the wanted value."""
-    from scipy.optimize import brentq
-
-    return float(brentq(lambda x: value(x) - wanted, low, high, xtol=1e-8))
-
-
-def delay_for(filter_s: float = 0.0, hold_s: float = 0.0, wanted: float = PRINTED) -> float:
-    """Dead time that puts the crossing there, s."""
-    return sought(lambda d: _value(crossing(filter_s, d, hold_s)), 2e-4, 2e-3, wanted)
-
-
-def hold_for(periods: float, wanted: float = PRINTED) -> float:
-    """Period of a hold, with a dead time of so many periods behind it, that puts the crossing there, s."""
-    return sought(lambda t: _value(crossing(0.0, periods * t, t)), 5e-4, 6e-3, wanted)
-
-
-def sampled_delay_for(wanted: float = PRINTED) -> float:
-    """Delay of the loop sampled at 2 kHz that puts the crossing there, s."""
-    return sought(lambda d: sampled_crossing(d).value, 0.7e-3, 0.85e-3, wanted)
-
-
-def _value(found: Crossing | None) -> float:
-    return 0.0 if found is None else found.value
-
-
-def always_stable(loop: LinearLoop, gains: np.ndarray) -> bool:
-    """Whether the closed loop is stable at every one of the gains."""
-    return all(loop.stable(float(k)) for k in gains)

@@ -1,9 +1,8 @@
 """How well amplitudes like those of Table II can be measured: a record whose lines are known, and ways to read it.
 
 The record has the following error of a motion of 1 mm at 0.7 Hz under Table I's PID, 7.12 um, and the five lines of the
-PID column at 1,000 1/min, sampled at 2 kHz: the digest's section 6. The paper says only "Fast Fourier Transform": no
-length, no window. The digest prints no phases; 0.3 rad, and five numbers of NumPy's generator with seed 0, give its
-table digit by digit.
+PID column at 1,000 1/min, sampled at 2 kHz. The paper says only "Fast Fourier Transform": no length, no window. The
+phases are ours.
 """
 
 from __future__ import annotations
@@ -14,8 +13,8 @@ import numpy as np
 
 from leadscrew.analysis.harmonics import Sampling, least_squares, spectrum
 from leadscrew.analysis.harmonics.fft import Reading, Window
-from leadscrew.studies.npid_xytable.calibration import BASE_HZ, LINES_HZ, PERIOD_S, responses
-from leadscrew.studies.npid_xytable.columns import PID_UM
+from leadscrew.studies.npid_xytable.calibration import PERIOD_S, responses
+from leadscrew.studies.npid_xytable.table2 import BASE_HZ, LINES_HZ, PID_UM
 
 MOTION_UM = 1e3 * abs(responses(BASE_HZ)[0])
 """Following error at 1 mm under Table I's PID in L*: 7.12 um."""

@@ -9,9 +9,8 @@ II subject to a peak of ``|S|``; nothing else is weighed, noise least of all.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from functools import lru_cache
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -21,7 +20,8 @@ from leadscrew.controllers.pid import pid
 from leadscrew.controllers.response import TABLE, table_response
 from leadscrew.kernel.block import Block
 from leadscrew.plants.xy_table_cutting import hold, xy_table_cutting
-from leadscrew.studies.npid_xytable.calibration import LINES_HZ, PERIOD_S
+from leadscrew.studies.npid_xytable.calibration import PERIOD_S
+from leadscrew.studies.npid_xytable.table2 import LINES_HZ
 
 if TYPE_CHECKING:
     from leadscrew.analysis.stability.linear import LinearLoop
@@ -36,17 +36,17 @@ BEST: dict[float, Block] = {
 """What :func:`best_pid` found, rounded, by the peak of sensitivity that was allowed; without feed-forward."""
 
 
-def opened(controller: Block) -> LinearLoop:
-    """The loop L* of a linear controller, cut at the error."""
+def opened(controller: Block, changes: Mapping[str, float] | None = None) -> LinearLoop:
+    """The loop L* of a linear controller, cut at the error; its plant with ``changes`` by ``plant.*`` keys."""
     from leadscrew.analysis.stability.sampled import sampled_loop
     from leadscrew.controllers.wrapping import takes_motion
     from leadscrew.kernel.loop import Loop
     from leadscrew.references.sine import sine, sine_motion
 
     command = sine_motion if takes_motion(controller) else sine
-    return sampled_loop(
-        Loop(reference=command, controller=controller, plant=xy_table_cutting, period=PERIOD_S, metrics={})
-    )
+    plant = xy_table_cutting(**{key.removeprefix("plant."): value for key, value in (changes or {}).items()})
+    loop = Loop(reference=command, controller=controller, plant=plant, period=PERIOD_S, metrics={})
+    return sampled_loop(loop, name="L*")
 
 
 def let_through(loop: LinearLoop, hz: Sequence[float] | np.ndarray = LINES_HZ) -> np.ndarray:
@@ -109,7 +109,6 @@ class _Plain:
         return float(np.log(self.through(gains).mean()) + 200.0 * beyond[0] + 100.0 * beyond[1])
 
 
-@lru_cache(maxsize=8)
 def best_pid(most: float, seed: int = 1) -> Gains:
     """The plain PID in L* with the least mean ``|H|`` at the five lines whose peak of sensitivity is ``most`` or less.
 
@@ -121,19 +120,3 @@ def best_pid(most: float, seed: int = 1) -> Gains:
     box = [(np.log(a), np.log(b)) for a, b in ((0.3, 5.0), (1.0, 2000.0), (0.001, 0.02))]
     found = differential_evolution(plain.cost, box, args=(most,), seed=seed, popsize=25, maxiter=250, tol=1e-9)
     return Gains(*np.exp(found.x).tolist())
-
-
-@lru_cache(maxsize=8)
-def still_to_gain(most: float) -> float:
-    """By how many percent a local search that starts at :data:`BEST` still lowers the mean ``|H|``."""
-    from scipy.optimize import minimize
-
-    plain = _Plain()
-    p = BEST[most].params
-    start = np.log([p.kp, p.ki, p.kd])
-    simplex = start + np.vstack([np.zeros(3), 0.05 * np.eye(3)])
-    done = minimize(
-        plain.cost, start, (max(most, plain.peak(Gains(p.kp, p.ki, p.kd))),), "Nelder-Mead",
-        options={"initial_simplex": simplex, "xatol": 1e-7, "fatol": 1e-9, "maxfev": 2000},
-    )  # fmt: skip
-    return 100.0 * (1.0 - float(np.exp(done.fun)) / float(plain.through(Gains(p.kp, p.ki, p.kd)).mean()))

@@ -1,4 +1,4 @@
-"""The loop that equation (3) closes, linear near its rest, and where it is stable by its roots.
+"""The loop that equation (3) closes: where it is stable by its roots, linear near its rest, and by simulation.
 
 Where the rule at zero alone fires, with ``K = k_d k_e g`` (``g``: turn of the cut by a turn of the blade), the slope
 ``c`` of the rules and ``s`` of the performance table there, and the steady gain ``kappa`` of the Kalman filter:
@@ -22,14 +22,20 @@ to fit.
 from __future__ import annotations
 
 import math
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from leadscrew.controllers.sofnn.network import sofnn
 from leadscrew.neural.inference_net import W0
-from leadscrew.neural.performance import TABLE
+from leadscrew.neural.performance import TABLE as TABLE_1
 from leadscrew.plants.flexible_cut import flexible_cut
-from leadscrew.studies.sofnn_tangent.lines import PERIOD_S
+from leadscrew.studies.lab import measure
+from leadscrew.studies.sofnn_tangent.cuts import TABLE, deviations, rms
+from leadscrew.studies.sofnn_tangent.scenarios import PERIOD_S
+
+if TYPE_CHECKING:
+    from leadscrew.studies.lab import Lab
 
 AXIS_KEEP = math.exp(-PERIOD_S / flexible_cut.params.axis_lag_s)
 """What the tangential axis keeps of its offset in a sample, a."""
@@ -37,7 +43,7 @@ AXIS_KEEP = math.exp(-PERIOD_S / flexible_cut.params.axis_lag_s)
 RULE_SLOPE = float(W0[24 - 1] - W0[24 + 1]) / 4.0
 """Fall of the trained rules per level of E at zero, c; the rules stand two levels apart."""
 
-TABLE_SLOPE = float(TABLE[6, 5] - TABLE[6, 7]) / 2.0
+TABLE_SLOPE = float(TABLE_1[6, 5] - TABLE_1[6, 7]) / 2.0
 """Fall of the performance table per level of E at zero, s."""
 
 
@@ -94,10 +100,45 @@ def radius(assumed: int, late: int, k_e: float, **options: float | bool) -> floa
     return float(np.abs(np.roots(characteristic(assumed, late, k_e, **options))).max())  # type: ignore[arg-type]
 
 
-def tooth_gain(assumed: int, k_e: float, gain: float = 0.95) -> float:
-    """Largest gain of the loop at a tooth of the comb, but for the rules' own part and whatever the delay."""
-    kappa = kalman_gain()
-    w = 2.0 * np.pi * np.arange(1, assumed // 2 + 1) / assumed
-    axis = np.abs((1.0 - AXIS_KEEP) / (1.0 - AXIS_KEEP * np.exp(-1j * w)))
-    comb = 2.0 * (1.0 - kappa) * np.sin(0.5 * w)
-    return float((sofnn.params.k_d * k_e * gain * kappa * TABLE_SLOPE * axis / comb).max())
+# ---- simulated
+K_E = {"6/90": 6.0 / 90.0, "6/30": 6.0 / 30.0, "6/15": 6.0 / 15.0}
+"""Levels per degree: as printed, and with three and six times the gain."""
+TEXTURES = 4
+ASSUMED, TRUE = tuple(range(2, 17, 2)), tuple(range(0, 17, 2))
+"""Assumed and true delays of the map, samples."""
+SETTLED_DEG = 0.15
+"""A loop whose deviation has a smaller RMS in the last two of nine seconds has settled."""
+
+
+@measure
+def on_the_wave(lab: Lab, controller: str, late: int, **values: float) -> float:
+    """RMS on the wave in fabric with a camera that is ``late`` samples late, deg, mean of four textures."""
+    changes = {"sensor.trailing_s": late * PERIOD_S} | {f"controller.{k}": v for k, v in values.items()}
+    loop = lab.loop(controller, "wave_fabric").using(changes)
+    return float(np.mean([rms(deviations(loop.start(run=k), 923)) for k in range(TEXTURES)]))
+
+
+class Map(NamedTuple):
+    """Whether the loop settles ``[assumed, true]``: by the simulation of a step of 5 deg, by the roots."""
+
+    settled: np.ndarray
+    stable: np.ndarray
+
+    @property
+    def same(self) -> int:
+        """Points where both say the same."""
+        return int((self.settled == self.stable).sum())
+
+
+@measure
+def delay_map(lab: Lab, k_e: float) -> Map:
+    """The map at a scale of the deviation."""
+    loop = lab.loop(TABLE, "step").using({"controller.k_e": k_e, "disturbance.step_at": 0.0})
+    settled = np.zeros((len(ASSUMED), len(TRUE)), dtype=bool)
+    stable = np.zeros_like(settled)
+    for i, assumed in enumerate(ASSUMED):
+        for j, late in enumerate(TRUE):
+            live = loop.using({"controller.delay": assumed, "sensor.trailing_s": late * PERIOD_S}).start()
+            settled[i, j] = rms(deviations(live, 900)[-200:]) < SETTLED_DEG
+            stable[i, j] = radius(assumed, late, k_e) < 1.0
+    return Map(settled, stable)

@@ -14,33 +14,26 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from leadscrew.analysis.piece_learning import next_offsets, next_offsets_textbook
+from leadscrew.analysis.piece_learning import next_offsets
+from leadscrew.controllers.tangent.curvature_feed_forward import COUNT, START, curvature_feed_forward
 from leadscrew.controllers.tangent.taught_offset import taught_alone, taught_offset
 from leadscrew.kernel.block import Block
-from leadscrew.studies.sofnn_tangent.changing import at_feed
-from leadscrew.studies.sofnn_tangent.lines import LAPS, MATERIAL_NAMES
-from leadscrew.studies.sofnn_tangent.machines import MISMATCH as SIZES
-from leadscrew.studies.sofnn_tangent.runs import SEED, Loops, material_columns, takes_cut_line
+from leadscrew.studies.lab import measure
+from leadscrew.studies.sofnn_tangent.cuts import NONE, PNN, RUNS, TUNED, material_columns
+from leadscrew.studies.sofnn_tangent.scenarios import LINES, MATERIAL_NAMES, MISMATCH, SEED, takes_cut_line
 
 if TYPE_CHECKING:
     from leadscrew.kernel.loop import Loop
+    from leadscrew.studies.lab import Lab
 
-ROOM = 1024
+PLACES = 1024
 """Places of a table: the longest line, 924 samples, and some."""
-MISMATCH: dict[str, float] = {f"plant.{key}": value for key, value in SIZES.items()}
-"""The plant that no controller knows of, as changes of a loop."""
 METRICS = ("rms_error", "max_error", "lateral")
-
-
-class Teaching(NamedTuple):
-    """How the table of a piece is made of the last one."""
-
-    gains: tuple[float, ...] = (0.8,)
-    """Of the first piece, the second, ...; the last one stays."""
-    width: float = 1.5
-    lead: int = 6
-    plant_gain: float = 0.9
-    textbook: bool = False
+PLAIN = (0.8,)
+FALLING = (1.0, 0.9, 0.5, 0.4, 0.3)
+"""Gains of the table from piece to piece, the last one stays: what is learned later has more pieces behind it."""
+SWAP_AT = 5
+"""Piece from which the flower is cut in foam instead of fabric."""
 
 
 class Learned(NamedTuple):
@@ -60,7 +53,7 @@ class Pieces(NamedTuple):
 
     rms: np.ndarray
     """deg"""
-    most: np.ndarray
+    largest: np.ndarray
     """deg"""
     lateral: np.ndarray
     """mm"""
@@ -73,148 +66,116 @@ class Pieces(NamedTuple):
         """Mean RMS of a piece, the first is 1, over all cells and runs, deg."""
         return float(self.rms[piece - 1].mean())
 
-    def largest(self, piece: int) -> float:
-        """Mean over all cells and runs of the largest deviation in a piece, deg."""
-        return float(self.most[piece - 1].mean())
-
-    def aside(self, piece: int) -> tuple[float, float]:
-        """Largest distance of the cut from its line in a piece, mm: mean over all cells, and of the worst one."""
-        by_cell = self.lateral[piece - 1].mean(axis=-1)
-        return float(by_cell.mean()), float(by_cell.max())
-
     def spread(self, piece: int) -> float:
         """Standard deviation over the runs of the mean RMS over all cells, deg."""
         return float(self.rms[piece - 1].mean(axis=(0, 1)).std(ddof=1))
 
-    def chance(self, piece: int, digit: float = 0.005) -> float:
-        """By how much two means of so many runs may differ by chance: three standard deviations, and half a digit."""
-        return float(3.0 * np.sqrt(2.0 / self.rms.shape[-1]) * self.spread(piece) + digit)
+
+class Plan(NamedTuple):
+    """What the pieces of every line have in common."""
+
+    total: int
+    """How many."""
+    gains: tuple[float, ...] = ()
+    """Of the table, from piece to piece; none: there is no table."""
+    carry: bool = False
+    """Weights and covariance of a controller with a prior go on to the next piece."""
+    runs: int = RUNS
+    materials: tuple[str, ...] = MATERIAL_NAMES
+    swap: bool = False
+    """From piece :data:`SWAP_AT` on the material is foam."""
+    first: int = 0
+    """How many pieces of noise were used up before."""
 
 
 def pieces(
-    loops: Loops,
+    lab: Lab,
     controller: str | Block | None,
-    count: int,
-    teaching: Teaching | None = None,
-    carry: bool = False,
-    runs: int = 5,
-    lines: Sequence[str] = tuple(LAPS),
-    materials: Sequence[str] = MATERIAL_NAMES,
-    suffix: str = "",
-    swap: tuple[int, str] | None = None,
+    plan: Plan,
+    lines: Sequence[str] = LINES,
     start: Learned | None = None,
-    first: int = 0,
     changes: Mapping[str, Any] | None = None,
-    feed: float | None = None,
     seed: int = SEED,
 ) -> Pieces:
-    """Cuts ``count`` pieces of every line in every material, ``runs`` times each.
+    """Cuts pieces of every line in every material.
 
     Args:
-        loops: of the study.
+        lab: of the study.
         controller: by name, or a block; None: no feedback, the table alone.
-        count: of pieces.
-        teaching: how the table is made; None: there is none.
-        carry: weights and covariance of a controller with a prior go on to the next piece.
-        runs: of every cell.
+        plan: how many pieces, and what goes on from one to the next.
         lines: by name.
-        materials: by name.
-        suffix: of the scenarios' names (``_on_mismatch``).
-        swap: from the piece of this number (the first is 1) on the material is this one.
         start: what the controller knows before the first piece.
-        first: how many pieces of noise were used up before.
         changes: of the loop, by dotted key.
-        feed: mm/s, if it is not the scenario's; only without a table.
         seed: of textures and noises.
     """
-    block = loops.controllers[controller] if isinstance(controller, str) else controller
-    inner = "controller.inner." if teaching is not None and block is not None else "controller."
-    table_key = "controller.table" if block is None else "controller.taught.table"
+    block = lab.study.controller(controller) if isinstance(controller, str) else controller
+    inner = "controller.inner." if plan.gains and block is not None else "controller."
     if block is None:
-        block = taught_alone(np.zeros(ROOM))
-    elif teaching is not None:
-        block = taught_offset(block, np.zeros(ROOM))
-    seen = "feedback.deviation" if takes_cut_line(block) else "feedback"
-    cut = Cut(inner, table_key, seen, count, teaching, carry, runs, tuple(materials), swap, first)
+        block = taught_alone(np.zeros(PLACES))
+    elif plan.gains:
+        block = taught_offset(block, np.zeros(PLACES))
     jobs = []
     for line in lines:
-        scenario = loops.asked(f"{line}_fabric{suffix}")
-        scenario = scenario if feed is None else at_feed(loops, feed, line)
-        loop = loops.get(block, scenario, changes=changes).using(seed=seed)
-        loop.program  # noqa: B018
-        jobs.append((loop, scenario.duration_s, {} if start is None else start.of(line)))
+        loop = lab.loop(block, f"{line}_fabric", changes=changes).using(seed=seed)
+        _ = loop.program  # built once, before the threads ask for it
+        duration = lab.study.scenario(f"{line}_fabric").duration_s
+        jobs.append((loop, duration, {} if start is None else start.of(line)))
     with ThreadPoolExecutor(os.cpu_count()) as side_by_side:
-        done = list(side_by_side.map(lambda job: cut_line(cut, *job), jobs))
-    found = np.stack([numbers for numbers, _, _ in done], axis=2)
-    tables = {line: table for line, (_, table, _) in zip(lines, done, strict=True)} if teaching is not None else {}
-    knows = [known for _, _, known in done]
-    learned = Learned(
-        {line: k["prior"] for line, k in zip(lines, knows, strict=True) if carry},
-        {line: k["prior_covariance"] for line, k in zip(lines, knows, strict=True) if carry},
-    )
-    return Pieces(found[0], found[1], found[2], tables, learned)
+        done = list(side_by_side.map(lambda job: _cut_line(plan, inner, *job), jobs))
+    numbers = np.stack([found for found, _, _ in done], axis=2)
+    tables = {line: table for line, (_, table, _) in zip(lines, done, strict=True) if plan.gains}
+    known = {line: k for line, (_, _, k) in zip(lines, done, strict=True) if plan.carry}
+    learned = Learned(*({line: k[key] for line, k in known.items()} for key in ("prior", "prior_covariance")))
+    return Pieces(numbers[0], numbers[1], numbers[2], tables, learned)
 
 
-class Cut(NamedTuple):
-    """What the pieces of every line have in common; as in :func:`pieces`."""
-
-    inner: str
-    table_key: str
-    seen: str
-    pieces: int
-    teaching: Teaching | None
-    carry: bool
-    runs: int
-    materials: tuple[str, ...]
-    swap: tuple[int, str] | None
-    first: int
-
-
-def cut_line(
-    cut: Cut, loop: Loop, duration_s: float, known: dict[str, np.ndarray]
+def _cut_line(
+    plan: Plan, inner: str, loop: Loop, duration_s: float, known: dict[str, np.ndarray]
 ) -> tuple[np.ndarray, np.ndarray, dict[str, np.ndarray]]:
     """The pieces of one line: numbers ``[metric, piece, material, run]``, the last table, what is known at the end."""
-    cells = len(cut.materials) * cut.runs
+    cells = len(plan.materials) * plan.runs
     periods = loop.periods(duration_s)
-    table = np.zeros((cells, ROOM))
-    found = np.zeros((len(METRICS), cut.pieces, len(cut.materials), cut.runs))
-    for j in range(cut.pieces):
-        swapped = cut.swap is not None and j + 1 >= cut.swap[0]
-        materials = [cut.swap[1]] * len(cut.materials) if cut.swap and swapped else cut.materials
-        columns = material_columns(materials, cut.runs)
-        columns |= {cut.inner + key: value for key, value in known.items()}
-        if cut.teaching is not None:
-            columns[cut.table_key] = table
-        record = () if cut.teaching is None else ("output", cut.seen)
-        noise = (cut.first + j) * cells
-        if cut.carry:
-            metrics, signals, known = one_by_one(loop, periods, columns, record, cut.inner, noise)
+    block = loop.blocks["controller"]
+    assert block is not None
+    table_key = "controller.table" if inner == "controller." else "controller.taught.table"
+    seen = "feedback.deviation" if takes_cut_line(block) else "feedback"
+    table = np.zeros((cells, PLACES))
+    numbers = np.zeros((len(METRICS), plan.total, len(plan.materials), plan.runs))
+    for j in range(plan.total):
+        swapped = plan.swap and j + 1 >= SWAP_AT
+        columns = material_columns(["foam"] * len(plan.materials) if swapped else plan.materials, plan.runs)
+        columns |= {inner + key: value for key, value in known.items()}
+        if plan.gains:
+            columns[table_key] = table
+        record = ("output", seen) if plan.gains else ()
+        noise = (plan.first + j) * cells
+        if plan.carry:
+            metrics, signals, known = _one_by_one(loop, periods, columns, inner, noise)
         else:
             batch = loop.batch(duration_s, columns, record=record, first=noise)
             metrics, signals = batch.metrics, batch.signals
         for k, name in enumerate(METRICS):
-            found[k, j] = metrics[name].reshape(found.shape[2:])
-        if cut.teaching is not None:
-            after = following(cut.teaching, j, table[:, :periods], signals["output"], signals[cut.seen])
-            table = np.pad(after, ((0, 0), (0, ROOM - periods)), mode="edge")
-    return found, table.reshape(len(cut.materials), cut.runs, ROOM), known
+            numbers[k, j] = metrics[name].reshape(numbers.shape[2:])
+        if plan.gains:
+            gain = plan.gains[min(j, len(plan.gains) - 1)]
+            after = next_offsets(
+                table[:, :periods], signals["output"], signals[seen], gain=gain, lead=6, width=1.5, plant_gain=0.9
+            )
+            table = np.pad(after, ((0, 0), (0, PLACES - periods)), mode="edge")
+    return numbers, table.reshape(len(plan.materials), plan.runs, PLACES), known
 
 
-def one_by_one(
-    loop: Loop, periods: int, columns: Mapping[str, np.ndarray], record: tuple[str, ...], inner: str, first: int
+def _one_by_one(
+    loop: Loop, periods: int, columns: Mapping[str, np.ndarray], inner: str, first: int
 ) -> tuple[dict[str, np.ndarray], dict[str, np.ndarray], dict[str, np.ndarray]]:
-    """The runs of a batch one after the other: metrics, signals, and what the controller knows at their ends."""
+    """The runs of a batch one after the other: metrics, no signals, and what the controller knows at their ends."""
     done, ends = [], []
-    alike: dict[tuple[float, ...], Loop] = {}
     numbers = {key: column for key, column in columns.items() if column.ndim == 1}
     arrays = {key: column for key, column in columns.items() if column.ndim > 1}
     for k in range(len(next(iter(columns.values())))):
-        of_run = {key: float(column[k]) for key, column in numbers.items()}
-        if tuple(of_run.values()) not in alike:
-            alike[tuple(of_run.values())] = loop.using(of_run)
-        same = alike[tuple(of_run.values())]
-        live = same.using({key: column[k] for key, column in arrays.items()}).start(run=first + k)
-        done.append(live.advance(periods, record=record, every=1 if record else 0))
+        changes: dict[str, Any] = {key: float(column[k]) for key, column in numbers.items()}
+        live = loop.using(changes | {key: column[k] for key, column in arrays.items()}).start(run=first + k)
+        done.append(live.advance(periods, record=(), every=0))
         ends.append(live.save().arrays)
     leaves = {x.key: x for x in loop.program.plan.state.arrays}
 
@@ -226,14 +187,76 @@ def one_by_one(
     square = covariance.reshape(len(weights), weights.shape[1], weights.shape[1])
     return (
         {name: np.array([r.metrics[name] for r in done]) for name in METRICS},
-        {name: np.array([r.signals[name] for r in done]) for name in record},
-        {"prior": weights, "prior_covariance": square},
+        {},
+        {
+            "prior": weights,
+            "prior_covariance": square,
+        },
     )
 
 
-def following(teaching: Teaching, piece: int, table: np.ndarray, sent: np.ndarray, seen: np.ndarray) -> np.ndarray:
-    """The next tables of a batch, after a piece (the first is 0)."""
-    how = {"gain": teaching.gains[min(piece, len(teaching.gains) - 1)], "lead": teaching.lead, "width": teaching.width}
-    if teaching.textbook:
-        return next_offsets_textbook(table, seen, **how)  # type: ignore[arg-type]
-    return next_offsets(table, sent, seen, plant_gain=teaching.plant_gain, **how)  # type: ignore[arg-type]
+# ---- the series of pieces that experiments and figures share
+WAYS: dict[str, tuple[str | Block | None, Plan]] = {
+    "a table of offsets alone": (None, Plan(6, PLAIN)),
+    "paper.sofnn_pnn and the table": (PNN, Plan(6, PLAIN)),
+    "paper.sofnn_pnn and the table, falling gains": (PNN, Plan(6, FALLING)),
+    "ours.sofnn_tuned and the table": (TUNED, Plan(3, PLAIN)),
+    "adaptive feed-forward": (curvature_feed_forward, Plan(3, carry=True)),
+}
+
+
+TABLE_ALONE, FALLING_NET, TUNED_TABLE, AHEAD = (w for w in WAYS if w != "paper.sofnn_pnn and the table")
+ON_THE_OTHER_PLANT = (TABLE_ALONE, FALLING_NET, AHEAD)
+WITH_NEW_MATERIAL = (TABLE_ALONE, TUNED_TABLE, AHEAD)
+
+
+@measure
+def series(lab: Lab, way: str, mismatch: bool = False) -> Pieces:
+    """Pieces of three lines in three materials, five runs each; three pieces where the plant is not as believed."""
+    controller, plan = WAYS[way]
+    return pieces(lab, controller, plan._replace(total=3) if mismatch else plan, changes=unknown_plant(mismatch))
+
+
+@measure
+def swapped(lab: Lab, way: str) -> np.ndarray:
+    """RMS deviation of eight flowers ``[piece, run]``, deg: in fabric, and in foam from :data:`SWAP_AT` on."""
+    controller, plan = WAYS[way]
+    plan = plan._replace(total=8, materials=("fabric",), swap=True)
+    return pieces(lab, controller, plan, lines=("flower",)).rms[:, 0, 0]
+
+
+def unknown_plant(mismatch: bool) -> dict[str, float]:
+    """Changes that make the plant the one that no controller knows of."""
+    return {f"plant.{key}": value for key, value in MISMATCH.items()} if mismatch else {}
+
+
+@measure
+def with_prior(lab: Lab, mismatch: bool = False) -> Pieces:
+    """The first piece of each line in each material, by a feed-forward that has seen neither line nor material.
+
+    Its weights are the mean of what two pieces of the two other lines taught in the two other materials.
+    """
+    changes = unknown_plant(mismatch)
+    known = {
+        m: pieces(lab, curvature_feed_forward, Plan(2, (), True, 2, (m,), first=50), changes=changes).learned
+        for m in MATERIAL_NAMES
+    }
+    weights = {line: np.repeat([others_mean(known, m, line) for m in MATERIAL_NAMES], RUNS, axis=0) for line in LINES}
+    block = curvature_feed_forward(prior_covariance=START * np.eye(COUNT))
+    return pieces(lab, block, Plan(1), start=Learned(weights, {}), changes=changes)
+
+
+def others_mean(known: Mapping[str, Learned], material: str, line: str) -> np.ndarray:
+    """Mean of the weights that the other two lines have taught in the other two materials."""
+    means = [
+        np.mean([known[other].prior[o].mean(axis=0) for o in LINES if o != line], axis=0)
+        for other in MATERIAL_NAMES
+        if other != material
+    ]
+    return np.asarray(np.mean(means, axis=0))
+
+
+@measure
+def uncompensated(lab: Lab, mismatch: bool = False) -> Pieces:
+    """The first piece without any compensation."""
+    return pieces(lab, NONE, Plan(1), changes=unknown_plant(mismatch))

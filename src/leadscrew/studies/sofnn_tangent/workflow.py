@@ -8,20 +8,20 @@ from __future__ import annotations
 
 import csv
 from collections.abc import Sequence
-from functools import lru_cache
 from pathlib import Path as File
 from typing import NamedTuple
 
 import numpy as np
 
 from leadscrew.paths.path import Path
-from leadscrew.studies.sofnn_tangent.lines import LAPS, MATERIAL_NAMES, shape
+from leadscrew.studies.sofnn_tangent.scenarios import LINES, MATERIAL_NAMES, shape
 
 DATA = File(__file__).with_name("data")
 TABLE = DATA / "workflow.csv"
 DRAWINGS = ("leaf.svg", "petal.dxf")
 """An SVG with nested transforms, Bezier curves, an ellipse and a rounded rectangle; a DXF in inches with a spline in a
 turned block and a slot of bulges."""
+ALL_DRAWINGS = (*LINES, *DRAWINGS)
 SEEDS = (11, 12, 13, 21, 22, 23, 24, 25, 26)
 """Runs of a case: each with textures and noise of its own."""
 NOISE_MM = 0.05
@@ -47,7 +47,7 @@ class Trip(NamedTuple):
 
 def paths_of(drawing: str) -> list[Path]:
     """The lines of a drawing: one of the study's by name, or a file."""
-    if drawing in LAPS:
+    if drawing in LINES:
         return [shape(drawing)]
     from leadscrew.paths.read import read_drawing
     from leadscrew.tangent.example import FILE
@@ -55,7 +55,6 @@ def paths_of(drawing: str) -> list[Path]:
     return list(read_drawing(FILE if drawing == "leaf.svg" else DATA / drawing).paths)
 
 
-@lru_cache
 def first_program(drawing: str) -> str:
     """The program without compensation."""
     from leadscrew.tangent.emit import program
@@ -65,7 +64,6 @@ def first_program(drawing: str) -> str:
     return program(strokes_of(paths_of(drawing), Settings()), Settings())
 
 
-@lru_cache
 def trip(drawing: str, material: str = "fabric", scan: str = "exact", seed: int = SEEDS[0], pieces: int = 2) -> Trip:
     """Pieces cut one after the other, each with the program that the last one's scan made.
 
@@ -101,7 +99,7 @@ def trip(drawing: str, material: str = "fabric", scan: str = "exact", seed: int 
     return Trip(tuple(errors), largest, clipped)
 
 
-def measured_table(drawings: Sequence[str] = (*LAPS, *DRAWINGS), seeds: Sequence[int] = SEEDS) -> list[list[str]]:
+def measured_table(drawings: Sequence[str] = ALL_DRAWINGS, seeds: Sequence[int] = SEEDS) -> list[list[str]]:
     """All drawings in all materials with each kind of scan, three pieces each: rows of ``data/workflow.csv``.
 
     Takes half a minute a seed on a busy core.
@@ -117,7 +115,6 @@ def measured_table(drawings: Sequence[str] = (*LAPS, *DRAWINGS), seeds: Sequence
     return rows
 
 
-@lru_cache
 def kept_table() -> dict[tuple[str, str, str], np.ndarray]:
     """``data/workflow.csv``: by drawing, material and scan, the numbers of each seed."""
     with TABLE.open(encoding="utf-8") as file:

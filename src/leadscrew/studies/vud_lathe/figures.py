@@ -9,8 +9,19 @@ import numpy as np
 
 from leadscrew.controllers.vud import universe
 from leadscrew.controllers.vud.power_law import power_law
+from leadscrew.figures.panels import grid, with_legend
 from leadscrew.report.positioning import draw as draw_positioning
-from leadscrew.report.style import BLACK, BLUE, GREEN, ORANGE, PURPLE, SKY, VERMILION, colour, pen
+from leadscrew.report.style import (
+    BLACK,
+    BLUE,
+    GREEN,
+    ORANGE,
+    PURPLE,
+    SKY,
+    VERMILION,
+    colour,
+    pen,
+)
 from leadscrew.sensors.grating import counting
 from leadscrew.sensors.grating.heydemann import fit_ellipse
 from leadscrew.sensors.grating.moire import GRATING
@@ -43,23 +54,6 @@ UNIVERSE_TICKS = (-1.0, -0.1, -0.01, 0.0, 0.01, 0.1, 1.0)
 def signed(value: float, position: int | None = None, form: str = ",g") -> str:
     """A number with the minus of print; also a formatter of ticks, for scales whose powers have small exponents."""
     return f"{value:z{form}}".replace("-", "−")
-
-
-def grid(width: float, height: float, rows: int = 1, columns: int = 1, **options: Any) -> tuple[Figure, Any]:
-    from matplotlib.figure import Figure
-
-    fig = Figure(figsize=(width, height), layout="constrained")
-    return fig, fig.subplots(rows, columns, **options)
-
-
-def with_legend(fig: Figure, *panels: Any, columns: int = 2, **options: Any) -> Figure:
-    """The figure with one legend below it, each name of the panels once."""
-    handles: dict[str, Any] = {}
-    for axes in panels:
-        for handle, label in zip(*axes.get_legend_handles_labels(), strict=True):
-            handles.setdefault(label, handle)
-    fig.legend(handles.values(), handles.keys(), loc="outside lower center", ncols=columns, frameon=False, **options)
-    return fig
 
 
 def symmetric_log(axes: Any, *which: str) -> None:

@@ -1,0 +1,104 @@
+"""The controllers beyond the paper: entries, stairs of the depth, and what they make of wrong beliefs."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from leadscrew.studies.grey_turning.readings import Reading, filtered, read
+from leadscrew.studies.grey_turning.scenarios import FOLLOWING, FORCE_N, takes_cut
+from leadscrew.studies.lab import Lab, measure
+
+SEEDS, STAIR_SEEDS = 30, 10
+"""Noise seeds of one entry, of one staircase."""
+FIRST_S = 1.9
+"""The entry is over: from here on the stairs are judged."""
+TFC, TFC_N, TFC_FF = "corrected.tfc_stfc", "corrected.tfc_stfc_n", "ours.tfc_ff"
+ALL, ALL_N = "ours.constant_force", "ours.constant_force_n"
+BELIEVED = {f"controller.{key}": value for key, value in FOLLOWING.items()}
+"""The controller believes in the radial servo that is there."""
+
+
+class Entry(NamedTuple):
+    """Tool in the cut, feed from rest: filtered force, and the peak of the true one."""
+
+    reading: Reading
+    peak: np.ndarray
+    """Percent above the command."""
+
+
+@measure
+def entry(lab: Lab, name: str, machine: str = "plant_f", scenario: str = "fig6_fixed_depth", **changes: float) -> Entry:
+    """An entry of a controller; ``changes`` of its parameters by name."""
+    loop = lab.loop(name, scenario, machine=machine).using({f"controller.{k}": v for k, v in changes.items()})
+    runs = SEEDS if lab.study.scenario(scenario).params.noise_n > 0.0 else 1
+    run = loop.batch(3.0, {}, runs=runs, record=("feedback", "plant.peak"))
+    return Entry(read(filtered(run)), 100.0 * (run["plant.peak"][:, -1] / FORCE_N - 1.0))
+
+
+class Stairs(NamedTuple):
+    """Largest deviations after the entry, percent of the command, mean of the seeds."""
+
+    low: float
+    high: float
+    true_low: float
+    true_high: float
+
+    @property
+    def worst(self) -> float:
+        """Of the filtered force."""
+        return max(-self.low, self.high)
+
+    @property
+    def true_worst(self) -> float:
+        """Of the true one."""
+        return max(-self.true_low, self.true_high)
+
+
+class Staircase(NamedTuple):
+    """The falling depth under variants of a controller, by variant and seed."""
+
+    time: np.ndarray
+    force: np.ndarray
+    """Filtered."""
+    true: np.ndarray
+    output: np.ndarray
+
+    def of(self, k: int) -> Stairs:
+        """The readings of one variant."""
+        late = self.time >= FIRST_S
+        y, f = (100.0 * (v[k][:, late] / FORCE_N - 1.0) for v in (self.force, self.true))
+        return Stairs(*(float(v.mean()) for v in (y.min(axis=1), y.max(axis=1), f.min(axis=1), f.max(axis=1))))
+
+
+VARIED = ("preview_s", "exponent", "depth_error")
+TRIED: dict[str, tuple[float, float, float]] = {
+    "no preview": (0.0, 0.77, 0.0),
+    "preview of 40 ms": (0.04, 0.77, 0.0),
+    "preview of 65 ms": (0.065, 0.77, 0.0),
+    "preview of 90 ms": (0.09, 0.77, 0.0),
+    "65 ms, P believed 0.70": (0.065, 0.70, 0.0),
+    "65 ms, P believed 0.85": (0.065, 0.85, 0.0),
+    "65 ms, depth believed 0.05 mm larger": (0.065, 0.77, 0.05),
+}
+"""Depth feed-forward: preview, exponent and error of the depth."""
+BEST = "preview of 65 ms"
+
+
+@measure
+def stairs(lab: Lab, name: str, machine: str = "plant_f_radial", tried: bool = False, **changes: float) -> Staircase:
+    """The stairs from 1 to 0.4 mm; ``tried``: under each of :data:`TRIED`."""
+    loop = lab.loop(name, "fig9_falling_depth", machine=machine)
+    moved = machine.endswith("_radial") and takes_cut(lab.study.controller(name))
+    values: dict[str, Any] = {f"controller.{k}": v for k, v in changes.items()}
+    loop = loop.using(values | (BELIEVED if moved and "controller.radial.gain" in loop.sheet else {}))
+    rows: Sequence[tuple[float, ...]] = list(TRIED.values()) if tried else []
+    varied = {f"controller.{key}": np.repeat([row[i] for row in rows], STAIR_SEEDS) for i, key in enumerate(VARIED)}
+    count = max(len(rows), 1)
+    run = loop.batch(
+        8.0, varied if tried else {}, runs=count * STAIR_SEEDS, record=("feedback", "actual.force", "output")
+    )
+    shape = (count, STAIR_SEEDS, -1)
+    return Staircase(run.time, *(v.reshape(shape) for v in (filtered(run), run["actual.force"], run["output"])))

@@ -1,0 +1,11 @@
+"""One lab of the study sofnn_tangent for all tests of a process: what one of them measures the others have."""
+
+from functools import cache
+
+from leadscrew import catalogue
+from leadscrew.studies.lab import Lab
+
+
+@cache
+def lab() -> Lab:
+    return Lab(catalogue.study("sofnn_tangent"))
