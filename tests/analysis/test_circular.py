@@ -58,7 +58,7 @@ def test_points_that_make_no_circle_are_refused(x, y, said):
         least_squares_circle(x, y)
 
 
-# ---- analytic cases of the digest, section 7, to 1 nm; R = 100 mm
+# ---- analytic cases, to 1 nm; R = 100 mm
 def test_squareness_of_10_urad_gives_1_um():
     found = quantities(same(lambda p: (100 * np.cos(p) + 1e-5 * 100 * np.sin(p), 100 * np.sin(p))))
     assert found.ccw.circular == pytest.approx(1.0, abs=NM) == found.cw.circular

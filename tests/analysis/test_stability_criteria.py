@@ -33,7 +33,7 @@ def test_the_triple_lag_has_the_sectors_of_the_textbook():
 
 
 def test_the_paper_s_loop_has_the_sectors_that_were_measured_before():
-    """Digest, section 2: Popov [0,K] 1.408, [1,K] 2.500, circle [1,K] 2.270 with 1.2888 ms of dead time."""
+    """Independent numbers: Popov [0,K] 1.408, [1,K] 2.500, circle [1,K] 2.270 with 1.2888 ms of dead time."""
     loop = reference_loops()["Lc"]
     assert popov(loop, 0.0).limit == pytest.approx(1.408, abs=1e-3)
     assert popov(loop, 0.0).multiplier == pytest.approx(1.43e-3, rel=5e-3)

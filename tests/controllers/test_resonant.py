@@ -1,4 +1,4 @@
-"""Resonators: the difference equation of the digest, the loop that places them, and the lines that they remove."""
+"""Resonators: the difference equation, the loop that places them, and the lines that they remove."""
 
 import math
 

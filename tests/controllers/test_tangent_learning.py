@@ -95,7 +95,7 @@ def test_rules_of_the_curvature_learn_the_least_squares_weights():
 
 @pytest.mark.slow
 def test_rules_apart_are_updated_by_the_networks_own_filter():
-    """The digest's form: the same weights as of the Kalman update of the network of the error."""
+    """Rules apart: the same weights as of the Kalman update of the network of the error."""
     run, state = lived(RULES_APART, 3.0, noise=0.15)
     c, at = unexplained(run)
     rows = rules_of(run, at[1:])

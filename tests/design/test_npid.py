@@ -17,7 +17,7 @@ from leadscrew.studies.npid_xytable.columns import PID_UM
 
 WORK = Work(tuple(Case(f"{rpm} 1/min", volts(um), rpm / 60.0) for rpm, um in PID_UM.items()), LINES_HZ)
 RETUNED = Gains(1.6533, 248.0, 0.00533)
-"""Of the digest, Ms 1.85."""
+"""An independent design, Ms 1.85."""
 
 
 @pytest.mark.parametrize(

@@ -60,7 +60,7 @@ def test_completion_gives_all_36_cells_of_the_printed_table(found):
 def test_scales_of_table_1_come_from_its_own_columns(found):
     u = found.universes
     assert u.error_mm == 190.0 and u.interval_s == 0.1
-    # The digest's four scales lie from 25.50 to 26.03, the printed one is 25.87.
+    # Four independent estimates lie from 25.50 to 26.03, the printed one is 25.87.
     assert 25.50 < u.rate_mm < 26.03
     assert u.reached == (1.0, 0.965) and u.outside == (0, 0)
     assert design_vud(TABLE_1, error_scale_mm=100.0).universes.rate_mm == pytest.approx(u.rate_mm * 100.0 / 190.0)
@@ -204,7 +204,7 @@ def test_the_design_from_table_1_settles_as_the_corrected_controller_does(found)
         loop = lathe.loop("corrected.vud_beta_e", scenario)
         changes = {f"controller.{k}": np.array(v) if isinstance(v, list) else v for k, v in found.parameters.items()}
         metrics = loop.using(changes).run(4.0).metrics
-        # The digest's settling with 0.67 and 0.33 in place of 0.677 and 0.333.
+        # The settling with 0.67 and 0.33 in place of 0.677 and 0.333.
         assert metrics["settling_2um"] == pytest.approx(fine, abs=0.002)
         assert metrics["error_after_2s"] < 0.31e-3 and metrics["overshoot"] < 0.02
 

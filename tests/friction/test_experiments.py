@@ -1,4 +1,4 @@
-"""What the models are known for: experiments of Canudas de Wit et al. (1995) against SciPy and the digest's numbers."""
+"""What the models are known for: experiments of Canudas de Wit et al. (1995) against SciPy and independent numbers."""
 
 import math
 from dataclasses import replace
@@ -35,8 +35,8 @@ def lugre(v, z):
 
 @pytest.mark.slow
 def test_lugre_breaks_away_earlier_the_faster_the_force_rises():
-    digest = [1.4324, 1.3944, 1.3132, 1.2200, 1.0986, 1.0075]
-    assert break_away(mass_lugre, RATES) == pytest.approx(digest, abs=6e-5)
+    known = [1.4324, 1.3944, 1.3132, 1.2200, 1.0986, 1.0075]
+    assert break_away(mass_lugre, RATES) == pytest.approx(known, abs=6e-5)
 
 
 def test_static_friction_breaks_away_at_the_same_force_at_every_rate():
@@ -93,8 +93,8 @@ def test_pulled_by_a_spring_the_mass_sticks_and_slips_as_in_scipy(pulled):
     assert pulled["actual"][[7000, 9000, 14500]] == pytest.approx(there.y[0], abs=2e-6)
 
 
-def test_stick_slip_has_the_times_period_and_speed_of_the_digest(pulled):
-    """The digest's 7.537, 13.900, 20.262 s are samples, 12.5 ms apart, before the speed passes 0.05 m/s."""
+def test_stick_slip_has_the_times_period_and_speed_of_an_independent_run(pulled):
+    """The independent run's 7.537, 13.900, 20.262 s are samples, 12.5 ms apart, before the speed passes 0.05 m/s."""
     times = slip_times(pulled, 0.05)
     assert np.floor(times / 0.0125) * 0.0125 == pytest.approx([7.5375, 13.9, 20.2625])
     assert np.diff(times) == pytest.approx([6.36, 6.36], abs=0.005)
@@ -140,9 +140,9 @@ def test_numbers_and_plants_that_make_no_experiment_are_refused():
 
 @pytest.mark.slow
 def test_the_stage_breaks_away_earlier_the_faster_its_torque_rises():
-    digest = [9.284, 9.239, 9.010, 8.809, 8.499, 7.832, 7.052]
+    known = [9.284, 9.239, 9.010, 8.809, 8.499, 7.832, 7.052]
     found = force_at_speed(ballscrew_stage, [0.05, 0.1, 0.5, 1.0, 2.0, 5.0, 10.0], faster_than=0.02, highest=9.36)
-    assert found == pytest.approx(digest, abs=6e-4)
+    assert found == pytest.approx(known, abs=6e-4)
     (at_8_9,) = force_at_speed(ballscrew_stage, [8.9], faster_than=0.02, highest=9.36)
     assert at_8_9 < 0.95 * 9.36
 
@@ -177,7 +177,7 @@ def pid_of_1995(s, command, feedback):
 
 @pytest.mark.slow
 def test_integral_control_hunts_around_the_target():
-    """The digest's 0.9360 and 1.0650 m are the extremes between 34 and 50 s; the cycle itself is even, +-0.0639 m."""
+    """0.9360 and 1.0650 m are the extremes between 34 and 50 s; the cycle is even, +-0.0639 m."""
     hunted = replace(mass_lugre, output=moving)
     loop = Loop(
         reference=ramp(initial=1.0, rate=0.0), controller=pid_of_1995, plant=hunted, period=None, sample=0.01,

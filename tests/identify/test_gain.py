@@ -1,4 +1,4 @@
-"""The plant gain from logs: a plant of known gain gives it back, Table 1 gives the digest's numbers."""
+"""The plant gain from logs: a plant of known gain gives it back, Table 1 gives those of an independent fit."""
 
 import numpy as np
 import pytest

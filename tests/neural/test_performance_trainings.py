@@ -14,7 +14,7 @@ DIGEST_PAIRS = {
     (0, 3), (0, 4), (0, 5), (0, 6), (1, -6), (1, -4), (1, 3), (1, 4), (1, 5), (1, 6), (2, -4), (2, 2), (2, 4), (3, 4),
     (4, 1), (4, 2), (4, 3), (4, 4), (5, 2), (6, 2),
 }  # fmt: skip
-"""(EC, E) of the pairs that do not cancel; digest, section 2."""
+"""(EC, E) of the pairs that do not cancel."""
 
 
 @pytest.fixture(scope="module")

@@ -67,7 +67,7 @@ def test_half_of_the_plane_costs_an_odd_network_what_the_whole_plane_does():
 
 
 def test_the_golden_network_lies_at_the_foot_of_the_safe_loss():
-    """The digest's weights come from elsewhere: polished here, they stay as good and move the surface by little."""
+    """The golden weights come from elsewhere: polished here, they stay as good and move the surface by little."""
     shape = Shape()
     row = polish(shape.row(GOLDEN), Loss(shape, TABLE, safe=True))
     before, after = safety(GOLDEN), safety(shape.net(row))

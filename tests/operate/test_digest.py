@@ -1,4 +1,4 @@
-"""The digest of a session: of every bit of every signal, computed here by hashlib alone."""
+"""The checksum of a session: of every bit of every signal, computed here by hashlib alone."""
 
 import hashlib
 

@@ -27,7 +27,7 @@ def knife(name, then_s=3 * LAP_S, **fields):
 @pytest.mark.slow
 @pytest.mark.parametrize("material", MATERIALS)
 def test_another_material_shears_by_its_own_numbers(material):
-    """The digest's equation of the shear, integrated exactly over a sample, from the first sample on."""
+    """The equation of the shear, integrated exactly over a sample, from the first sample on."""
     loop = loop_of("sofnn_tangent", "paper.uncompensated")
     run = play("sofnn_tangent", f"to_{material}", LAP_S, LAP_S, loop=loop, for_s=0.0)
     shear, lag, fibre, bias, _, _ = MATERIALS[material]

@@ -1,4 +1,4 @@
-"""Paths and the shapes of the study, against the digest's numbers and geometry worked by hand."""
+"""Paths and the shapes of the study, against geometry worked by hand."""
 
 import math
 
@@ -10,7 +10,7 @@ from leadscrew.paths.path import Path, polyline, sampled, wrapped
 from leadscrew.paths.segments import Arc, Bezier, Line
 from leadscrew.paths.shapes import flower, rounded_rectangle, wave
 
-# Digest section 6 and 8: samples at 0.5 mm, smallest radius, swivel rate at 50 mm/s.
+# Samples at 0.5 mm, smallest radius, swivel rate at 50 mm/s.
 SHAPES = {
     "wave": (wave, 1.0, 923, 16.5, 174),
     "flower": (flower, 1.0, 789, 6.4, 445),
@@ -19,7 +19,7 @@ SHAPES = {
 
 
 @pytest.mark.parametrize("name", SHAPES)
-def test_the_paths_of_the_study_have_the_digests_numbers(name):
+def test_the_paths_of_the_study_have_known_lengths_radii_and_rates(name):
     make, laps, count, radius, swivel = SHAPES[name]
     places = sampled(make(), 0.5, laps)
     assert len(places.travel) == count

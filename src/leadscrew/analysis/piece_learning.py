@@ -23,7 +23,7 @@ Measured pieces have no sampling period: :func:`next_offsets_along` takes the ar
 
 Errors: DataError for rows that do not fit together or are not finite; ValueRefused for a setting out of range.
 
-Source: digest of the study ``sofnn_tangent``, section 8.1; iterative learning control with a zero-phase filter and a
+Source: iterative learning control with a zero-phase filter and a
 lead, D. A. Bristow, M. Tharayil, A. G. Alleyne, *A survey of iterative learning control*, IEEE Control Systems Magazine
 26 (2006) 96. The paper itself (Deng, Liu, Wu, Zhang) does not learn from piece to piece.
 """

@@ -136,7 +136,7 @@ def scipy_rows(rounds: int, quick: bool) -> list[dict[str, Any]]:
 
 
 def batch_rows(quick: bool) -> list[dict[str, Any]]:
-    """Many runs at once: friction steps a second, on one core and on all; the moonshot asks for 1e9."""
+    """Many runs at once: friction steps a second, on one core and on all; 1e9 is asked for."""
     sine, cores, rows = "sine_fast", os.cpu_count() or 1, []
     varied = {"plant.inertia": np.linspace(2.12e-4, INERTIA, 256 if quick else 1024)}
     for scheme in (BEST, every("fixed", 50.0), every("rk4", 1.0)):
@@ -154,7 +154,7 @@ def batch_rows(quick: bool) -> list[dict[str, Any]]:
         )  # fmt: skip
         rows.append(
             row("stage, batch", f"{scheme.name}, {cores} cores", done / both, "steps/s", at_least=1e9,
-                remark=f"moonshot; wall time, load {load() or 0.0:.2f}", **facts)
+                remark=f"wall time, load {load() or 0.0:.2f}", **facts)
         )  # fmt: skip
     return rows
 

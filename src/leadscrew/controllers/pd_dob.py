@@ -161,6 +161,6 @@ TUNINGS: dict[str, Block] = {
     "ours.pd_dob_robust": _BY_ANGLE,
     "ours.pd_dob": pd_dob,
 }
-"""For 4 kHz: without a schedule; the best of the digest on the nominal stage; one that stands wrong friction and
+"""For 4 kHz: without a schedule; the best on the nominal stage; one that stands wrong friction and
 another friction model; and the same with the error differentiated in place of the angle, the default. None is for a
 delay of a sample: put such a one inside :func:`~leadscrew.controllers.look_ahead.look_ahead`."""

@@ -6,7 +6,7 @@
 correlation length ``length``; ``w`` is Gaussian and white. ``step`` is a change of the steady shear from ``step_at``
 on, for ``step_for`` seconds; ``push`` one of the cut line itself.
 
-Source: section "Plant" of the digest of the study ``sofnn_tangent``, a reconstruction: the paper gives no process.
+Source: chosen, a reconstruction: the paper of the study ``sofnn_tangent`` gives no process.
 """
 
 from __future__ import annotations

@@ -3,8 +3,8 @@
     load = size c((t - start) / rise_s) c((start + rise_s + stay_s + fall_s - t) / fall_s),      c(x) = clip(x, 0, 1)
 
 ``load`` is the relative rise of the specific force (1.0 doubles it), taken in the middle of each period, because the
-plant gets it for a whole period. A rise or fall of 0 is a step. Source: section 9 of the digest of the study
-``grey_turning``: twice the force within 40 ms.
+plant gets it for a whole period. A rise or fall of 0 is a step. Source: ours;
+twice the force within 40 ms is chosen as a hard case.
 """
 
 from __future__ import annotations

@@ -52,7 +52,7 @@ def command(machine: MachineFile) -> Block:
 
 
 def of_log(path: Path, folder: Path, **how: Any) -> dict[str, Any]:
-    """The ``[log]`` of a machine file in ``folder``: where the log lies from there, its digest, how it is read."""
+    """The ``[log]`` of a machine file in ``folder``: where the log lies from there, its checksum, how it is read."""
     import os
 
     told = {k: v for k, v in how.items() if v not in (None, {}, "")}

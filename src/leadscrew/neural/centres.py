@@ -7,8 +7,8 @@ The outer centres stay at -6 and 6. After each step the inner ones are put in or
 that the seven sets always cover the universe and always sum to one. At a centre ``D`` has a kink; the slope to its
 right is taken there.
 
-Membership parameters ``v_ji`` of the paper of the study sofnn_tangent, Y. Deng, X. Liu, L. Wu, Q. Zhang, in the reading
-of its digest.
+Membership parameters ``v_ji`` of the paper of the study sofnn_tangent, Y. Deng, X. Liu, L. Wu, Q. Zhang; the
+reading is ours.
 """
 
 from __future__ import annotations

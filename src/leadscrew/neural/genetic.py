@@ -7,8 +7,8 @@ genetic algorithms and interval-schemata*, Foundations of Genetic Algorithms 2, 
 parent. Each number then changes with probability ``2 / n`` by a normal draw whose ``sigma`` falls geometrically from
 the first generation to the last. Numbers are held to ``-bound .. bound``; the first are uniform in ``-start .. start``.
 
-The paper of the study ``sofnn_tangent`` says "genetic algorithm" and no more: the operators are those of section 4 of
-its digest.
+The paper of the study ``sofnn_tangent`` says "genetic algorithm" and no more: the operators are
+chosen.
 """
 
 from __future__ import annotations

@@ -68,7 +68,7 @@ ODD_TABLE = 0.5 * (TABLE - TABLE[::-1, ::-1])
 """The odd part of Table 1, ``(T(E, EC) - T(-E, -EC)) / 2``."""
 ODD_TABLE.setflags(write=False)
 GOLDEN = _read_golden()
-"""A safe network of 18 weights for Table 1: no biases, ``6 tanh`` output; from the digest of the paper, section 4."""
+"""A safe network of 18 weights for Table 1: no biases, ``6 tanh`` output; trained once and kept."""
 
 
 def measured(net, e, ec):

@@ -6,8 +6,7 @@
     origin    10 P(0, 0), where the network has biases (without it is 0)
     ridge     0.003 w of every weight
 
-``plain`` is cells and ridge; ``safe`` all of them. Source: section 4 of the digest of the study ``sofnn_tangent``; the
-row ``origin`` is ours.
+``plain`` is cells and ridge; ``safe`` all of them. Source: ours; the paper trains by the cells alone.
 """
 
 from __future__ import annotations

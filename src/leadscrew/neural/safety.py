@@ -7,7 +7,7 @@ in the cells of the table does not exclude that: between the cells nothing is as
     |P(0, 0)| < 0.02        E P(E, 0) < 0  on 0 < |E| <= 1.5        -1.5 <= dP/dE(0, 0) <= -0.4       RMSE <= 0.65
 
 all in levels. The first three say that the loop goes the right way; the last that the network knows the table. They
-are ours: section 4 of the digest of the study ``sofnn_tangent``. The range of the slope is for a table of slope -1, as
+are ours. The range of the slope is for a table of slope -1, as
 Table 1 is; for another one it is 0.4 to 1.5 times its slope.
 """
 

@@ -9,8 +9,8 @@ surroundings of the origin, then the search starts again; :attr:`Trained.notes` 
 helps training is refused. A network that goes the right way, but knows the table less well than asked, is given out
 with a note.
 
-Source: step 1 of the paper of the study ``sofnn_tangent`` ("train PNN off line by a genetic algorithm"); methods,
-weights and acceptance are those of section 4 of its digest.
+Source: step 1 of the paper of the study ``sofnn_tangent`` ("train PNN off line by a genetic algorithm"); other
+methods, weights and acceptance are ours.
 """
 
 from __future__ import annotations
@@ -32,8 +32,7 @@ Method = Literal["ga", "ga+polish", "cma", "cma+polish", "pymoo", "pymoo+polish"
 METHODS: tuple[Method, ...] = get_args(Method)
 
 NEAR_WEIGHTS = (0.3, 1.0, 3.0)
-"""Weight of the surroundings of the origin in the polish, raised until the network is safe; the digest's is the first.
-"""
+"""Weight of the surroundings of the origin in the polish, raised until the network is safe."""
 TRIES = 8
 """Searches, each from another seed, before training gives up."""
 

@@ -217,7 +217,7 @@ class Running:
         self._events.append(replace(event, mark=self.digest[:MARK]))
 
     def session(self) -> Session:
-        """All that was done so far, and the digest of all signals."""
+        """All that was done so far, with a checksum of all signals."""
         start = replace(
             self.start,
             study=userfile.absolute(self.start.study),

@@ -1,7 +1,7 @@
-"""A session: how a machine was started, what was done to it in which period, and the digest of all its signals.
+"""A session: how a machine was started, what was done to it in which period, and a checksum of all its signals.
 
 The same start and the same events give the same bits, on every engine, however the run is cut into pieces; a session
-can therefore be saved, sent, and run again anywhere, and its digest says whether the signals are the same.
+can therefore be saved, sent, and run again anywhere, and its checksum says whether the signals are the same.
 """
 
 from __future__ import annotations
@@ -72,7 +72,7 @@ class Event:
     compare: bool = True
     """Whether it is a setting, which can be undone and which a ghost goes on without; a disturbance is none."""
     mark: str = ""
-    """The first digits of the digest of all rows before it: says between which events two runs part."""
+    """The first digits of the checksum of all rows before it: says between which events two runs part."""
 
 
 @dataclass(frozen=True)
@@ -99,7 +99,7 @@ class Session:
     digest: str
     """SHA-256 of all rows, of all columns, as float64, little-endian, row after row."""
     marks: Mapping[int, str] = field(default_factory=dict)
-    """The first digits of the digest after so many periods: says where two runs part that nothing was done in."""
+    """The first digits of the checksum after so many periods: says where two runs part that nothing was done in."""
     written_by: str = field(default="", compare=False)
     """The version of Leadscrew that wrote its file; empty where it comes from none."""
 
@@ -109,11 +109,11 @@ class Session:
         look: Callable[[Operated, np.ndarray], None] | None = None,
         told: Callable[[Event, Change], None] | None = None,
     ) -> Rerun:
-        """Runs the session again and compares the digest.
+        """Runs the session again and compares its checksum.
 
         Args:
             record: signals to keep, as for ``Loop.run``: the standard ones unless given, ``()`` for none, ``*`` for
-                all, the name of a slot for its states. The digest does not depend on it.
+                all, the name of a slot for its states. The checksum does not depend on it.
             look: called with the machine and every piece of rows (all columns) on the way.
             told: called with every event and what it changed.
 

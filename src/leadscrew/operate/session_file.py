@@ -18,7 +18,7 @@
     do = "set"
     how = "ramped"
     over = 100
-    before = "02d6..."                  # first digits of the digest of the rows before it; [marks]: after N periods
+    before = "02d6..."                  # first digits of the checksum of the rows before it; [marks]: after N periods
 
     [event.set]
     controller.output_full_scale_v = 9.0

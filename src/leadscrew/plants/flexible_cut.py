@@ -17,8 +17,8 @@ play of that half-width in the steady shear).
 
 From ``change_at`` on the material is ``changed``.
 
-Source: digest of the study ``sofnn_tangent``, section 6: a reconstruction, as the paper gives no process. Materials are
-believed values, none is measured.
+Source: ours, a reconstruction: the paper of the study ``sofnn_tangent`` gives no process. Materials are believed
+values, none is measured.
 """
 
 from __future__ import annotations

@@ -6,8 +6,8 @@
 behind the blade: 40 ms at 50 mm/s. From ``lost_from_s`` on, for ``lost_for_s``, the cut is not seen: the last reading
 is held, and ``seen`` is 0. The first ``m`` readings are of what came before the line: no deviation.
 
-Source: digest of the study ``sofnn_tangent``, section 6, a reconstruction: the paper does not say how the tangent
-of the cut is measured.
+Source: ours, a reconstruction: the paper of the study ``sofnn_tangent`` does not say how the tangent of the cut is
+measured.
 """
 
 from __future__ import annotations

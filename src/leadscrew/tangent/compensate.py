@@ -10,7 +10,7 @@ control: the machine needs an axis that turns, and the piece a scanner.
 ``e_(j+1)(s) = e_j(s) + g (d_(j+1) - d_j)(s - lead)``. What does not come again, as the texture of a material, is
 learned as if it did: a piece is predicted better than it will be.
 
-Source: digest of the study ``sofnn_tangent``, section 8.5; the paper has no such workflow.
+Source: ours; the paper of the study ``sofnn_tangent`` has no such workflow.
 """
 
 from __future__ import annotations

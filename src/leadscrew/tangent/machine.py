@@ -9,7 +9,7 @@ plunges, and the axis has its angle.
 The cut line is the curve with the tangent ``phi + e``: each step of the programmed line, turned by the mean of ``e``
 over it, set one behind the other from where the knife plunged.
 
-Source: process and values are the reconstruction of the study ``sofnn_tangent`` (digest, section 6); no material here
+Source: process and values are the reconstruction of the study ``sofnn_tangent``; no material here
 was measured.
 """
 

@@ -9,7 +9,7 @@ The bar measures the distance between the centres of two balls, one at the set-u
   phases drawn from ``seed``, scaled to that size;
 - a reading every ``step_deg`` degrees; the angle is that of the feed, as the software of a bar takes it.
 
-Defaults: resolution 0.1 um, sphericity 0.05 um, 0.2 degree, as the project's digest gives them; ours are the lobes.
+Defaults (resolution 0.1 um, sphericity 0.05 um, 0.2 degree, the lobes) are chosen: usual values of a commercial bar.
 Temperature, gravity and the bar's dynamics are not modelled.
 """
 

@@ -14,8 +14,8 @@ With the command ``x = R cos phi``, ``y = R sin phi``:
     centring         the whole path moved
 
 Every term is computed from where the axis would be with its lag alone: faults add and do not multiply (parts per
-million of each other). The error models are those of the digest's ball-bar section; the shapes of stick motion and
-stick-slip are ours.
+million of each other). The shapes of stick motion and stick-slip are chosen: a
+half wave that rises and decays.
 """
 
 from __future__ import annotations

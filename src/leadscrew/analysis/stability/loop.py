@@ -1,6 +1,6 @@
 """Linear loops: from transfer functions (:func:`continuous_loop`) or from a built loop (:func:`sampled_loop`).
 
-The loops of the digest's stability tables are in :func:`reference_loops`.
+The loops that the tests' tables are made of are in :func:`reference_loops`.
 """
 
 from __future__ import annotations

@@ -23,8 +23,8 @@ nothing excites a rule its variance then grows without end, unless ``cap`` holds
 Signals, scales, correction and safeguards as in :mod:`leadscrew.controllers.sofnn.network`; its learner is the Kalman
 filter. Bumpless start likewise, from the prior, even centres and certainties of one.
 
-Source: the three groups of weights of the paper of the study ``sofnn_tangent`` (Deng, Liu, Wu, Zhang), section 2, read
-as in the study's digest, sections 3 and 7.
+Source: the three groups of weights of the paper of the study ``sofnn_tangent`` (Deng, Liu, Wu, Zhang), section 2; the
+reading is ours.
 """
 
 from __future__ import annotations

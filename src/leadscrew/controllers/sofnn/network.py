@@ -27,8 +27,9 @@ start nothing is known of which rules fire: none is shifted, the offset fades fr
 the rules' one when the cut is seen (:mod:`leadscrew.controllers.sofnn.levels`). Learned rules are given to a new start
 by :func:`~leadscrew.controllers.sofnn.rules.with_rules`.
 
-Source: the seven steps of the paper of the study ``sofnn_tangent`` (Deng, Liu, Wu, Zhang); where it is silent, the
-study's digest, section 5. With ``K_p*`` of its step (4) the paper means ``k_d``.
+Source: the seven steps of the paper of the study ``sofnn_tangent`` (Deng, Liu, Wu, Zhang); where it is silent,
+the choices are ours and stand in the study's list of assumptions. With ``K_p*`` of its step (4) the paper means
+``k_d``.
 """
 
 from __future__ import annotations

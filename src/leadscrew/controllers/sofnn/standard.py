@@ -11,9 +11,9 @@ correction in proportion to its part in it. What was said then becomes ``g sum a
 T. J. Procyk, E. H. Mamdani, *A linguistic self-organizing process controller*, Automatica 15, 1979, put in the place of
 the rules that fired the one that should have fired: what was said then plus the correction (``target = 0``, equation
 (3) of the paper). Later forms add the correction to what the rule says now (the default; J. Jantzen, *The
-self-organising fuzzy controller*, Technical University of Denmark, 1998, to the one cell responsible). The digest of
-the study ``sofnn_tangent`` does not spell the law out: the weighting by firing strength is our choice. The rules at the
-start are the untrained ones, as there is no network to train.
+self-organising fuzzy controller*, Technical University of Denmark, 1998, to the one cell responsible). The
+weighting by firing strength is our choice. The rules at the start are the untrained ones, as there is no network to
+train.
 
 Everything else, safeguards too, as in :mod:`leadscrew.controllers.sofnn.network`. Bumpless start in the same way.
 """

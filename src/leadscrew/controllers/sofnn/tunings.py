@@ -1,6 +1,6 @@
 """Ready controllers for the study ``sofnn_tangent``, by name. A period of 10 ms, at 50 mm/s, is meant.
 
-``paper.`` and ``corrected.`` are the digest's table: the paper's scales, ``m_c = m = 4``, no safeguard but clamp and
+``paper.`` and ``corrected.`` have the paper's scales, ``m_c = m = 4``, no safeguard but clamp and
 cap. ``paper.`` has the network, as the paper does, or is a literal reading of it that does not work; ``corrected.`` has
 the table between its cells, or does not learn. ``ours.`` are tuned, with all safeguards.
 """
@@ -22,9 +22,9 @@ from leadscrew.neural.inference_net import initial_rules
 from leadscrew.neural.performance import NETWORK, ODD, ROUNDED, Performance
 
 LITERAL: dict[str, Any] = {"delay": 4, "leak": 0.0, "freeze": False}
-"""What the digest's table has with the paper's scales."""
+"""What goes with the paper's scales."""
 TUNED: dict[str, Any] = {"k_e": 6.0 / 45.0, "target": ACCUMULATE, "kg": 0.7}
-"""The digest's tuning: twice the gain of the deviation, every correction added."""
+"""Our tuning: twice the gain of the deviation, every correction added."""
 
 
 def _read_bad_slope() -> Performance:

@@ -26,7 +26,7 @@ Takes the command of :mod:`leadscrew.references.cut_line` and the reading of
 :func:`leadscrew.sensors.cut_camera.cut_reading`. Bumpless start: ``z`` is set so that the next output is the last one
 (with ``gain = 0`` it cannot), and nothing is learned until the lags are filled.
 
-Source: digest of the study ``sofnn_tangent``, section 8.2; not the paper's. Recursive least squares with forgetting:
+Source: ours, not the paper's. Recursive least squares with forgetting:
 K. J. Astrom, B. Wittenmark, *Adaptive Control*, 2nd ed., chapter 2.
 """
 

@@ -11,7 +11,8 @@ a third of what they gained: they act as an integrator. Rules of the curvature s
 this shape; frozen, they know it on this line and on others. Network and Kalman update are those of
 :mod:`leadscrew.neural`. The target is direct (the offset that was needed is measured): nothing has to walk, no ``Q``.
 
-Two things are added to the digest's form, both through ``prior_covariance`` alone (:func:`start_covariance`):
+Two things are added to a rule for every curvature by itself, both through ``prior_covariance`` alone
+(:func:`start_covariance`):
 
 - the two **direction** terms, for the fibre. A variance of 0 leaves them out.
 - rules that know of each other. With ``P_0 = I`` a rule that has never fired stays at 0, and a sharper curve than the
@@ -30,8 +31,7 @@ Takes the command of :mod:`leadscrew.references.cut_line` and the reading of
 :func:`leadscrew.sensors.cut_camera.cut_reading`. Bumpless start: ``z`` is set so that the next output is the last one
 (with ``gain = 0`` it cannot), and nothing is learned until the way behind is known.
 
-Source: digest of the study ``sofnn_tangent``, section 8.3: rules of curvature. The high-pass's time, the scales and
-both additions are ours.
+Source: ours, not the paper's: the network of the paper of the study ``sofnn_tangent`` on curvature in place of error.
 """
 
 from __future__ import annotations
@@ -89,7 +89,7 @@ def start_covariance(
 
 
 def apart_covariance(variance: float = 1.0) -> np.ndarray:
-    """The digest's start: every rule for itself, and no direction."""
+    """The plain start: every rule for itself, and no direction."""
     found = np.zeros((COUNT, COUNT))
     found[:RULES, :RULES] = variance * np.eye(RULES)
     return found
@@ -291,4 +291,5 @@ TUNINGS: dict[str, Block] = {
         prior_covariance=apart_covariance(), k_c=36.0, k_h=36.0, highpass_s=0.03, gain=0.0
     ),
 }
-"""For the study's axis at 100 Hz with 0.04 s of sensor delay and a preview of one sample: ours, and the digest's."""
+"""For the study's axis at 100 Hz with 0.04 s of sensor delay and a preview of one sample, with rules that know of each
+other, and with rules apart."""

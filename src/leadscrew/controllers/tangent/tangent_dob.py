@@ -13,8 +13,8 @@ second in the study, claim ``resight_observer``). Where the camera loses the cut
 
 Bumpless start: the axis is believed at the output, and the observer settled at it.
 
-Source: the observer of section 7 of the digest of the study ``sofnn_tangent`` (g 0.9, gain 0.9, 0.02 s), not the
-paper's; structure as in :mod:`leadscrew.controllers.input_dob`.
+Source: ours, not the paper's (g 0.9, gain 0.9, 0.02 s are chosen); structure as in
+:mod:`leadscrew.controllers.input_dob`.
 """
 
 from __future__ import annotations

@@ -14,7 +14,7 @@ controller with a limit of its own does not count the table in it.
 Bumpless start as the inner controller's, less the first value of the table; alone, the table starts at its first value,
 and the output is what the table says.
 
-Source: digest of the study ``sofnn_tangent``, section 8.1. The table with a period of its own and straight lines
+Source: ours, not the paper's. The table with a period of its own and straight lines
 between its places is :func:`leadscrew.controllers.feed_forward_table.feed_forward_table`.
 """
 
