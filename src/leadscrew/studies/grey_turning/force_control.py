@@ -15,8 +15,7 @@ SEEDS, STAIR_SEEDS = 30, 10
 """Noise seeds of one entry, of one staircase."""
 FIRST_S = 1.9
 """The entry is over: from here on the stairs are judged."""
-TFC, TFC_N, TFC_FF = "corrected.tfc_stfc", "corrected.tfc_stfc_n", "ours.tfc_ff"
-ALL, ALL_N = "ours.constant_force", "ours.constant_force_n"
+TFC, TFC_FF, ALL = "corrected.tfc_stfc", "ours.tfc_ff", "ours.constant_force"
 BELIEVED = {f"controller.{key}": value for key, value in FOLLOWING.items()}
 """The controller believes in the radial servo that is there."""
 
