@@ -47,7 +47,7 @@ CHOICE = {
     "ours.constant_force_tuned": ("constant_force", ALL_OF_IT),
 }
 """Controllers, their names in the table, and what they get."""
-ANSWER = (PAPERS, "ours.pid_tuned", "ours.smith_tuned", "ours.pi_ff_tuned", "ours.constant_force_tuned")
+ANSWER = (PAPERS, "ours.pid_tuned", "ours.constant_force_tuned")
 """Those that the conclusion names."""
 
 
