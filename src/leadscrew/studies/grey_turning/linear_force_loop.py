@@ -26,6 +26,7 @@ import numpy as np
 
 from leadscrew.analysis.stability.linear import LinearLoop
 from leadscrew.analysis.stability.margins import margins
+from leadscrew.kernel.one_thread import one_thread
 from leadscrew.plants.turning.process import hold
 from leadscrew.studies.grey_turning.scenarios import FORCE_N, MACHINES, PERIOD_S, SUBSTEPS
 
@@ -211,6 +212,7 @@ class ForceMargins(NamedTuple):
 
 
 @lru_cache
+@one_thread()
 def force_margins(machine: str, law: str, kp: float, ki: float, **at: Any) -> ForceMargins:
     """Gain and phase margin of a law with these gains."""
     found = margins(force_loop(machine, law, kp, ki, **at))
