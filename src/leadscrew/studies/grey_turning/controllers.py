@@ -26,7 +26,7 @@ OTHERS = (
 """Of the comparison controllers those that the study uses."""
 
 PI = GREY_FUZZY["ours.pi_stfc"]
-KNOWN: Mapping[str, Block] = {
+KNOWN: dict[str, Block] = {
     **{name: block for name, block in GREY_FUZZY.items() if not name.startswith("ours.")},
     **{name: GREY_FUZZY[name] for name in OTHERS},
     **FORCE,
