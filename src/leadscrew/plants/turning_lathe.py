@@ -18,7 +18,7 @@ Accounts, for what constant force is for: ``removed = sum b h pi D n dt / 60``, 
 ``peak`` force; ``over_s``, time with a force above ``limit``. ``load``: relative change of the specific force, besides
 that of the workpiece.
 
-Source: sections 1 and 2 of the paper of the study ``grey_turning``; numbers that it does not give are chosen.
+Source: sections 1 and 2 of the paper of the study ``grey_turning``; its numbers are ours.
 """
 
 from __future__ import annotations
@@ -61,7 +61,9 @@ class TurningLatheParams(NamedTuple):
     cross: CrossServo = CrossServo()
     start: LatheStart = LatheStart()
     stiffness: Annotated[float, Unit("N/mm"), Gt(0), Doc("of tool and work along the feed")] = 20000.0
-    feed_force_ratio: Annotated[float, Gt(0), Doc("force along the feed over the main force; chosen; usual: 0.5")] = 1.0
+    feed_force_ratio: Annotated[
+        float, Gt(0), Doc("force along the feed over the main force; 1: plant F, 0.5: usual")
+    ] = 1.0
     runout: Annotated[float, Unit("mm"), Ge(0), Doc("amplitude of the depth's change over a revolution")] = 0.01
     limit: Annotated[float, Unit("N"), Gt(0), Doc("force above which time is counted")] = 1e9
 

@@ -18,8 +18,8 @@ Refused is a spindle that turns by more than :data:`MOST_OF_A_TURN` a step, for 
 is not there yet.
 
 Source: equation (1) of the paper of the study ``grey_turning`` for the steady force; servo, chip build-up over a
-revolution, compliance and runout are a reconstruction ("plant F": servo of 40 rad/s, fitted to two figures). The whole
-lathe, with its three loops: :mod:`leadscrew.plants.turning_lathe`.
+revolution, compliance and runout are a reconstruction (plant F of the study: servo of 40 rad/s, fitted to two
+figures). The whole lathe, with its three loops: :mod:`leadscrew.plants.turning_lathe`.
 """
 
 from __future__ import annotations
@@ -73,7 +73,9 @@ class TurningParams(NamedTuple):
     servo: FeedServo = FeedServo()
     radial: RadialServo = RadialServo()
     stiffness: Annotated[float, Unit("N/mm"), Gt(0), Doc("of tool and work along the feed")] = 20000.0
-    feed_force_ratio: Annotated[float, Gt(0), Doc("force along the feed over the main force; chosen; usual: 0.5")] = 1.0
+    feed_force_ratio: Annotated[
+        float, Gt(0), Doc("force along the feed over the main force; 1: plant F, 0.5: usual")
+    ] = 1.0
     runout: Annotated[float, Unit("mm"), Ge(0), Doc("amplitude of the depth's change over a revolution")] = 0.01
 
 
