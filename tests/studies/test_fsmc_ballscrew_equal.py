@@ -10,7 +10,7 @@ from leadscrew.controllers.pd_dob import pd_dob
 from leadscrew.controllers.sliding.integral import smc_integral
 from leadscrew.plants.ballscrew_stage import INERTIA
 from leadscrew.references.motion import Motion
-from leadscrew.studies.fsmc_ballscrew import equal, laws
+from leadscrew.studies.fsmc_ballscrew import equal
 from leadscrew.studies.lab import Lab
 
 DT = 2.5e-4
@@ -28,9 +28,10 @@ def torques(block, errors, dt=DT):
 
 def test_the_integral_law_inside_its_layer_is_the_pid_whose_gains_the_study_names():
     angles = 1e-6 * np.sin(np.arange(400) / 17.0)
-    kp, ki, kd = laws.integral_pid(800.0, 3000.0)
+    lam, r = 800.0, 3000.0
+    kp, ki, kd = INERTIA * np.array([3.0 * lam**2 + 2.0 * lam * r, lam**2 * (lam + r), 3.0 * lam + r])
     rate = np.diff(angles, prepend=0.0) / DT
-    given = torques(smc_integral(lam=800.0, layer_rate=3000.0, friction_from=0), angles)
+    given = torques(smc_integral(lam=lam, layer_rate=r, friction_from=0), angles)
     assert given[1:] == pytest.approx(-(kp * angles + ki * DT * np.cumsum(angles) + kd * rate)[1:], rel=1e-9, abs=1e-12)
 
 

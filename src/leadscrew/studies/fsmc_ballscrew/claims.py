@@ -879,41 +879,14 @@ def ball_bar_tells_them_apart(lab):
     )
 
 
-# ---- slopes
-@measure
-def by_slope(lab: Lab) -> dict[str, tuple[float, float, float]]:
-    """Slope against e' in the layer, 1/s, and largest errors on 5 sin t and sin 2πt mm, um, by law."""
-    slopes = laws.printed_slopes()
-    fuzzy, ratio = slopes["FSMC"], slopes["SMC"] / slopes["FSMC"]
-    same = {"controller.layer_rate": fuzzy}
-    cases: dict[str, tuple[str, float, dict[str, float]]] = {
-        "SMC, integral surface": ("paper.smc", slopes["SMC"], {}),
-        "SMC": ("corrected.smc", slopes["SMC"], {}),
-        "CSMC": ("paper.csmc", slopes["CSMC"], {}),
-        "FSMC": ("corrected.fsmc", fuzzy, {}),
-        "SMC, integral surface, slope of FSMC": ("paper.smc", fuzzy, same),
-        "SMC, slope of FSMC": ("corrected.smc", fuzzy, same),
-        "CSMC, slope of FSMC": ("paper.csmc", fuzzy, {"controller.layer_rate": 0.5 * fuzzy}),
-        "FSMC, slope of SMC": ("corrected.fsmc", slopes["SMC"], laws.scales(120.0, 4.0, ratio * laws.SLOPE)),
-    }
-    return {words: (slope, *slope_errors_um(lab, law, more)) for words, (law, slope, more) in cases.items()}
-
-
-def slope_errors_um(lab: Lab, law: str, changes: Mapping[str, float]) -> tuple[float, float]:
-    """Largest errors on 5 sin t and sin 2πt mm with some parameters changed, um."""
-    more = {"changes": dict(changes)} if changes else {}
-    return tracked(lab, law, "sine_wide", **more).largest, tracked(lab, law, "sine_fast", **more).largest
-
-
 # ---- the whole study in four sentences
 def conclusion(lab: Lab) -> list[str]:
     """The study in four sentences."""
     half = errors_um(lab, "sine_wide")[1]
     left, held = left_um(lab, "paper.csmc", "step_quintic"), resting(lab, "corrected.fsmc").mean
     slow = reversal(sine_run(lab, "corrected.fsmc", "sine_slow"), "sine_slow").settled
-    slopes, periods = by_slope(lab), laws.longest_periods_us()
-    fuzzy, integral = slopes["FSMC"], slopes["SMC, integral surface, slope of FSMC"]
-    plain = slopes["SMC, slope of FSMC"], slopes["CSMC, slope of FSMC"]
+    periods, slope = laws.longest_periods_us(), laws.printed_slopes()["FSMC"]
+    steep = tracked(lab, "paper.smc", "sine_wide", changes={"controller.layer_rate": slope}).largest
     tuned = {
         law: equal.searched_um(law) for law in ("fsmc", "csmc", "smc_integral", "pid_friction", "pd_dob", "pid_bare")
     }
@@ -921,9 +894,8 @@ def conclusion(lab: Lab) -> list[str]:
         f"On the printed stage, simulated and rigid, the order SMC > CSMC > FSMC follows from the gains, not from the "
         f"rules: on 5 sin t mm CSMC errs {half['SMC'] / half['CSMC']:.2f} times less than SMC (without the printed "
         f"integral) and FSMC {half['CSMC'] / half['FSMC']:.1f} times less than CSMC, but with the slope of FSMC in the "
-        f"layer, {fuzzy[0]:.3g} 1/s, SMC and CSMC err alike ({plain[0][1]:.3f} and {plain[1][1]:.3f} µm), and SMC with "
-        f"the integral of (8), which FSMC has, errs {integral[1]:.4f} / {integral[2]:.4f} µm on 5 sin t / sin 2πt mm "
-        f"against {fuzzy[1]:.4f} / {fuzzy[2]:.4f} µm of FSMC.",
+        f"layer, {slope:.3g} 1/s, SMC with the integral of (8), which FSMC has, errs {steep:.4f} µm against "
+        f"{half['FSMC']:.4f} µm of FSMC.",
         f"CSMC does not eliminate its steady error ({um(left)} are left), FSMC does not set its torque to zero "
         f"({abs(held):.1f} N·m hold bent bristles), and on 0.01 sin t mm its peak takes {1e3 * slow:.0f} ms, not less "
         "than 100.",

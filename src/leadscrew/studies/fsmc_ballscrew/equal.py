@@ -9,13 +9,11 @@ of Table 2, in four pieces a period. The commands stand in ``tuned/*.toml``.
 
 PD with the observer and fixed gains is a PID: with ``T = J y_r'' + f̂ + d - kp e - kd e'`` and ``d = L (q - J v)``,
 ``q' = T - f̂ - d``, it has ``kp + L kd``, the integral gain ``L kp`` and ``kd + L J``. The integral law inside its layer
-is one as well, see :func:`leadscrew.studies.fsmc_ballscrew.laws.integral_pid`.
+is one, with ``r = layer_rate`` and ``kp = J (3 lam^2 + 2 lam r)``, ``ki = J lam^2 (lam + r)``, ``kd = J (3 lam + r)``.
 """
 
 from __future__ import annotations
 
-import math
-from collections.abc import Mapping
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -24,10 +22,6 @@ from leadscrew import controller_file
 from leadscrew.experiment import Experiment
 from leadscrew.studies.fsmc_ballscrew.controllers import EQUAL, FOLDER, ON_A_DRIVE, named
 from leadscrew.studies.lab import Lab, measure
-from leadscrew.tune.compare import compare
-from leadscrew.tune.compare_result import Result
-from leadscrew.tune.compare_statistics import Interval, paired, per_plant, plain
-from leadscrew.tune.job import Job
 
 LAWS = {
     "smc": "SMC",
@@ -37,117 +31,71 @@ LAWS = {
     "pid_friction": "PID with f̂",
     "pd_dob": "scheduled PD, observer and f̂",
     "pid_bare": "PID without f̂",
-    "fsmc_before": "FSMC as ours.fsmc_4khz",
 }
-"""By the name of the file in ``tuned``; the last one is not tuned here."""
-GROUPS = {law: "no friction model" if law == "pid_bare" else "f̂ of Table 2" for law in LAWS}
-BEFORE = "fsmc_before"
-"""The setting of the fuzzy law that the study had before, found with more effort and another goal."""
+"""By the name of the file in ``tuned``."""
 FRICTION = {"plant.friction.coulomb": "5:7.5", "plant.friction.static": "7.5:11.2"}
+RIGID = FRICTION | {"plant.inertia": "0.000296:0.000444"}
 
 
 class Case(NamedTuple):
-    """A stage to tune and to compare on."""
+    """A stage to tune and to compare on; ``substeps`` are the judge's: of 50 µs, while the search takes 125 µs."""
 
     words: str
     scenarios: tuple[str, ...]
     over: dict[str, str]
     changes: dict[str, Any]
     laws: tuple[str, ...]
-    plants: int
-    """To judge on."""
     substeps: int | None
-    """Of the judge: the search steps the rigid stage by 125 µs, the judge by 50 µs."""
 
 
-RIGID = FRICTION | {"plant.inertia": "0.000296:0.000444"}
 CASES = {
-    "rigid": Case("rigid stage", ("rest_slow", "rest_wide", "rest_fast"), RIGID, {}, EQUAL, 16, 5),
-    "delay": Case(
-        "one sample of delay", ("rest_wide", "rest_fast"), RIGID, {"scenario.delay": True}, ON_A_DRIVE, 16, 5
-    ),
+    "rigid": Case("rigid stage", ("rest_slow", "rest_wide", "rest_fast"), RIGID, {}, EQUAL, 5),
+    "delay": Case("one sample of delay", ("rest_wide", "rest_fast"), RIGID, {"scenario.delay": True}, ON_A_DRIVE, 5),
     "mode": Case(
         "the axial mode", ("rest_fast",), FRICTION | {"plant.table_mass": "50:75"}, {"scenario.axial_mode": True},
-        ON_A_DRIVE, 16, None,
+        ON_A_DRIVE, None,
     ),
 }  # fmt: skip
-UNIT_UM = 1e3
-SEED = 7
-"""Draws the stages of the judge; the searches have seed 0."""
+STAGES, SEED = 8, 7
+"""Of the judge; the searches have seed 0."""
 
 
 class Judged(NamedTuple):
-    """A law on stages that no search saw."""
+    """A law on stages that no search saw: largest errors of the sines, um, RMS difference of the torque, N m."""
 
     mean_um: float
-    """Largest error of the sines, mean over the stages."""
+    less_from: float | None
+    """95 % interval of the mean error less that of FSMC on the same stages, um; none for FSMC."""
+    less_to: float | None
     worst_um: float
     chatter: float
-    """RMS difference of the torque from sample to sample, largest of the sines, mean over the stages, N m."""
-    less: Interval
-    """Mean largest error less that of FSMC, by the same stages, um."""
-    failed: int
+    lost: int
     """Stages on which it leaves the track."""
 
 
-def searched_um(law: str, case: str = "rigid") -> float:
+def searched_um(law: str) -> float:
     """Largest error on the 24 stages that the search held back, by the search's own steps, um: from its file."""
-    file = controller_file.read(FOLDER / f"{named(law, case)}.toml")
-    return UNIT_UM * float(file.tuning["held_out"]["worst:max_error"])
-
-
-NOMINAL = {"sine_slow": (2.6, 1.0), "sine_wide": (2.6, 1.0), "sine_fast": (1.1, 0.4)}
-"""Length of a run over one reversal, and from when on it counts, s."""
-
-
-@measure
-def nominal_um(lab: Lab, name: str, scenario: str) -> float:
-    """Largest error on the stage of Table 2, in motion and integrated by RODAS, um."""
-    seconds, first = NOMINAL[scenario]
-    run = lab.loop(name, scenario).run(seconds, record=("true_error",))
-    return math.inf if run.diverged else UNIT_UM * float(np.abs(run["true_error"][run["time"] >= first]).max())
+    return 1e3 * float(controller_file.read(FOLDER / f"{law}.toml").tuning["held_out"]["worst:max_error"])
 
 
 @measure
 def judged(lab: Lab, case: str) -> dict[str, Judged]:
-    """All laws of a case, on the same stages."""
+    """All laws of a case on the same stages, the best first."""
+    from leadscrew.tune.compare import compare
+    from leadscrew.tune.compare_statistics import paired, per_plant, plain
+    from leadscrew.tune.job import Job
+
     at = CASES[case]
     job = Job(Experiment(lab.study.name, changes=at.changes, substeps=at.substeps), at.scenarios)
     names = {f"tuned.{named(law, case)}": law for law in at.laws}
-    if case == "rigid":
-        names["ours.fsmc_4khz"] = BEFORE
     found = compare(
-        job, list(names), ["max_error"], ["p90:chatter<=0.6"], over=at.over, unseen=at.plants, seed=SEED,
+        job, list(names), ["max_error"], ["p90:chatter<=0.6"], over=at.over, unseen=STAGES, seed=SEED,
     )  # fmt: skip
-    results = {names[r.name]: r for r in found.results}
-
-    def errors(r: Result) -> np.ndarray:
-        return UNIT_UM * per_plant(found.goals[0], r.samples)
-
-    fuzzy, kept = results["fsmc"], {}
-    for law, r in results.items():
-        e, standing = errors(r), r.standings[plain(found.constraints[0])]
-        lost = np.isnan(e)
-        pair = paired(law, "fsmc", e, errors(fuzzy), lost, np.isnan(errors(fuzzy)), SEED, law == "fsmc")
-        kept[law] = Judged(
-            float(np.nanmean(e)), float(np.nanmax(e)), standing.mean.value, pair.difference, int(lost.sum())
-        )
+    errors = {names[r.name]: 1e3 * per_plant(found.goals[0], r.samples) for r in found.results}
+    chatter = {names[r.name]: r.standings[plain(found.constraints[0])].mean.value for r in found.results}
+    fuzzy, kept = errors["fsmc"], {}
+    for law, e in sorted(errors.items(), key=lambda item: float(np.nanmean(item[1]))):
+        less = paired(law, "fsmc", e, fuzzy, np.isnan(e), np.isnan(fuzzy), SEED, law == "fsmc").difference
+        ends = (None, None) if law == "fsmc" else (less.low, less.high)
+        kept[law] = Judged(float(np.nanmean(e)), *ends, float(np.nanmax(e)), chatter[law], int(np.isnan(e).sum()))
     return kept
-
-
-def said(found: Mapping[str, Judged]) -> str:
-    """What follows from a table of laws, in a sentence."""
-    known = [law for law in found if law not in ("fsmc", "pid_bare", BEFORE)]
-    best = min(known, key=lambda law: found[law].mean_um)
-    fuzzy = found["fsmc"].mean_um
-
-    def beside(law: str) -> str:
-        r = found[law]
-        word = "less" if r.less.high < 0.0 else "more" if r.less.low > 0.0 else "no difference shown"
-        return f"{LAWS[law]} {r.worst_um:.2f} and {r.mean_um:.2f} µm ({word}: {r.less.low:+.2f} to {r.less.high:+.2f})"
-
-    rest = [law for law in dict.fromkeys((best, "smc_integral", "pid_friction", "pid_bare", BEFORE)) if law in found]
-    return (
-        f"largest error of all and mean over the stages are {found['fsmc'].worst_um:.2f} and {fuzzy:.2f} µm (FSMC); "
-        f"beside it, with the interval of the mean difference, {', '.join(map(beside, rest))}."
-    )

@@ -115,16 +115,6 @@ def printed_slopes() -> dict[str, float]:
     return {law: 2e6 / period for law, period in longest_periods_us().items()}
 
 
-def integral_pid(lam: float, layer_rate: float) -> tuple[float, float, float]:
-    """Gains of the PID that the integral law is inside its layer: N m/rad, N m/(rad s), N m s/rad.
-
-    (10) and (11) with ``K sat(s / phi) = layer_rate s``: ``u = y_r'' - (3 lam + r) e' - (3 lam^2 + 2 lam r) e
-    - (lam^3 + lam^2 r) xi``.
-    """
-    kp = 3.0 * lam**2 + 2.0 * lam * layer_rate
-    return INERTIA * kp, INERTIA * lam**2 * (lam + layer_rate), INERTIA * (3.0 * lam + layer_rate)
-
-
 def friction_slope(speed: float) -> float:
     """Slope of the steady friction over the speed, N m s/rad."""
     return level_slope(LuGre(), speed) + LuGre().viscous
