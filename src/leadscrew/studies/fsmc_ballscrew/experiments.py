@@ -391,10 +391,7 @@ def instead(lab: Lab) -> tuple[Table, str]:
 # ---- sampled at 4 kHz
 EMPTY = 2.12e-4
 """Inertia at the screw without the table, kg m^2."""
-SAMPLED = (
-    "ours.csmc_tuned", "ours.fsmc_4khz", "ours.fsmc_printed_4khz", "ours.super_twisting", "ours.pid",
-    "ours.pd_dob_fixed", "ours.pd_dob_robust", "ours.pd_dob",
-)  # fmt: skip
+SAMPLED = ("ours.fsmc_4khz", "ours.pid", "ours.pd_dob_fixed", "ours.pd_dob_robust", "ours.pd_dob")
 
 
 @experiment("What do controllers for a machine reach, with a full and with an empty table?")
