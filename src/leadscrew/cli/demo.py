@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import shlex
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from concurrent.futures import Future, ThreadPoolExecutor, as_completed
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -92,19 +92,6 @@ def report_of(name: str) -> Report:
     return summary_of(evaluate(catalogue.study(name), key=True), shlex.join(["leadscrew", "run", name]))
 
 
-def shortened(sentences: Sequence[str], columns: int) -> list[str]:
-    """The first sentence, and those after it that fit into four lines with it."""
-    from leadscrew.report import text
-
-    shown = text.wrapped(sentences[0], columns) if sentences else []
-    for count in range(2, len(sentences) + 1):
-        more = text.wrapped(" ".join(sentences[:count]), columns)
-        if len(more) > MOST_LINES:
-            break
-        shown = more
-    return shown
-
-
 def print_demo(found: list[Report], page: Path, wall: float) -> None:
     """The conclusions, where the page is, and what to try next; 40 lines at most."""
     from rich.text import Text
@@ -115,7 +102,7 @@ def print_demo(found: list[Report], page: Path, wall: float) -> None:
     lines: list[Text] = []
     for report in found:
         lines += [Text(line, "bold") for line in text.wrapped(f"{report.name}: {report.title}", columns)]
-        lines += map(Text, shortened(report.conclusion, columns))
+        lines += map(Text, text.shortened(report.conclusion, columns, MOST_LINES))
         lines += [Text(line, "bold red") for line in text.limited(report.missed, columns, 3)]
     lines += [Text(""), *text.ending([], page.resolve(), wall, columns), Text("Then try:")]
     text.show([*lines, *(Text(f"  {command}") for command in NEXT)])
