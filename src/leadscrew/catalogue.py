@@ -71,6 +71,7 @@ BLOCKS: dict[str, str] = {
     "curvature_feed_forward": "leadscrew.controllers.tangent.curvature_feed_forward:curvature_feed_forward",
     "curvature_network": "leadscrew.controllers.tangent.curvature_network:curvature_network",
     "duty_pd": "leadscrew.controllers.vud.duty_pd:duty_pd",
+    "duty_pd_observed": "leadscrew.controllers.vud.duty_pd_observed:duty_pd_observed",
     "duty_pid": "leadscrew.controllers.vud.duty_pid:duty_pid",
     "fnn": "leadscrew.controllers.sofnn.fixed:fnn",
     "fsmc": "leadscrew.controllers.sliding.fuzzy:fsmc",

@@ -56,6 +56,8 @@ class Experiment:
     seed: int | None = None
     run: int = 0
     """Number of the run in the noise: run ``k`` of a batch is the experiment with ``run=k``."""
+    substeps: int | None = None
+    """Integration steps of the plant a period; the study's unless given."""
     files: Mapping[str, str] = field(default_factory=dict)
     """SHA-256, by path, of controller and machine files that must be as they were; of others nothing is asked."""
     source: str = ""
@@ -99,6 +101,8 @@ class Experiment:
             loop = loop.using(name=f"{found.name} {self.controller} {scenario}")
         if self.seed is not None:
             loop = loop.using(seed=self.seed)
+        if self.substeps is not None:
+            loop = loop.using(substeps=self.substeps)
         loop.origin = self.origin
         return loop
 
@@ -119,6 +123,7 @@ class Experiment:
             "controller": None if self.controller is None else userfile.absolute(self.controller),
             "scenario": self.scenario,
             "changes": {k: v.tolist() if hasattr(v, "tolist") else v for k, v in self.changes.items()},
+            **({} if self.substeps is None else {"substeps": self.substeps}),
             **({"files": files} if files else {}),
         }
 

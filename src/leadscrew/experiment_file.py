@@ -27,6 +27,7 @@ class ExperimentFile(BaseModel):
     duration: Annotated[float, Field(gt=0, allow_inf_nan=False)] | None = None
     engine: Engine | None = None
     every: Annotated[int, Field(ge=1)] = 1
+    substeps: Annotated[int, Field(ge=1)] | None = None
     record: list[str] | None = None
     seed: Annotated[int, Field(ge=0)] | None = None
     run: Annotated[int, Field(ge=0, lt=2**31)] = 0
@@ -59,6 +60,7 @@ def validated(table: Mapping[str, Any], where: str) -> Experiment:
         duration_s=file.duration,
         engine=file.engine,
         every=file.every,
+        substeps=file.substeps,
         record=None if file.record is None else tuple(file.record),
         seed=file.seed,
         run=file.run,

@@ -85,15 +85,19 @@ def rebuilt(manifest: Mapping[str, Any], where: str) -> Loop:
             f"{where}/run.json does not say how to build its loop (origin is empty): it was made in Python, "
             "not by leadscrew simulate or run"
         )
-    for key, kind in {"study": str, "controller": str | None, "scenario": str | None, "changes": dict | None}.items():
+    kinds = {
+        "study": str, "controller": str | None, "scenario": str | None, "changes": dict | None, "substeps": int | None,
+    }  # fmt: skip
+    for key, kind in kinds.items():
         if not isinstance(origin.get(key), kind):
-            raise DataError(f"{where}/run.json: origin.{key} = {str(origin[key])[:40]!r}: expected a name, or a table")
+            what = "a whole number" if key == "substeps" else "a name, or a table"
+            raise DataError(f"{where}/run.json: origin.{key} = {str(origin[key])[:40]!r}: expected {what}")
     controller = origin.get("controller")
     try:
         experiment = Experiment(
             userfile.FromFile(origin["study"], f"{where}/run.json"),
             None if controller is None else userfile.FromFile(controller, f"{where}/run.json"),
-            origin.get("scenario"), origin.get("changes") or {},
+            origin.get("scenario"), origin.get("changes") or {}, substeps=origin.get("substeps"),
         )  # fmt: skip
         saved, seed, bound = dict(manifest["parameters"]), manifest["seed"], manifest["bound"]
     except (KeyError, TypeError, ValueError) as error:

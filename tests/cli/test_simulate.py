@@ -138,6 +138,18 @@ def test_signals_are_kept_and_replayed_bit_for_bit(call, study, tmp_path):
     assert found["identical"] and found["first_difference"] is None and found["changed_since"] == []
 
 
+def test_finer_integration_steps_are_taken_told_and_replayed(call, refused, study, tmp_path):
+    """A user checks whether a result is the plant's or the step's."""
+    asked = [simulated(study, "--set", "plant.lag_s=0.002", "--json", *more) for more in ((), ("--substeps", "50"))]
+    rough, fine = (strict_json(call(*words).stdout)["metrics"]["rms_error"] for words in asked)
+    assert rough != fine and abs(rough / fine - 1.0) < 0.1
+    out = tmp_path / "run"
+    call(*simulated(study, "--out", out, "--substeps", "4"))
+    assert json.loads((out / "run.json").read_text())["substeps"] == 4
+    assert "identical" in call("replay", out).stdout
+    assert "substeps = 0: allowed are whole numbers from 1" in refused(*simulated(study, "--substeps", "0"))
+
+
 def test_replay_says_where_the_bits_part(call, study, tmp_path):
     out = tmp_path / "run"
     call(*simulated(study, "--out", out))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import shlex
 import signal
 import tomllib
 
@@ -47,6 +48,8 @@ def test_tunes_writes_and_the_file_is_a_controller(call, tmp_path):
     assert listed["tuning"]["held_out"] == file["tuning"]["held_out"]
     again = strict_json(call(*SMALL[:3], out, *SMALL[4:], "--json").stdout)
     assert again["present"]["controller.tau"] == file["set"]["tau"]
+    call(*shlex.split(file["tuning"]["command"])[1:], "-o", tmp_path / "same.toml")
+    assert tomllib.loads((tmp_path / "same.toml").read_text())["set"] == file["set"], "the file's own command"
 
 
 def test_json_has_everything_and_is_the_same_on_one_and_two_threads(call):

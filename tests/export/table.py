@@ -33,6 +33,7 @@ ROWS = {
     "vud_scaled": Row("vud_lathe", "ours.vud_opt", 1.0),
     "vud_scaled, against friction": Row(f"{LOOPS}lathe_with_a_dead_zone", None, 1.0, ()),
     "duty_pd": Row("vud_lathe", "ours.pd", 1.0),
+    "duty_pd_observed": Row("vud_lathe", "ours.pd_observed_robust", 1.0, ()),
     "duty_pid": Row("tests/controllers/lathe_loop.py:pid", None, 1.0, ()),
     "vud_fast": Row("tests/controllers/lathe_loop.py:fast", None, 1.0),
     "power_law": Row("vud_lathe", "ours.original_fit", 1.0),

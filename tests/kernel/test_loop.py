@@ -81,6 +81,15 @@ def test_a_delay_within_the_period_splits_it():
     np.testing.assert_allclose(got, want, atol=1e-12)
 
 
+def test_other_steps_a_period_leave_the_delays_as_they_are():
+    loop = Loop(
+        reference=counting, controller=through, plant=integrator, substeps=4, computation_delay=0.00175, metrics={}
+    )
+    np.testing.assert_allclose(loop.using(substeps=8).run(0.006)["actual"], loop.run(0.006)["actual"], atol=1e-15)
+    with pytest.raises(ValueRefused, match=r"computation_delay = 0.00175 s is not a multiple .* of 0.001 s"):
+        loop.using(substeps=1)
+
+
 def test_a_transport_delay_makes_the_sensor_see_the_past():
     loop = Loop(
         reference=counting, controller=through, plant=integrator, substeps=2, transport_delay=0.0015, metrics={}

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from leadscrew.controllers.grey_fuzzy import tfc
+from leadscrew.studies.grey_turning import engineers_choice as choice
 from leadscrew.studies.grey_turning import equal_effort as effort
 from leadscrew.studies.grey_turning.equal_effort import (
     COSTS,
@@ -129,3 +130,35 @@ def test_the_search_can_be_done_again_and_ends_where_the_kept_one_did(plant):
     assert once == again and once.cost < start.cost
     kept = next(r for r in tuned() if (r.plant, r.name, r.search) == (plant, "gpfc_b", 1))
     assert search(lab(), plant, "gpfc_b", 1).cost == pytest.approx(kept.cost, rel=0.01)
+
+
+# ---- what an engineer would use
+def test_lathes_of_the_table_lie_in_the_ranges_of_the_searches_and_none_was_seen_by_one():
+    from leadscrew.tune.space import Space
+    from leadscrew.tune.tuner_plan import held_out_plants
+
+    found = choice.lathes()
+    space = Space.of({key: (float(v.min()), float(v.max())) for key, v in found.items()})
+    assert found["plant.law.kf"].min() >= 1600.0 and found["plant.law.kf"].max() <= 3200.0 and len(space) == 8
+    for part in (1, 2):  # plants of the search, and held out in its file
+        for seen in held_out_plants(space, 64, choice.SEED, part).values():
+            assert not np.isin(found["plant.law.kf"], seen).any()
+
+
+def test_the_cost_of_a_cut_is_the_area_of_the_true_error_and_a_price_for_what_exceeds_ten_percent():
+    loop = lab().loop("corrected.tfc_s9", "fig6_fixed_depth")
+    run = loop.run(1.0, record=("actual.force",))
+    force = run["actual.force"]
+    over = 100.0 * (force.max() / 150.0 - 1.0)
+    assert over > 80.0
+    assert run.metrics["cut_cost"] == pytest.approx(0.02 * np.abs(force - 150.0).sum() + over - 10.0, rel=1e-12)
+
+
+def test_every_controller_of_the_table_was_tuned_with_one_budget_seed_and_goal_for_the_same_lathes():
+    from leadscrew import controller_file
+
+    files = [choice.Path(choice.__file__).parent / "tuned" / f"{n[5:-6]}.toml" for n in choice.CHOICE]
+    told = [controller_file.read(file).tuning for file in files]
+    same = ("budget", "evaluations", "seed", "minimise", "subject_to", "over", "scenarios", "plants", "held_out_plants")
+    assert all(one[key] == told[0][key] for one in told for key in same) and len(files) == 11
+    assert not any(one.get("notes") for one in told), "no gain lies at an end of its range"

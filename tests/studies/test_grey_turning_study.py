@@ -49,7 +49,10 @@ def test_verdicts_of_the_key_claims_are_those_that_follow_from_their_numbers():
     found = results.evaluate(STUDY, key=True)
     verdicts = {c.id.removeprefix("grey_turning."): c.verdict for c in found.claims}
     assert verdicts["next_sample"] == "reproduced with a change"
-    assert verdicts["rise_fixed.tfc"] == verdicts["force_with_the_printed_sign"] == "fitted" and verdicts["rise_fixed.gpfc"] == "not reproduced"
+    assert (
+        verdicts["rise_fixed.tfc"] == verdicts["force_with_the_printed_sign"] == "fitted"
+        and verdicts["rise_fixed.gpfc"] == "not reproduced"
+    )
     assert verdicts["added_by_the_falling_depth"] == "not reproduced"
 
 

@@ -1,7 +1,9 @@
 """The study of the XY table as a user meets it: its loops, its scenarios, its verdicts, its refusals."""
 
+import numpy as np
 import pytest
 
+from leadscrew.analysis.stability.sampled import sampled_loop
 from leadscrew.catalogue import study
 from leadscrew.controllers.wrapping import takes_motion
 from leadscrew.kernel.errors import LeadscrewError
@@ -40,3 +42,13 @@ def test_values_out_of_range_are_refused_with_their_range():
         TABLE.scenario("spindle_1000", {"amplitude_mm": -1.0})
     with pytest.raises(LeadscrewError, match=r"column = 1500.*Table II has \[1000, 2000, 3000\]"):
         TABLE.loop("paper.pid", "spindle_1000", {"scenario.column": 1500})
+
+
+def test_a_constant_gain_starts_to_oscillate_in_time_where_nyquist_says():
+    loop = TABLE.loop("paper.pid", "step_10um")
+    limit, gains = sampled_loop(loop).gain_limit(), TABLE.controllers["paper.pid"].params
+    factors = limit * np.array([0.995, 1.005])
+    varied = {f"controller.{key}": factors * getattr(gains, key) for key in ("kp", "ki", "kd")}
+    e = loop.batch(1.5, varied, record="true_error")["true_error"]
+    early, late = e[:, 500:1000].std(axis=1), e[:, -500:].std(axis=1)
+    assert late[0] < 0.9 * early[0] and late[1] > 1.1 * early[1]

@@ -4,15 +4,24 @@ import numpy as np
 import pytest
 from scipy.ndimage import gaussian_filter1d
 
+from leadscrew import catalogue, controller_file
+from leadscrew.analysis.piece_learning import next_offsets
 from leadscrew.controllers.tangent.curvature_feed_forward import curvature_feed_forward
 from leadscrew.controllers.tangent.curvature_network import curvature_network
 from leadscrew.controllers.tangent.taught_offset import taught_alone
-from leadscrew.studies.sofnn_tangent import all_weights, curvature_rules, tuning, workflow
+from leadscrew.kernel.errors import ValueRefused
+from leadscrew.kernel.sheet import checked_replace
+from leadscrew.studies.sofnn_tangent import all_weights, curvature_rules, scenarios, tuning, workflow
 from leadscrew.studies.sofnn_tangent.cuts import rules
+from leadscrew.studies.sofnn_tangent.delayed_pd import delayed_pd
 from leadscrew.studies.sofnn_tangent.pieces import PLACES, PLAIN, Learned, Plan, others_mean, pieces
-from leadscrew.studies.sofnn_tangent.scenarios import LINES, MATERIAL_NAMES, PERIOD_S, SEED, line
+from leadscrew.studies.sofnn_tangent.scenarios import LINES, MATERIAL_NAMES, PERIOD_S, line
+from leadscrew.studies.tuned import FOLDER
+from leadscrew.tune.space import Space
+from leadscrew.tune.tuner_plan import at_ends, training
 from tests.studies.tangent_lab import lab
 
+STUDY = catalogue.study("sofnn_tangent")
 FABRIC = Plan(1, runs=2, materials=("fabric",))
 FLOWER_S = 7.91
 
@@ -45,7 +54,7 @@ def test_what_is_carried_is_what_the_last_piece_ended_with():
     assert np.array_equal(carried.rms[0], batch.rms[0])
     block, errors = curvature_feed_forward, []
     for piece in range(2):
-        live = lab().loop(block, "flower_fabric").using(seed=SEED).start(run=2 * piece)
+        live = lab().loop(block, "flower_fabric").using(seed=scenarios.SEED).start(run=2 * piece)
         errors.append(live.advance(live.loop.periods(FLOWER_S), every=0).metrics.rms_error)
         state = rules(live)
         block = curvature_feed_forward(prior=state.weights, prior_covariance=state.covariance)
@@ -100,31 +109,71 @@ def test_the_choice_is_made_again():
 
 
 # ---- tuning with equal effort
-def test_every_law_has_had_the_same_searches_and_was_not_held_back_by_an_end_of_its_range():
-    """A filter of less than a tenth of a period is none, so that its lower end holds nothing back."""
-    kept = [(each.law, each.search) for each in tuning.kept()]
-    assert sorted(kept) == sorted((law, s) for law in tuning.LAWS for s in tuning.SEARCHES) and tuning.TUNED_ON != SEED
-    for law in tuning.LAWS:
-        found = tuning.best(law)
-        none = found.values.get("filter_s", 1.0) < 0.1 * PERIOD_S
-        assert set(tuning.at_ends(found)) <= ({"filter_s"} if none else set()), law
+def test_every_law_has_had_the_same_search_and_was_not_held_back_by_an_end_of_its_range():
+    """Only an end that is the block's own limit may be reached."""
+    files = sorted((STUDY.folder / FOLDER).glob("*.toml"))
+    assert {f"tuned.{file.stem}" for file in files} == {name for name in STUDY.controllers if name.startswith("tuned.")}
+    for file in files:
+        found = controller_file.read(file)
+        own = {"optimiser": "cma", "budget": 1000, "evaluations": 1000, "seed": tuning.SEED, "plants": tuning.PLANTS}
+        assert {key: found.tuning[key] for key in own} == own, file.stem
+        assert found.tuning["scenarios"] == [f"{name}_fabric" for name in tuning.LINES_TUNED]
+        assert Space.of(found.tuning["over"]["plant"]["material"]).items == tuple(
+            (key.removeprefix("plant.material."), dist) for key, dist in tuning.OVER.items
+        )
+        vary = Space.of({f"controller.{key}": text for key, text in found.tuning["vary"]["controller"].items()})
+        ends = at_ends(vary, found.changes)
+        assert all(" is at the upper end" in end and end.split(" ")[0] in AT_THE_LIMIT for end in ends), ends
 
 
-@pytest.mark.slow
-def test_the_kept_settings_cost_what_the_file_says():
-    for law in tuning.LAWS:
-        found = tuning.best(law)
-        again = tuning.costs(lab(), law, {key: np.array([x]) for key, x in found.values.items()})
-        assert again[0] == pytest.approx(found.cost, rel=2e-4), law
+AT_THE_LIMIT = {"controller.k_d": 15.0, "controller.forgetting": 1.0}
+"""Upper ends of ranges that are the largest value of their block."""
 
 
-@pytest.mark.slow
-def test_a_search_of_the_pid_finds_the_kept_gains_again():
-    old = next(each for each in tuning.kept() if (each.law, each.search) == ("pid", 1))
-    new = tuning.found_anew(lab(), "pid", 1)
-    assert new.cost == pytest.approx(old.cost, rel=1e-3)
-    for key in ("kp", "ki"):
-        assert new.values[key] == pytest.approx(old.values[key], rel=0.05)
+@pytest.mark.parametrize(("name", "key"), [("corrected.sofc", "k_d"), ("ours.curvature_feed_forward", "forgetting")])
+def test_the_ends_that_are_reached_are_the_limits_of_the_blocks(name, key):
+    params = STUDY.controller(name).params
+    with pytest.raises(ValueRefused):
+        checked_replace(params, {key: 1.001 * AT_THE_LIMIT[f"controller.{key}"]}, where="here")
+
+
+def test_the_linear_law_does_what_its_equation_says():
+    """The block against a loop over its equation, past its limit and with an offset from before the start."""
+    rng = np.random.default_rng(3)
+    e = 8.0 * rng.standard_normal(60)
+    block = delayed_pd(share=0.9, kp=0.6, kd=0.8, delay=3)
+    got, state = [], block.state._replace(sent=np.zeros_like(block.state.sent))
+    for x in e:
+        state, offset = block.step(block.params, state, 0.0, -x, PERIOD_S)
+        got.append(offset)
+    sent, last, d = [0.0] * 3, 0.0, []
+    for x in e:
+        d.append(min(max(0.9 * sent[-3] + 0.6 * x + 0.8 * (x - last), -15.0), 15.0))
+        sent.append(d[-1])
+        last = x
+    assert np.abs(d).max() == 15.0 and got == pytest.approx(d, abs=1e-12)
+
+
+def test_the_third_piece_of_a_table_is_what_three_pieces_by_hand_give():
+    plants = {key: column[:2] for key, column in training(tuning.OVER, tuning.PLANTS, tuning.SEED).items()}
+    setting = {"gain": 0.7, "lead": 5.0, "width": 1.0, "plant_gain": 0.8}
+    found = tuning.third_piece(lab(), "table", {k: np.array([0.1, v]) if k == "gain" else np.array([v, v])
+                                                for k, v in setting.items()}, plants, "flower", noise=7)  # fmt: skip
+    table = np.zeros(PLACES)
+    for piece in range(3):
+        loop = (
+            lab().loop(taught_alone(table), "flower_fabric").using({key: column[1] for key, column in plants.items()})
+        )
+        run = loop.run(FLOWER_S, run=7 + 4 * piece + 3)
+        after = next_offsets(table[: len(run["output"])], run["output"], run["feedback"], 0.7, 5, 1.0, 0.8)
+        table = np.pad(after, (0, PLACES - len(after)), mode="edge")
+    assert found["rms_error"].shape == (2, 2) and run.metrics["rms_error"] == found["rms_error"][1, 1]
+
+
+@pytest.mark.sweep
+@pytest.mark.parametrize("way", tuning.TABLES)
+def test_a_search_finds_a_table_as_good_again(way):
+    assert tuning.search(lab(), way)[0] == pytest.approx(tuning.kept(way)["cost"], rel=0.02)
 
 
 # ---- all groups of weights

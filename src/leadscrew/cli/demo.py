@@ -24,6 +24,8 @@ NEXT = (
     "leadscrew simulate vud_lathe --controller ours.pd --scenario fig11a_step_m50",
 )
 """What to try after the demo."""
+MOST_LINES = 4
+"""Of a conclusion, but for a first sentence that is longer."""
 
 
 def demo(
@@ -100,7 +102,7 @@ def print_demo(found: list[Report], page: Path, wall: float) -> None:
     lines: list[Text] = []
     for report in found:
         lines += [Text(line, "bold") for line in text.wrapped(f"{report.name}: {report.title}", columns)]
-        lines += [Text(line) for line in text.wrapped(" ".join(report.conclusion), columns)]
+        lines += map(Text, text.shortened(report.conclusion, columns, MOST_LINES))
         lines += [Text(line, "bold red") for line in text.limited(report.missed, columns, 3)]
     lines += [Text(""), *text.ending([], page.resolve(), wall, columns), Text("Then try:")]
     text.show([*lines, *(Text(f"  {command}") for command in NEXT)])

@@ -1,4 +1,4 @@
-"""``leadscrew design vud``: a controller from a log of the one that it replaces, step by step; ``design npid``."""
+"""``leadscrew design vud``: a controller from a log of the one that it replaces, step by step; other designs."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from typing import Annotated
 import typer
 
 from leadscrew.cli.design_npid import npid
+from leadscrew.cli.design_rejection import rejection
 from leadscrew.cli.output import Json, busy, emit
 from leadscrew.kernel.errors import ValueRefused
 
@@ -15,6 +16,7 @@ SCHEMA_VERSION = 1
 
 app = typer.Typer(no_args_is_help=True, help="Design a controller: from logged data, or from a plant and its limits.")
 app.command("npid")(npid)
+app.command("rejection")(rejection)
 
 
 @app.callback()

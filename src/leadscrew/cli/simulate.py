@@ -52,6 +52,9 @@ def simulate(
     number: Annotated[
         int | None, typer.Option("--run", metavar="K", help="Number of the run in the noise, as in a batch.")
     ] = None,
+    substeps: Annotated[
+        int | None, typer.Option(metavar="N", help="Integration steps of the plant a period; the study's unless given.")
+    ] = None,
     every: Annotated[int | None, typer.Option(metavar="N", help="Record every N-th period.")] = None,
     record: Annotated[
         list[str] | None, typer.Option(metavar="SIGNAL", help="Record this signal; may be repeated.")
@@ -69,7 +72,7 @@ def simulate(
     experiment = experiment_of(study)
     given = {
         "controller": controller, "scenario": scenario, "duration_s": duration, "engine": engine, "seed": seed,
-        "every": every, "record": tuple(record) if record else None, "run": number,
+        "every": every, "record": tuple(record) if record else None, "run": number, "substeps": substeps,
     }  # fmt: skip
     experiment = replace(experiment, **{k: v for k, v in given.items() if v is not None})  # type: ignore[arg-type]
     if experiment.every < 1:

@@ -132,7 +132,8 @@ class Loop:
         return mine | {f"metrics.{k}": b for k, b in self.metrics.items() if b.params is not None}
 
     def using(self, changes: Mapping[str, Any] | None = None, **options: Any) -> Loop:
-        """The loop with parameters changed by dotted key, and options (``seed``, ``engine``, ``bound``) by name.
+        """The loop with parameters changed by dotted key, and options by name: ``seed``, ``engine``, ``bound``,
+        ``substeps``.
 
         Raises:
             NameUnknown: no such key; names the nearest.
@@ -152,9 +153,12 @@ class Loop:
             held[name] = replace(block, params=door.replaced(block.params, rest, value, key))
             may_differ = may_differ or block.prepare is not None or block.initial is not None
         for option, value in options.items():
-            if option not in ("seed", "engine", "bound", "name"):
-                raise NameUnknown(f"a loop has no option {option!r} that can change; seed, engine, bound, name can")
-            if option == "seed":
+            if option not in ("seed", "engine", "bound", "name", "substeps"):
+                can = "seed, engine, bound, name, substeps can"
+                raise NameUnknown(f"a loop has no option {option!r} that can change; {can}")
+            if option == "substeps":
+                value, may_differ = new._stepped(value), True
+            elif option == "seed":
                 value = door.whole("seed", value, 0, 2**53)
             elif option == "bound":
                 value = min(door.positive("bound", value, ""), LARGEST)
@@ -171,6 +175,17 @@ class Loop:
             else:
                 del new.__dict__["signals"]
         return new
+
+    def _stepped(self, substeps: Any) -> int:
+        """Other integration steps a period, the delays as they were."""
+        if self.continuous:
+            raise ValueRefused("substeps: a continuous loop (period=None) chooses its steps itself")
+        delays = self.sent * self.step, self.seen * self.step
+        count = door.whole("substeps", substeps, 1, 1_000_000)
+        self.step = self.period / count
+        names = ("computation_delay", "transport_delay")
+        self.sent, self.seen = (door.in_steps(name, d, self.step) for name, d in zip(names, delays, strict=True))
+        return count
 
     def split(self, key: str) -> tuple[str, str]:
         """Slot and the rest of a dotted key.

@@ -1,8 +1,9 @@
 """The whole retrofitted lathe: spindle, carriage and cross slide, coupled by the cut.
 
-Three voltages go in. In this order in each step of ``dt`` (1 ms or less):
+Three voltages go in, held over each step of ``dt`` (1 ms). The drives are stepped by their exact solutions; the torque
+that acts on the spindle is the mean of the step's. In this order:
 
-1. ``theta += n dt / 60``                              spindle, revolutions
+1. ``theta``, with the mean speed of the step          spindle, revolutions
 2. feed servo and carriage ``x``                       as :mod:`leadscrew.plants.turning.process`
 3. cross slide: depth ``b``                            :mod:`leadscrew.plants.turning.radial`
 4. stock and hardness at ``x``                         :mod:`leadscrew.plants.turning.workpiece`
@@ -30,7 +31,7 @@ import numpy as np
 from leadscrew.kernel.block import plant
 from leadscrew.kernel.sheet import Doc, Ge, Gt, Unit
 from leadscrew.plants.turning.chip import CuttingLaw, blank, cut, leave_surface, surface_before
-from leadscrew.plants.turning.process import SENT, FeedServo, checked_step, servo_step
+from leadscrew.plants.turning.process import SENT, FeedHold, FeedServo, checked_step, fed, feed_hold
 from leadscrew.plants.turning.radial import Cross, CrossHold, CrossServo, cross_hold, moved_across
 from leadscrew.plants.turning.spindle import (
     Spindle,
@@ -118,7 +119,7 @@ class TurningLathePlan(NamedTuple):
     law: CuttingLaw
     work: Workpiece
     spindle: SpindleHold
-    servo: FeedServo
+    servo: FeedHold
     cross: CrossHold
     yielding: float
     runout: float
@@ -137,8 +138,8 @@ def planned(params: TurningLatheParams, dt: float) -> TurningLathePlan:
     fastest, name = (fast, "spindle.most") if fast >= started else (started, "start.rpm")
     late = checked_step(params.servo, fastest, name, dt, "turning_lathe")
     return TurningLathePlan(
-        params.law, checked(params.work), spindle_hold(params.spindle, dt), params.servo, cross_hold(params.cross, dt),
-        params.feed_force_ratio / params.stiffness, params.runout, params.limit, late,
+        params.law, checked(params.work), spindle_hold(params.spindle, dt), feed_hold(params.servo, dt),
+        cross_hold(params.cross, dt), params.feed_force_ratio / params.stiffness, params.runout, params.limit, late,
     )  # fmt: skip
 
 
@@ -165,9 +166,11 @@ def turning_lathe(p, s, u, load, dt):
     """Spindle, carriage, cross slide and cutting force of a lathe under three voltages: state one step later."""
     s.sent[s.at] = u.feed_v
     late = s.at - p.late
-    servo = servo_step(p.servo, s.feed, s.feed_rate, s.sent[late if late >= 0 else late + SENT], dt)
-    turns = s.turns + s.spindle.rpm * dt / 60.0
-    travel = s.travel + servo.feed * dt / 60.0
+    servo = fed(p.servo, s.feed, s.feed_rate, s.sent[late if late >= 0 else late + SENT], dt)
+    torque = cutting_torque(s.force, p.work.diameter)
+    foreseen = turned_on(p.spindle, s.spindle, u.spindle_v, torque)
+    turns = s.turns + 0.5 * (s.spindle.rpm + foreseen.rpm) * dt / 60.0
+    travel = s.travel + servo.area / 60.0
     cross = moved_across(p.cross, s.cross, u.radial_v)
 
     stock = stock_at(p.work, travel)
@@ -179,10 +182,12 @@ def turning_lathe(p, s, u, load, dt):
     surface = max(travel - p.yielding * now.force, before)
     place = leave_surface(s.ring, s.turns, s.surface, turns, surface)
 
-    spindle = turned_on(p.spindle, s.spindle, u.spindle_v, cutting_torque(now.force, p.work.diameter))
-    rate = width * now.chip * math.pi * p.work.diameter * s.spindle.rpm / 60.0
+    mean = 0.5 * (torque + cutting_torque(now.force, p.work.diameter))
+    spindle = turned_on(p.spindle, s.spindle, u.spindle_v, mean)
+    area = 0.5 * (s.width * s.chip * s.spindle.rpm + width * now.chip * spindle.rpm)
+    rate = area * math.pi * p.work.diameter / 60.0
     return TurningLatheState(
-        now.force, now.chip, width, spindle, cross, servo.feed, servo.rate, travel, turns, surface,
+        now.force, now.chip, width, spindle, cross, servo.value, servo.rate, travel, turns, surface,
         max(s.peak, now.force), s.over_s + (dt if now.force > p.limit else 0.0), s.removed + rate * dt, place,
         s.at + 1 if s.at + 1 < SENT else 0, s.sent, s.ring,
     )  # fmt: skip

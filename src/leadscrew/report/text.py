@@ -161,7 +161,7 @@ def summary(report: Report, columns: int) -> list[Text]:
 
 def _summary(report: Report, columns: int, brief: bool) -> list[Text]:
     lines = [Text(t, "bold") for t in wrapped(report.title, columns)]
-    lines += [Text(t) for t in wrapped(" ".join(report.conclusion), columns)] if report.conclusion else []
+    lines += map(Text, shortened(report.conclusion, columns, 6 if brief else None))
     if report.key_table is not None:
         lines += [Text(""), *table_lines(report.key_table, columns, one_line_each=brief)]
     below = (
@@ -169,9 +169,23 @@ def _summary(report: Report, columns: int, brief: bool) -> list[Text]:
         if brief
         else [x for t in report.lines for x in wrapped(t, columns, "  ")]
     )
+    most = max(2, SCREEN - 3 - len(lines) - min(3, len(report.missed)))
+    if brief and len(below) > most:
+        below = [*below[: most - 1], f"... and {len(below) - most + 1} more tables: --all prints them"]
     lines += [Text(""), *map(Text, below)] if below else []
     room = max(2, SCREEN - 2 - len(lines)) if brief else None
     return [*lines, *(Text(t, "bold red") for t in limited(report.missed, columns, room))]
+
+
+def shortened(sentences: Sequence[str], columns: int, most: int | None) -> list[str]:
+    """The first sentence in lines, and those after it that fit into ``most`` lines with it."""
+    shown = wrapped(sentences[0], columns) if sentences else []
+    for count in range(2, len(sentences) + 1):
+        longer = wrapped(" ".join(sentences[:count]), columns)
+        if most is not None and len(longer) > most:
+            break
+        shown = longer
+    return shown
 
 
 def limited(missed: Sequence[str], columns: int, room: int | None = None) -> list[str]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 import time
 from collections.abc import Mapping
 from pathlib import Path
@@ -48,11 +49,34 @@ def tuning(job: Job, tuned: Tuned) -> dict[str, Any]:
         "held_out_plants": tuned.held_out_plants, "scenarios": [s for s in tuned.scenarios if s],
         "duration_s": [job.seconds(s) for s in tuned.scenarios], "minimise": [str(g) for g in tuned.goals],
         "subject_to": [str(c) for c in tuned.constraints], "leadscrew": __version__,
-        "date": time.strftime("%Y-%m-%d", time.gmtime()), "versions": tuned.versions,
+        "date": time.strftime("%Y-%m-%d", time.gmtime()), "command": command(job, tuned), "versions": tuned.versions,
         "vary": tuned.vary, "over": tuned.over, "before": tuned.before.values,
         "before_held_out": tuned.before_held_out.values, "trained": tuned.trained.values,
         "held_out": tuned.held_out.values,
     }  # fmt: skip
+
+
+def command(job: Job, tuned: Tuned) -> str:
+    """The command that finds the setting again; empty where a change is no single value."""
+    experiment, words = job.experiment, ["leadscrew", "tune", userfile.absolute(job.experiment.study)]
+    if any(not isinstance(value, bool | int | float | str) for value in experiment.changes.values()):
+        return ""
+    given: list[tuple[str, Any]] = [
+        ("--controller", experiment.controller),
+        *(("--scenario", s) for s in job.where if s),
+    ]
+    given += [
+        ("--set", f"{key}={str(v).lower() if isinstance(v, bool) else v}") for key, v in experiment.changes.items()
+    ]
+    given += [("--vary", f"{key}={spread}") for key, spread in tuned.vary.items()]
+    given += [("--minimise", goal) for goal in tuned.goals]
+    given += [("--subject-to", constraint) for constraint in tuned.constraints]
+    given += [("--over", f"{key}={spread}") for key, spread in tuned.over.items()]
+    if tuned.over:
+        given += [("--plants", tuned.plants), ("--held-out", tuned.held_out_plants)]
+    given += [("--duration", job.duration_s), ("--budget", tuned.budget), ("--optimiser", tuned.optimiser)]
+    given.append(("--seed", tuned.seed))
+    return shlex.join([*words, *(str(word) for pair in given if pair[1] is not None for word in pair)])
 
 
 def experiment_table(job: Job, tuned: Tuned) -> dict[str, Any]:

@@ -18,7 +18,8 @@ four rules: ``w += mu h (target - h . w) / (h . h)``.
 indifferent to the true delay. The other form adds ``g`` every sample; it is faster and needs about the right delay, as
 a PID does.
 
-**When not to use it**: a PID tuned as carefully does as well, feed-forward of the curvature better. Rules over (e, ec)
+**When not to use it**: tuned as carefully, the stored form with three gains in place of the rules does as well, a PID
+nearly, feed-forward of the curvature better. Rules over (e, ec)
 are an integrator, not a memory: frozen, they keep about a third of what learning gave.
 
 When nothing is learned: :mod:`leadscrew.controllers.sofnn.organising`. Bumpless start: the rules that fire are

@@ -1,6 +1,7 @@
 """Controllers of the lathe axis of Long et al. (2014): variable universe of discourse, and what it is held against."""
 
 from leadscrew.controllers.vud.duty_pd import duty_pd
+from leadscrew.controllers.vud.duty_pd_observed import duty_pd_observed
 from leadscrew.controllers.vud.duty_pid import duty_pid
 from leadscrew.controllers.vud.error_factor import vud_beta_e
 from leadscrew.controllers.vud.family import vud_family
@@ -13,6 +14,7 @@ from leadscrew.controllers.vud.scaled import vud_scaled
 
 __all__ = [
     "duty_pd",
+    "duty_pd_observed",
     "duty_pid",
     "power_law",
     "vud",

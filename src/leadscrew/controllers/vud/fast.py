@@ -108,19 +108,32 @@ def held(x, largest):
     return min(largest, max(-largest, x))
 
 
+class Ahead(NamedTuple):
+    """Where the axis would stop, and the slow part of the speed at which the error grows."""
+
+    stop: float
+    speed: float
+
+
+def predicted(p, now):
+    """What the observer foresees; ``p`` has its chain, the mechanical lag and the duty of braking."""
+    speed = now.gain * p.chain.speed
+    back = p.lag * p.braking * math.log(1.0 + abs(now.slow) / p.braking)
+    stop = now.offset - speed * (now.travel - math.copysign(back, now.slow))
+    return Ahead(stop, speed * p.chain.slow_share * now.slow)
+
+
 @controller(VudFastParams(), VudFastState(), prepare=ready, unit="1", drive="duty", full_scale=1.0, sense=-1)
 def vud_fast(p, s, command, feedback, dt):
     """The duty by the 36 rules, on the error of the predicted stop and the slow part of the speed."""
     now = corrected(p.chain, s.chain, feedback, s.started)
-    speed = now.gain * p.chain.speed
-    back = p.lag * p.braking * math.log(1.0 + abs(now.slow) / p.braking)
-    stop = now.offset - speed * (now.travel - math.copysign(back, now.slow))
-    e = held((command - stop) / p.error_scale, 1.0)
-    ec = held(speed * p.chain.slow_share * now.slow / p.speed_scale, 1.0)
+    ahead = predicted(p, now)
+    e = held((command - ahead.stop) / p.error_scale, 1.0)
+    ec = held(ahead.speed / p.speed_scale, 1.0)
     alpha_e = abs(e) ** p.e_tau + p.e_floor
     alpha_ec = abs(ec) ** p.ec_tau + p.ec_floor
     asked = p.output_gain * infer(p.rules, e / alpha_e, ec / alpha_ec)
     limit = p.brake_limit if asked * now.slow < 0.0 else 1.0
-    rho = held(asked, min(limit, p.speed_limit / speed))
+    rho = held(asked, min(limit, p.speed_limit / (now.gain * p.chain.speed)))
     after = moved(p.chain, now, rho, dt)
     return VudFastState(e, ec, alpha_e, alpha_ec, p.output_gain, rho, 1.0, after), rho

@@ -2,7 +2,7 @@
 
 ``paper.*`` is what the paper prints, ``corrected.*`` the same with one change: the surface of the sliding mode has no
 integral; the fuzzy rules act along s + s_c. Both run in continuous time with the printed gains, which ask for 200 kHz
-and more. ``ours.*`` are for a machine: sampled at 4 kHz.
+and more. ``ours.*`` are for a machine: sampled at 4 kHz; ``tuned.*`` are seven laws with gains of equal searches.
 
 In all of them the friction estimate f_hat is driven by the *commanded* speed. That is our reading: the paper writes
 f_hat as a function of the state, which with the parameters of Table 2 is unstable (``friction_from`` 3; 2 leaves out
@@ -13,7 +13,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from pathlib import Path
 
+from leadscrew import controller_file
 from leadscrew.controllers.look_ahead import look_ahead
 from leadscrew.controllers.pd_dob import TUNINGS as PD_DOB
 from leadscrew.controllers.pd_dob import pd_dob
@@ -33,6 +35,7 @@ from leadscrew.controllers.sliding.super_twisting import super_twisting
 from leadscrew.controllers.torque_pid import torque_pid
 from leadscrew.kernel.block import Block
 from leadscrew.plants.ballscrew_stage import INERTIA, TRAVEL_MM_PER_RAD
+from leadscrew.studies import tuned as tuned_gains
 
 IDEAL: dict[str, Block] = {
     "paper.smc": smc_integral_ideal,
@@ -81,6 +84,8 @@ TUNINGS: dict[str, Block] = {
         travel_per_rad=TRAVEL_MM_PER_RAD,
     ),
     "ours.pid": torque_pid(kp=2850.0, ki=590300.0, kd=11.59, filter_s=1.064e-05, travel_per_rad=TRAVEL_MM_PER_RAD),
+    "ours.pid_friction": pd_dob(kp_slow=0.0, kd_slow=0.0, travel_per_rad=TRAVEL_MM_PER_RAD),
+    "ours.pid_bare": pd_dob(kp_slow=0.0, kd_slow=0.0, friction=False, travel_per_rad=TRAVEL_MM_PER_RAD),
     "ours.pd_dob_delay": ahead(
         2.5e-4, 0.0, kp=178.3, kd=0.3906, kp_slow=455.4, kd_slow=11.58, slow_speed=0.03684, observer_rate=913.8,
         low_pass_hz=1630.0,
@@ -107,7 +112,28 @@ errors on the paper's three sines from rest, on the machine that they are for, a
 different (``docs/drive_realism.md``). ``delay``: one sample of computation delay; ``late``: that and a scale filtered
 at 1 kHz; ``drive``: everything of :mod:`leadscrew.studies.fsmc_ballscrew.drives`; ``1khz``: sampled at 1 kHz."""
 
-CONTROLLERS: Mapping[str, Block] = (
+_OWN: dict[str, Block] = (
     IDEAL | {name: block(travel_per_rad=TRAVEL_MM_PER_RAD) for name, block in SAMPLED.items()} | TUNINGS
 )
-"""All of them."""
+FOLDER = Path(__file__).parent / tuned_gains.FOLDER
+EQUAL = ("smc", "csmc", "fsmc", "smc_integral", "pid_friction", "pd_dob", "pid_bare")
+"""Laws of the equal comparison, by the name of their file in ``tuned``."""
+ON_A_DRIVE = ("fsmc", "smc_integral", "pid_friction")
+"""Those that are tuned with a delay and with an axial mode as well."""
+
+
+def named(law: str, case: str) -> str:
+    """Name of a tuned controller, without ``tuned.``, and of its file; ``case``: the stage that it is tuned for."""
+    return law if case == "rigid" else f"{law}_{case}"
+
+
+def _tuned(name: str) -> Block:
+    base = controller_file.read(FOLDER / f"{name}.toml").controller
+    return tuned_gains.tuned(FOLDER.parent, name, _OWN[base])
+
+
+CONTROLLERS: Mapping[str, Block] = _OWN | {
+    f"tuned.{name}": _tuned(name)
+    for name in (*EQUAL, *(named(law, case) for case in ("delay", "mode") for law in ON_A_DRIVE))
+}
+"""All of them; ``tuned.*`` have the gains of equal searches, see :mod:`leadscrew.studies.fsmc_ballscrew.equal`."""

@@ -110,6 +110,11 @@ def longest_periods_us() -> dict[str, float]:
     return {law: 2e6 / slope for law, slope in slopes.items()}
 
 
+def printed_slopes() -> dict[str, float]:
+    """How strongly the printed laws answer to e' near 0 while the stage slides slowly, 1/s, by law."""
+    return {law: 2e6 / period for law, period in longest_periods_us().items()}
+
+
 def friction_slope(speed: float) -> float:
     """Slope of the steady friction over the speed, N m s/rad."""
     return level_slope(LuGre(), speed) + LuGre().viscous

@@ -17,10 +17,12 @@ from leadscrew.controllers.sliding.continuous import in_motion, seen_in_mm
 from leadscrew.friction.lugre import steady_bristle
 from leadscrew.kernel.block import Block
 from leadscrew.kernel.errors import ValueRefused
-from leadscrew.kernel.metrics import max_error, max_output, overshoot, rms_error, settling_time
+from leadscrew.kernel.metrics import chatter, max_error, max_output, overshoot, rms_error, settling_time
 from leadscrew.kernel.sheet import Doc, Ge, Gt, Le, Unit
+from leadscrew.plants.ballscrew_axial import ballscrew_axial
 from leadscrew.plants.ballscrew_gms import ballscrew_gms, sliding_at
 from leadscrew.plants.ballscrew_stage import TRAVEL_MM_PER_RAD, ballscrew_stage
+from leadscrew.plants.ballscrew_stage_fixed import ballscrew_stage_fixed
 from leadscrew.references.filtered_step import filtered_step
 from leadscrew.references.friction_test import ROWS, friction_test
 from leadscrew.references.quintic import quintic
@@ -78,7 +80,17 @@ class FrictionTest(NamedTuple):
     size: Annotated[float, Gt(0), Le(100), Doc("times the amplitudes of the standard rows")] = 1.0
 
 
-Move = StepMove | FilteredStep | SineMove | Creep | FrictionTest
+class RestSine(NamedTuple):
+    """A sine from rest, at the lower end of its travel: what controllers are tuned and compared on."""
+
+    amplitude_mm: Annotated[float, Unit("mm"), Gt(0), Le(500), Doc("half of peak to peak")] = 1.0
+    rate_rad_s: Annotated[float, Unit("rad/s"), Gt(0), Le(1e4), Doc("angular frequency")] = 2.0 * math.pi
+    delay: Annotated[bool, Doc("one sample of computation delay")] = False
+    axial_mode: Annotated[bool, Doc("screw and table as two inertias, 201 and 266 Hz")] = False
+    fixed_cost: Annotated[bool, Doc("integrate the rigid stage at a fixed cost, a sixth of RODAS's")] = True
+
+
+Move = StepMove | FilteredStep | SineMove | RestSine | Creep | FrictionTest
 
 
 def command(params: Move) -> Block:
@@ -89,6 +101,9 @@ def command(params: Move) -> Block:
         return filtered_step(distance=params.distance_mm, rate=params.rate_1_s)
     if isinstance(params, SineMove):
         return sine_motion(amplitude=params.amplitude_mm, frequency=params.rate_rad_s / (2.0 * math.pi))
+    if isinstance(params, RestSine):
+        size, frequency = params.amplitude_mm, params.rate_rad_s / (2.0 * math.pi)
+        return sine_motion(amplitude=size, frequency=frequency, phase=-0.5 * math.pi, offset=size)
     if isinstance(params, FrictionTest):
         return friction_test([(params.size * a, f, n) for a, f, n in ROWS])
     return ramp_motion(rate=params.feed_mm_s, duration=params.travel_mm / params.feed_mm_s)
@@ -124,6 +139,9 @@ SCENARIOS: dict[str, Scenario] = {
             "50 nm to and fro: less than the 99 nm that Coulomb friction bends the bristles by",
             4.0,
         ),
+        Scenario("rest_slow", RestSine(0.01, 1.0), "0.01 sin t mm from rest: a reversal after 3.1 s", 3.6),
+        Scenario("rest_wide", RestSine(5.0, 1.0), "5 sin t mm from rest: a reversal after 3.1 s", 3.6),
+        Scenario("rest_fast", RestSine(), "sin 2 pi t mm from rest: reversals after 0.5 and 1 s", 1.2),
         Scenario("friction_test", FrictionTest(), "the move for an identification of friction, 7.5 s", 7.5),
         Scenario("creep", Creep(), "a constant feed of 1 um/s from rest, below the Stribeck speed of 1.6 um/s", 4.0),
     )
@@ -191,6 +209,26 @@ MACHINES: dict[str, Machine] = {
 """By name; every scenario runs on ``nominal`` unless ``build`` gets another one."""
 
 
+AXIAL = Machine(
+    "screw and table as two inertias", replace(ballscrew_axial(travel_per_rad=TRAVEL_MM_PER_RAD), unit="mm"),
+    options={"method": "rodas", "rtol": 1e-3, "atol": 1e-6},
+)  # fmt: skip
+FIXED_COST = Machine(
+    "the paper's stage at a fixed cost", replace(ballscrew_stage_fixed(travel_per_rad=TRAVEL_MM_PER_RAD), unit="mm"),
+    options={"substeps": 2},
+)  # fmt: skip
+
+
+def from_rest(params: RestSine, axis: Machine, period: float) -> tuple[Machine, dict[str, Any]]:
+    """The axis of a sine from rest, and options of its loop; it diverges where it leaves the track by 0.1 mm."""
+    if params.axial_mode:
+        axis = AXIAL
+    elif params.fixed_cost and axis is MACHINES["nominal"]:
+        axis = FIXED_COST
+    delay = period if params.delay else 0.0
+    return axis, {"computation_delay": delay, "bound": 2.0 * params.amplitude_mm + 0.1}
+
+
 def metrics_of(scenario: Scenario) -> dict[str, Block]:
     """What a run is judged by, in seconds and mm of the true position; of sines and feeds the second half counts."""
     if isinstance(scenario.params, StepMove | FilteredStep):
@@ -199,6 +237,9 @@ def metrics_of(scenario: Scenario) -> dict[str, Block]:
             "overshoot": overshoot,
             "max_torque": max_output,
         }
+    if isinstance(scenario.params, RestSine):
+        late = 0.4 * scenario.duration_s
+        return {"max_error": max_error(from_time=late), "chatter": chatter(from_time=late), "max_torque": max_output}
     late = 0.5 * scenario.duration_s
     return {"max_error": max_error(from_time=late), "rms_error": rms_error(from_time=late), "max_torque": max_output}
 
@@ -230,6 +271,9 @@ def build(
         more: dict[str, Any] = {"period": None, "sample": sample, "rtol": 1e-6, "atol": 1e-11} | options
         loop = Loop(controller=controller, plant=axis.ideal, **(common | more))
     else:
+        if isinstance(scenario.params, RestSine):
+            axis, more = from_rest(scenario.params, axis, period)
+            common |= more
         sensor = ruler(resolution_mm=1e-6 * encoder_nm) if encoder_nm > 0.0 else None
         more = {"period": period} | dict(axis.options) | options
         loop = Loop(controller=controller, plant=axis.plant, sensor=sensor, **(common | more))

@@ -13,8 +13,8 @@ from leadscrew.grey.vectorised_others import limit
 from leadscrew.studies.claims import Measured, at_least, at_most, claim, within
 from leadscrew.studies.grey_turning import cuts, lathe, removal
 from leadscrew.studies.grey_turning.cuts import BOTH, fixed, long
+from leadscrew.studies.grey_turning.engineers_choice import ANSWER, engineers_answer
 from leadscrew.studies.grey_turning.equal_effort import against
-from leadscrew.studies.grey_turning.force_control import ALL, entry
 from leadscrew.studies.grey_turning.laws import (
     CHIP_FEED,
     FULL_FEED,
@@ -557,7 +557,6 @@ def removal_rate_of_figure_9(lab, law):
 def conclusion(lab: Lab) -> list[str]:
     """The study in three sentences."""
     s9, s6 = ([fixed(lab, f"{name}_{law}") for law in BOTH] for name in ("s9", "s6"))
-    own, ours = fixed(lab, "stfc_tfc"), entry(lab, ALL)
     peak = cuts.quiet(lab)["s9_printed"].y.max()
     return [
         f"The overshoots of 5.2 are {s9[0].overshoot.mean:.1f} and {s9[1].overshoot.mean:.1f} % here because factors "
@@ -567,7 +566,6 @@ def conclusion(lab: Lab) -> list[str]:
         f"As printed, (11) has the wrong sign and drives the force to {peak:.0f} N; put right, GM(1,1) is a fixed "
         "filter "
         "near the set-point and the fuzzy controller a PI.",
-        f"A TFC with tuned factors needs no prediction for {own.overshoot.mean:.1f} % of overshoot and "
-        f"{own.rise_s.mean:.2f} s of rise; its true force overshoots by {own.true_overshoot.mean:.1f} %, that of a "
-        f"controller which inverts (1) and knows the programmed depth by {ours.peak.mean():.1f} %.",
+        "On random lathes around plant F, a reconstruction, each law tuned by the same search: "
+        + engineers_answer(lab, ANSWER),
     ]

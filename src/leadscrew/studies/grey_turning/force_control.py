@@ -1,41 +1,21 @@
-"""The controllers beyond the paper: entries, stairs of the depth, and what they make of wrong beliefs."""
+"""The controllers beyond the paper on the stairs of the depth, and what they make of wrong beliefs."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
-from leadscrew.studies.grey_turning.readings import Reading, filtered, read
-from leadscrew.studies.grey_turning.scenarios import FOLLOWING, FORCE_N, takes_cut
+from leadscrew.studies.grey_turning.readings import filtered
+from leadscrew.studies.grey_turning.scenarios import FORCE_N
 from leadscrew.studies.lab import Lab, measure
 
-SEEDS, STAIR_SEEDS = 30, 10
-"""Noise seeds of one entry, of one staircase."""
+STAIR_SEEDS = 10
+"""Noise seeds of one staircase."""
 FIRST_S = 1.9
 """The entry is over: from here on the stairs are judged."""
-TFC, TFC_N, TFC_FF = "corrected.tfc_stfc", "corrected.tfc_stfc_n", "ours.tfc_ff"
-ALL, ALL_N = "ours.constant_force", "ours.constant_force_n"
-BELIEVED = {f"controller.{key}": value for key, value in FOLLOWING.items()}
-"""The controller believes in the radial servo that is there."""
-
-
-class Entry(NamedTuple):
-    """Tool in the cut, feed from rest: filtered force, and the peak of the true one."""
-
-    reading: Reading
-    peak: np.ndarray
-    """Percent above the command."""
-
-
-@measure
-def entry(lab: Lab, name: str, machine: str = "plant_f", scenario: str = "fig6_fixed_depth", **changes: float) -> Entry:
-    """An entry of a controller; ``changes`` of its parameters by name."""
-    loop = lab.loop(name, scenario, machine=machine).using({f"controller.{k}": v for k, v in changes.items()})
-    runs = SEEDS if lab.study.scenario(scenario).params.noise_n > 0.0 else 1
-    run = loop.batch(3.0, {}, runs=runs, record=("feedback", "plant.peak"))
-    return Entry(read(filtered(run)), 100.0 * (run["plant.peak"][:, -1] / FORCE_N - 1.0))
+TFC, TFC_FF, ALL = "corrected.tfc_stfc", "ours.tfc_ff", "ours.constant_force"
 
 
 class Stairs(NamedTuple):
@@ -50,11 +30,6 @@ class Stairs(NamedTuple):
     def worst(self) -> float:
         """Of the filtered force."""
         return max(-self.low, self.high)
-
-    @property
-    def true_worst(self) -> float:
-        """Of the true one."""
-        return max(-self.true_low, self.true_high)
 
 
 class Staircase(NamedTuple):
@@ -88,12 +63,9 @@ BEST = "preview of 65 ms"
 
 
 @measure
-def stairs(lab: Lab, name: str, machine: str = "plant_f_radial", tried: bool = False, **changes: float) -> Staircase:
+def stairs(lab: Lab, name: str, tried: bool = False) -> Staircase:
     """The stairs from 1 to 0.4 mm; ``tried``: under each of :data:`TRIED`."""
-    loop = lab.loop(name, "fig9_falling_depth", machine=machine)
-    moved = machine.endswith("_radial") and takes_cut(lab.study.controller(name))
-    values: dict[str, Any] = {f"controller.{k}": v for k, v in changes.items()}
-    loop = loop.using(values | (BELIEVED if moved and "controller.radial.gain" in loop.sheet else {}))
+    loop = lab.loop(name, "fig9_falling_depth")
     rows: Sequence[tuple[float, ...]] = list(TRIED.values()) if tried else []
     varied = {f"controller.{key}": np.repeat([row[i] for row in rows], STAIR_SEEDS) for i, key in enumerate(VARIED)}
     count = max(len(rows), 1)

@@ -1,9 +1,9 @@
 """The force loop near its set-point as a linear one: plant, filter and the laws that the fuzzy controllers are there.
 
-Around 150 N at one depth, in deviations, with the plant's own step (1 ms) and its semi-implicit Euler:
+Around 150 N at one depth, in deviations, with the plant's own step (1 ms):
 
-    feed servo        a += dt (w^2 (g u - v) - 2 zeta w a),  v += dt a
-    chip, compliance  F (1/s + c) = sum of the last revolution's v dt / 60 + c F(one revolution ago)
+    feed servo        dv/dt = a,  da/dt = w^2 (g u - v) - 2 zeta w a                      exact
+    chip, compliance  F (1/s + c) = integral of the last revolution's v / 60 + c F(one revolution ago)
     filter            y_k = keep y_(k-1) + (1 - keep) F_k                                  once a period
 
 ``s = K b P h^(P-1)`` is the slope of the force, ``c`` the compliance, ``u`` held over the period. The controllers, with
@@ -26,6 +26,8 @@ import numpy as np
 
 from leadscrew.analysis.stability.linear import LinearLoop
 from leadscrew.analysis.stability.margins import margins
+from leadscrew.kernel.one_thread import one_thread
+from leadscrew.plants.turning.process import hold
 from leadscrew.studies.grey_turning.scenarios import FORCE_N, MACHINES, PERIOD_S, SUBSTEPS
 
 Polynomial = tuple[float, ...]
@@ -95,20 +97,21 @@ def force_plant(machine: str = "plant_f", force: float = FORCE_N, depth: float =
     one, drive = np.zeros((n, n)), np.zeros(n)
     for k in range(1, late):
         one[k, k - 1] = 1.0
-    w, zeta = p.servo.rate, p.servo.damping
-    row_a, push = np.zeros(n), np.zeros(n)
-    row_a[acc], row_a[v] = 1.0 - 2.0 * dt * zeta * w, -dt * w * w
+    h, g = hold(p.servo.rate, p.servo.damping, dt), p.servo.gain
+    # v, a and the mean feed of the step: what v, a and the voltage leave of each
+    moves = {
+        v: (h.y_of_y, h.y_of_rate, g * (1.0 - h.y_of_y)),
+        acc: (h.rate_of_y, h.rate_of_rate, -g * h.rate_of_y),
+        feeds: (h.area_of_y / dt, h.area_of_rate / dt, g * (1.0 - h.area_of_y / dt)),
+    }
+    for to, (of_v, of_acc, of_voltage) in moves.items():
+        one[to, v], one[to, acc] = of_v, of_acc
+        if late:
+            one[to, late - 1] = of_voltage
+        else:
+            drive[to] = of_voltage
     if late:
-        row_a[late - 1] = dt * w * w * p.servo.gain
         drive[0] = 1.0
-    else:
-        drive[acc] = dt * w * w * p.servo.gain
-    row_v = dt * row_a
-    row_v[v] += 1.0
-    push[v] = dt * drive[acc]
-    one[acc], one[v] = row_a, row_v
-    drive = drive + push
-    one[feeds], drive[feeds] = row_v, drive[v]
     for k in range(1, rev):
         one[feeds + k, feeds + k - 1] = 1.0
         one[forces + k, forces + k - 1] = 1.0
@@ -209,6 +212,7 @@ class ForceMargins(NamedTuple):
 
 
 @lru_cache
+@one_thread()
 def force_margins(machine: str, law: str, kp: float, ki: float, **at: Any) -> ForceMargins:
     """Gain and phase margin of a law with these gains."""
     found = margins(force_loop(machine, law, kp, ki, **at))

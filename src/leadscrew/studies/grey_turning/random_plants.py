@@ -135,11 +135,6 @@ def high(found: Reading) -> float:
     return float(np.percentile(found.overshoot, 90.0))
 
 
-def iae_change(one: Reading, other: Reading) -> float:
-    """Median change of the integral of the absolute error on the same draws, percent."""
-    return 100.0 * float(np.median(one.iae / other.iae - 1.0))
-
-
 def better_in_all(one: Reading, other: Reading) -> Share:
     """Draws with less overshoot, less steady error and a rise in no more samples."""
     return share(

@@ -36,6 +36,7 @@ from leadscrew.studies.npid_xytable.cutting import (
     trial,
     tried,
 )
+from leadscrew.studies.npid_xytable.equal import engineers_choice
 from leadscrew.studies.npid_xytable.friction import sines_on_friction, turned_deg
 from leadscrew.studies.npid_xytable.intercept import PRINTED, crossing, sampled_crossing
 from leadscrew.studies.npid_xytable.laws import (
@@ -661,7 +662,7 @@ LARGEST = {"npid": ("0.7743", "0.6987", "0.7151"), "pid": ("0.7865", "1.327", "0
 
 
 def conclusion(lab: Lab) -> list[str]:
-    """The study in three sentences."""
+    """The study in four sentences."""
     mean, _ = reduction_of(random_phases(lab, 1.0))
     worst = max(row.peak_to_peak_um for row in chatter.by_load(lab))
     rows, printed = retuned_rows(lab), np.concatenate([PID_UM[rpm] for rpm in SPEEDS])
@@ -672,7 +673,8 @@ def conclusion(lab: Lab) -> list[str]:
         "reduces nothing.",
         f"With the error in µm it reduces Table II's rows by {mean:.0f} % at 1 mm, and it chatters by up to "
         f"{worst:.0f} µm, because the slope of its curve, {STEEPEST:.1f}, and not its gain, {TOP:.2f}, decides.",
-        f"A linear PID with integral action is below both printed columns on {below} of {len(rows)} rows, at least "
-        f"{100.0 * float((1.0 - rows / printed).min()):.0f} % below PID; near 33 Hz it lets {tooth / plain:.1f} times "
-        "as much through.",
+        f"{RETUNED}, a linear PID with integral action, is below both printed columns on {below} of {len(rows)} rows, "
+        f"at least {100.0 * float((1.0 - rows / printed).min()):.0f} % below PID; near 33 Hz it lets "
+        f"{tooth / plain:.1f} times as much through.",
+        engineers_choice(lab),
     ]

@@ -7,6 +7,7 @@ the one change that makes Table I mean something. ``ours.*`` are for comparison.
 from __future__ import annotations
 
 from collections.abc import Mapping
+from pathlib import Path
 
 from leadscrew.controllers import (
     adaptive_resonant,
@@ -22,13 +23,29 @@ from leadscrew.controllers import (
     resonant,
     tracking_differentiator,
 )
-from leadscrew.controllers.npid import READINGS
+from leadscrew.controllers.npid import READINGS, npid
 from leadscrew.controllers.pid import TUNINGS as PID
 from leadscrew.controllers.pid import pid
 from leadscrew.kernel.block import Block
+from leadscrew.studies.tuned import tuned
 
 SCALED = 2.265
 """What the gains of Table I may all be multiplied by under the circle criterion in L*."""
+
+BOUNDS = ("rest", "work")
+"""Where the drives of tuned controllers are equally active."""
+
+
+def _tuned() -> dict[str, Block]:
+    """What it found: ``ours.LAW_BOUND``, with feed-forward ``ours.LAW_BOUND_ff``; gains in the folder ``tuned``."""
+    home, found = Path(__file__).parent, {}
+    for bound in BOUNDS:
+        for law, block in (("pid", pid), ("npid", npid), ("npid_split", npid_split.npid_split)):
+            found[f"ours.{law}_{bound}"] = plain = tuned(home, f"{law}_{bound}", block)
+            fed = inverse_feed_forward.inverse_feed_forward(plain)
+            found[f"ours.{law}_{bound}_ff"] = fed if law == "pid" else tuned(home, f"{law}_{bound}_ff", fed)
+    return found
+
 
 CONTROLLERS: Mapping[str, Block] = {
     **PID,
@@ -49,6 +66,7 @@ CONTROLLERS: Mapping[str, Block] = {
     **learned_feed_forward.TUNINGS,
     **tracking_differentiator.TUNINGS,
     "ours.pid_dead_zone": dead_zone_inverse.dead_zone_inverse(pid, width=0.02, softness=1e-3),
-    "ours.pid_quiet": pid(kp=0.368723, ki=62.219044, kd=0.002937, filter_s=0.001726),
+    "ours.npid_split_ff": inverse_feed_forward.inverse_feed_forward(npid_split.npid_split),
+    **_tuned(),
 }
-"""By name. ``ours.pid_quiet`` is the end of :func:`leadscrew.studies.npid_xytable.split_law.best_linear`."""
+"""By name. The rows of a linear loop do not depend on the command: ``ours.pid_*_ff`` have the gains without ``_ff``."""

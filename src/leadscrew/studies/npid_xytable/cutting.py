@@ -114,6 +114,10 @@ class Trial:
         """Reduction of each line against the printed PID column, percent, ``(runs, 5)``."""
         return 100.0 * (1.0 - self.rows / np.array([PID_UM[int(rpm)] for rpm in self.speeds]))
 
+    def by_draw(self) -> np.ndarray:
+        """Mean row of each draw, um: over the speeds and the five lines."""
+        return np.mean([self.at(rpm).mean(axis=1) for rpm in SPEEDS], axis=0)
+
     def by_row(self) -> np.ndarray:
         """Mean amplitude over the draws for the fifteen rows of Table II, um."""
         return np.concatenate([self.at(rpm).mean(axis=0) for rpm in SPEEDS])
@@ -128,6 +132,12 @@ def spindle_key(loop: Loop) -> str:
 def phases_of(draws: int, seed: int = 1) -> np.ndarray:
     """Uniform phases, ``(draws, 5)``: the same for every controller and speed."""
     return np.random.default_rng(seed).uniform(0.0, 2.0 * np.pi, (draws, len(ORDERS)))
+
+
+def plants_of(draws: int, seed: int = 3) -> dict[str, np.ndarray]:
+    """Plants drawn from within the robustness box, uniformly."""
+    draw = np.random.default_rng(seed)
+    return {key: draw.uniform(values.min(), values.max(), draws) for key, values in BOX.items()}
 
 
 def line_volts(rpm: np.ndarray, phases: np.ndarray, place: str = "disturbance") -> dict[str, Any]:
@@ -146,13 +156,15 @@ def tried(
     encoder: bool = True,
     spindle: bool = True,
     box: bool = False,
+    own_plants: bool = False,
     phases: np.ndarray | None = None,
     **options: Any,
 ) -> Trial:
     """The three speeds with ``draws`` of phases each, on the nominal plant or on every plant of :data:`BOX`.
 
-    ``encoder``: of 0.5 um with 0.1 um of noise. ``phases``: ``(3, runs a speed, 5)`` in place of random ones. The
-    controllers of :data:`TOLD` are told the spindle's speed.
+    ``own_plants``: each draw on a plant of its own, from within the box. ``encoder``: of 0.5 um with 0.1 um of noise.
+    ``phases``: ``(3, runs a speed, 5)`` in place of random ones. The controllers of :data:`TOLD` are told the spindle's
+    speed.
     """
     read = {} if encoder else {"encoder_um": 0.0, "noise_um": 0.0}
     loop = lab.loop(controller, "measured_1000", **read, **options)
@@ -168,6 +180,8 @@ def tried(
         varied[spindle_key(loop)] = rpm / 60.0
     if box:
         varied |= {key: values[plant] for key, values in BOX.items()}
+    if own_plants:
+        varied |= {key: values[draw] for key, values in plants_of(by_speed.shape[1]).items()}
     done = loop.batch(CUT_S, varied, record=("true_error",))
     fitted = amplitudes_um(done, (BASE_HZ, *LINES_HZ))
     metrics = {name: 1e3 * values for name, values in done.metrics.items()}
@@ -184,9 +198,10 @@ def trial(
     encoder: bool = True,
     spindle: bool = True,
     box: bool = False,
+    own_plants: bool = False,
 ) -> Trial:
     """:func:`tried`, once."""
-    return tried(lab, controller, amplitude_mm, draws, encoder=encoder, spindle=spindle, box=box)
+    return tried(lab, controller, amplitude_mm, draws, encoder=encoder, spindle=spindle, box=box, own_plants=own_plants)
 
 
 # ---- sines and constant loads

@@ -90,7 +90,8 @@ STUDY = Study(
     summary=(
         "A gain that grows with the error: with the error in mm, as printed, it never leaves 1; in µm it reduces "
         "the harmonics and chatters, because the slope of its curve, not its gain, decides on stability. A linear PID "
-        "with integral action leaves less at the lines of Table II."
+        "with integral action leaves less at the lines of Table II, and tuned by the same search it is the law to "
+        "take where the drive may be as active at work."
     ),
     card=("mean_reduction", "adjusts_its_gain", "popov_from_zero"),
     assumed=ASSUMED,

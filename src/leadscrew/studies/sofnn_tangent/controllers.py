@@ -1,13 +1,15 @@
 """The controllers of the study, by name: an offset of the tangential axis in degrees, every 10 ms.
 
 ``paper.*`` is the paper's controller as printed, with what it leaves open reconstructed; ``corrected.*`` the same with
-what is wrong put right; ``ours.*`` are for comparison or go beyond it.
+what is wrong put right; ``ours.*`` are for comparison or go beyond it; ``tuned.*`` are controllers of all three with
+gains that the same search has found for each (:mod:`leadscrew.studies.sofnn_tangent.tuning`).
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
+from pathlib import Path
 
 from leadscrew.controllers.pid import pid
 from leadscrew.controllers.sofnn.tunings import TUNINGS as SOFNN
@@ -15,6 +17,8 @@ from leadscrew.controllers.tangent.curvature_feed_forward import TUNINGS as FEED
 from leadscrew.controllers.tangent.curvature_network import TUNINGS as CURVATURE
 from leadscrew.controllers.tangent.tangent_dob import TUNINGS as OBSERVER
 from leadscrew.kernel.block import Block
+from leadscrew.studies.sofnn_tangent.delayed_pd import delayed_pd
+from leadscrew.studies.tuned import tuned
 
 LAG_S = 0.02
 """Of the derivative of the PIDs."""
@@ -26,7 +30,7 @@ def offset_pid(name: str, kp: float, ki: float, kd: float, **values: float) -> B
     return law(kp=kp, ki=ki, kd=kd, max_output=15.0, **values)
 
 
-CONTROLLERS: Mapping[str, Block] = {
+UNTUNED: Mapping[str, Block] = {
     **SOFNN,
     **OBSERVER,
     **FEED_FORWARD,
@@ -35,5 +39,23 @@ CONTROLLERS: Mapping[str, Block] = {
     "ours.pid": offset_pid("pid", 0.7, 14.0, 0.005, filter_s=LAG_S),
     "ours.pid_fast": offset_pid("pid", 0.7, 22.0, 0.01, filter_s=LAG_S),
     "ours.pid_mild": offset_pid("pid", 0.3, 6.0, 0.0, filter_s=LAG_S),
+    "ours.delayed_pd": delayed_pd,
+}
+TUNED_FROM = {
+    "pi": "ours.pid",
+    "pid": "ours.pid",
+    "observer": "ours.tangent_dob",
+    "delayed_pd": "ours.delayed_pd",
+    "network": "paper.sofnn_pnn",
+    "accumulating": "ours.sofnn_tuned",
+    "sofc": "corrected.sofc",
+    "fixed": "corrected.fnn",
+    "feed_forward": "ours.curvature_feed_forward",
+    "curvature": "ours.curvature_network",
+}
+"""Files in the folder ``tuned``, and the controllers that the searches began with."""
+CONTROLLERS: Mapping[str, Block] = {
+    **UNTUNED,
+    **{f"tuned.{name}": tuned(Path(__file__).parent, name, UNTUNED[base]) for name, base in TUNED_FROM.items()},
 }
 """By name."""

@@ -14,7 +14,6 @@ import numpy as np
 from leadscrew.kernel.block import Block
 from leadscrew.plants.flexible_cut import MATERIALS
 from leadscrew.studies.lab import Lab, measure
-from leadscrew.studies.sofnn_tangent import tuning
 from leadscrew.studies.sofnn_tangent.laws import fixed_fuzzy
 from leadscrew.studies.sofnn_tangent.scenarios import LINES, MATERIAL_NAMES, samples_of
 
@@ -60,9 +59,7 @@ class Cells(NamedTuple):
 
 
 def block_of(lab: Lab, name: str) -> Block:
-    """A controller of the study, Mamdani's inference, or a law as the search tuned it (``tuned.NAME``)."""
-    if name.startswith("tuned."):
-        return tuning.best(name.removeprefix("tuned.")).block()
+    """A controller of the study, or Mamdani's inference."""
     return fixed_fuzzy() if name == MAMDANI else lab.study.controller(name)
 
 

@@ -18,6 +18,7 @@ from leadscrew.studies.exhibits import figure
 from leadscrew.studies.lab import Lab
 from leadscrew.studies.sofnn_tangent import curvature_rules, trainings
 from leadscrew.studies.sofnn_tangent.claims import changed_deviation, step
+from leadscrew.studies.sofnn_tangent.controllers import UNTUNED
 from leadscrew.studies.sofnn_tangent.cuts import (
     FIXED,
     LESSONS,
@@ -272,7 +273,7 @@ def change_of_material(lab: Lab) -> Figure:
 # ---- all controllers, and pieces: what takes longest is drawn last
 @figure("RMS deviation of every controller in nine cells, mean of five runs; the bar is the mean of all cells.")
 def every_controller(lab: Lab) -> Figure:
-    names = sorted((*lab.study.controllers, MAMDANI), key=lambda name: -mean_rms(lab, name))
+    names = sorted((*UNTUNED, MAMDANI), key=lambda name: -mean_rms(lab, name))
     fig, axes = grid(8.4, 1.5 + 0.28 * len(names))
     for row, name in enumerate(names):
         found = cells(lab, name).rms.mean(axis=-1)

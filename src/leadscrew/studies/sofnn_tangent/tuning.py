@@ -1,182 +1,211 @@
-"""Controllers tuned with the same effort: what is left of the network's lead when everything is tuned alike.
+"""What an engineer would use instead: laws tuned with the same effort, and where all of them are judged.
 
-Every law of :data:`LAWS` is searched by CMA-ES in the logarithm of its parameters, from the middle of its box, with
-:data:`BUDGET` evaluations and :data:`SEARCHES` seeds of the search. The cost is the RMS deviation in fabric, mean of
-the three lines under two textures and noises that are the same for every candidate (:data:`TUNED_ON`). The setting with
-the smallest cost of a law's searches is judged on all nine cells, on textures and noises that no search has seen.
+``leadscrew tune`` has found the gains of the controllers ``tuned.*`` (the files in ``tuned``, each with its command):
+CMA-ES, 1,000 settings, each on the wave and the flower in 24 materials drawn from :data:`OVER`, for the smallest mean
+RMS deviation. A table of offsets from piece to piece is no controller of one run, so :func:`search` tunes it: the same
+materials, lines, goal, optimiser, budget and seed; what counts is the third piece. Its settings are kept in
+``data/piece_tuning.csv``; ``python -m leadscrew.studies.sofnn_tangent.tuning`` finds them again.
 
-The ranges are so wide that none holds a law back: no search ends at one, but where a filter is a small part of a period
-and so none (:func:`at_ends`). A small ``k_e`` with a large ``kg`` is the same loop gain on fewer rules: both are wide.
-
-What was found is kept in ``data/tuning.csv``; :func:`found_anew` finds it again.
+Judged (:func:`judged`) are all on 40 other materials with other textures and noises, on these lines and on the rounded
+rectangle, which no search has seen.
 """
 
 from __future__ import annotations
 
 import csv
-import warnings
 from collections.abc import Mapping
-from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from leadscrew.controllers.pid import pid
-from leadscrew.controllers.sofnn import ACCUMULATE, STORED, fnn, sofc, sofnn
-from leadscrew.controllers.tangent.tangent_dob import tangent_dob
-from leadscrew.kernel.block import Block
-from leadscrew.neural.performance import NETWORK
-from leadscrew.studies.sofnn_tangent.scenarios import LINES, MAX_OFFSET_DEG
+from leadscrew import controller_file
+from leadscrew.analysis.piece_learning import next_offsets
+from leadscrew.controllers.tangent.taught_offset import taught_alone, taught_offset
+from leadscrew.studies.lab import Lab, measure
+from leadscrew.studies.sofnn_tangent.pieces import PLACES, unknown_plant
+from leadscrew.studies.sofnn_tangent.scenarios import LINES, takes_cut_line
+from leadscrew.studies.tuned import FOLDER as TUNED_FOLDER
+from leadscrew.tune.compare_statistics import Interval, paired
+from leadscrew.tune.space import Space
+from leadscrew.tune.tuner import crossed
+from leadscrew.tune.tuner_plan import held_out_plants, training
 
-if TYPE_CHECKING:
-    from leadscrew.studies.lab import Lab
-
-BUDGET = 1000
-"""Evaluations of a search."""
-SEARCHES = (1, 2, 3)
-"""Seeds of the search."""
-TUNED_ON = 1
-"""Seed of the runs of the search; :data:`RUNS` of them a line."""
-RUNS = 2
+HERE = Path(__file__).parent
+FILE = HERE / "data" / "piece_tuning.csv"
+OVER = Space.of(
+    [
+        "plant.material.shear=20:100:log",
+        "plant.material.lag_s=0.015:0.12:log",
+        "plant.material.gain=0.7:1",
+        "plant.material.fibre=0:1.2",
+        "plant.material.bias=0:1",
+    ]
+)
+"""Materials that are drawn: they hold fabric, leather and foam."""
+PLANTS, BUDGET, SEED = 24, 1000, 1
+LINES_TUNED = ("wave", "flower")
+JUDGED, JUDGED_PART, JUDGED_NOISE = 40, 3, 2_000_000
+"""Materials that laws are judged on, the part of the seed that draws them, the number of the first run's noise."""
 LOST_DEG = 1e3
 """Cost of a setting that diverges."""
-FILE = Path(__file__).parent / "data" / "tuning.csv"
-
-Box = dict[str, tuple[float, float]]
 
 
 class Law(NamedTuple):
-    """A controller and what the search may change, with the ends of each range."""
+    """A row of the comparison."""
 
-    block: Block
-    box: Box
     words: str
+    knows: str = ""
+    """What it is given beside the deviation that the camera sees."""
 
 
-RULES: Box = {"k_e": (2e-4, 2.0), "k_ec": (2e-4, 20.0), "filter_s": (1e-4, 0.5)}
-LEARNED: Box = RULES | {"kg": (0.05, 1000.0)}
-WALKED: Box = LEARNED | {"q": (1e-6, 10.0)}
-
+AHEAD, LAST = "the line ahead", "the last pieces"
 LAWS: dict[str, Law] = {
-    "pid": Law(
-        pid(max_output=MAX_OFFSET_DEG),
-        {"kp": (0.02, 5.0), "ki": (0.5, 200.0), "kd": (1e-4, 0.2), "filter_s": (0.001, 0.5)},
-        "PID",
-    ),
-    "observer": Law(
-        tangent_dob,
-        {"plant_gain": (0.3, 3.0), "gain": (0.1, 2.0), "filter_s": (1e-4, 0.5), "delay_s": (0.01, 0.12)},
-        "disturbance observer",
-    ),
-    "fixed": Law(fnn, RULES, "fixed network"),
-    "sofc": Law(sofc, LEARNED, "self-organising, table corrects the rules"),
-    "sofnn": Law(sofnn(target=ACCUMULATE), WALKED, "SOFNN, accumulate, table"),
-    "paper": Law(sofnn(target=STORED, source=NETWORK), WALKED, "SOFNN as in the paper"),
+    "tuned.pi": Law("PI"),
+    "tuned.pid": Law("PID"),
+    "tuned.observer": Law("disturbance observer"),
+    "tuned.delayed_pd": Law("(3) with three gains in place of its rules"),
+    "tuned.network": Law("the paper's network"),
+    "tuned.accumulating": Law("the same, every correction added"),
+    "tuned.sofc": Law("self-organising, the table corrects the rules"),
+    "tuned.fixed": Law("fixed rules"),
+    "paper.sofnn_pnn": Law("the paper's network, its own scales"),
+    "tuned.feed_forward": Law("adaptive feed-forward of the curvature", AHEAD),
+    "tuned.curvature": Law("rules of the curvature", AHEAD),
+    "table": Law("table of offsets, third piece", LAST),
+    "pid_table": Law("PID and table, third piece", LAST),
 }
-"""By name."""
+"""Controllers of the study, and tables (:data:`TABLES`), by name."""
+
+TABLES: dict[str, str] = {"table": "", "pid_table": "pid"}
+"""What goes from piece to piece by name, and the file of the feedback beside it, whose gains are searched anew."""
+OF_THE_TABLE = {"gain": "0.05:1.2", "lead": "1:15:int", "width": "0.2:8:log", "plant_gain": "0.3:3:log"}
 
 
-@dataclass(frozen=True)
-class Tuned:
-    """What one search found."""
-
-    law: str
-    search: int
-    cost: float
-    """Mean RMS deviation of the six runs of the search, deg."""
-    values: Mapping[str, float]
-
-    def block(self) -> Block:
-        """The controller with these values."""
-        return LAWS[self.law].block(**self.values)
+def space(way: str) -> Space:
+    """What the search of a table may change: its settings, and the gains of the feedback in their own ranges."""
+    inner = _file(TABLES[way]).tuning["vary"]["controller"] if TABLES[way] else {}
+    return Space.of(OF_THE_TABLE | {f"controller.inner.{key}": text for key, text in inner.items()})
 
 
-def at_ends(found: Tuned, share: float = 0.02) -> list[str]:
-    """Parameters that lie within ``share`` of their range (in the logarithm) at one of its ends."""
-    ends = []
-    for key, (low, high) in LAWS[found.law].box.items():
-        place = np.log(found.values[key] / low) / np.log(high / low)
-        if min(place, 1.0 - place) < share:
-            ends.append(key)
-    return ends
+def _file(name: str) -> controller_file.ControllerFile:
+    return controller_file.read(HERE / TUNED_FOLDER / f"{name}.toml")
 
 
-def spread(points: np.ndarray, box: Box) -> dict[str, np.ndarray]:
-    """Points of the unit cube as values, a column a parameter; even in the logarithm."""
-    ends = np.array(list(box.values())).T
-    low, high = np.log(ends)
-    return dict(zip(box, np.clip(np.exp(low + (high - low) * points), *ends).T, strict=True))
+def free_gains(name: str) -> int:
+    """How many numbers the search has set."""
+    if name in TABLES:
+        return len(space(name))
+    return len(_file(name.removeprefix("tuned.")).tuning["vary"]["controller"]) if name.startswith("tuned.") else 0
 
 
-def costs(lab: Lab, law: str, values: Mapping[str, np.ndarray]) -> np.ndarray:
-    """Mean RMS deviation of each setting, deg; all meet the same textures and noises.
+# ---- from piece to piece
+def third_piece(
+    lab: Lab,
+    way: str,
+    settings: Mapping[str, np.ndarray],
+    plants: Mapping[str, np.ndarray],
+    line: str,
+    noise: int = 0,
+    changes: Mapping[str, Any] | None = None,
+) -> dict[str, np.ndarray]:
+    """Metrics ``[setting, plant]`` of the third piece of a line; every setting on every plant."""
+    members, count = len(settings["gain"]), len(next(iter(plants.values())))
+    inner = _file(TABLES[way]).controller if TABLES[way] else ""
+    block = taught_offset(lab.study.controller(inner), np.zeros(PLACES)) if inner else taught_alone(np.zeros(PLACES))
+    loop = lab.loop(block, f"{line}_fabric", changes=changes)
+    duration = lab.study.scenario(f"{line}_fabric").duration_s
+    key = "controller.taught.table" if inner else "controller.table"
+    seen = "feedback.deviation" if takes_cut_line(block) else "feedback"
+    feedback = {k: v for k, v in settings.items() if k not in OF_THE_TABLE}
+    columns = crossed(feedback | {"": np.zeros(members)}, plants, count)
+    columns.pop("")
+    table = np.zeros((members * count, PLACES))
+    for piece in range(3):
+        signals = ("output", seen) if piece < 2 else ()
+        first = noise + piece * members * count
+        batch = loop.batch(duration, {**columns, key: table}, record=signals, first=first)
+        for m in range(members if signals else 0):
+            mine, known = slice(m * count, (m + 1) * count), {k: float(settings[k][m]) for k in OF_THE_TABLE}
+            d, e = (np.nan_to_num(batch.signals[s][mine], posinf=0.0, neginf=0.0) for s in signals)
+            after = next_offsets(table[mine, : d.shape[1]], d, e, **known | {"lead": int(known["lead"])})  # type: ignore[arg-type]
+            table[mine] = np.pad(after, ((0, 0), (0, PLACES - d.shape[1])), mode="edge")
+    return {name: batch.metrics[name].reshape(members, count) for name in Judged._fields}
 
-    Run by run: in a batch every run has a noise of its own.
-    """
-    from leadscrew.kernel.loop import DivergenceWarning
 
-    count = len(next(iter(values.values())))
-    found = np.zeros(count)
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", DivergenceWarning)
-        for line in LINES:
-            scenario = lab.study.scenario(f"{line}_fabric")
-            loop = lab.loop(LAWS[law].block, scenario).using(seed=TUNED_ON)
-            for n in range(count):
-                asked = loop.using({f"controller.{key}": float(column[n]) for key, column in values.items()})
-                for k in range(RUNS):
-                    rms = asked.run(scenario.duration_s, record=(), every=0, run=k).metrics["rms_error"]
-                    found[n] += (rms if np.isfinite(rms) else LOST_DEG) / (RUNS * len(LINES))
-    return found
-
-
-def found_anew(lab: Lab, law: str, search: int, budget: int = BUDGET) -> Tuned:
-    """One search: the same law, seed and budget find the same setting."""
+def search(lab: Lab, way: str, budget: int = BUDGET) -> tuple[float, dict[str, float]]:
+    """The smallest mean RMS deviation of the third piece, deg, and its setting."""
     from leadscrew.tune.optimisers import OPTIMISERS, Answer, Search
 
-    box = LAWS[law].box
-    best = (np.inf, np.zeros(len(box)))
+    vary, plants = space(way), training(OVER, PLANTS, SEED)
+    best: tuple[float, dict[str, float]] = (np.inf, {})
 
     def evaluate(points: np.ndarray) -> Answer:
         nonlocal best
-        columns = spread(points, box)
-        found = costs(lab, law, columns)
-        at = int(np.argmin(found))
-        if found[at] < best[0]:
-            best = float(found[at]), np.array([column[at] for column in columns.values()])
-        return Answer(found[:, None], np.zeros((len(points), 0)))
+        settings = vary.values(points)
+        rms = np.array([third_piece(lab, way, settings, plants, line)["rms_error"] for line in LINES_TUNED])
+        costs = np.where(np.isfinite(rms), rms, LOST_DEG).mean(axis=(0, 2))
+        at = int(np.argmin(costs))
+        if costs[at] < best[0]:
+            best = float(costs[at]), {key: float(f"{column[at]:.6g}") for key, column in settings.items()}
+        return Answer(costs[:, None], np.zeros((len(points), 0)))
 
-    OPTIMISERS["cma"][0](Search(evaluate, np.full(len(box), 0.5), budget, search))
-    return Tuned(law, search, best[0], {key: float(f"{x:.6g}") for key, x in zip(box, best[1], strict=True)})
-
-
-def as_row(found: Tuned) -> dict[str, Any]:
-    """A search as the file has it."""
-    values = " ".join(f"{key}={x:.6g}" for key, x in found.values.items())
-    return {"law": found.law, "search": found.search, "cost": f"{found.cost:.6g}", "values": values}
+    grain = np.array([1.0 / (d.ends[1] - d.ends[0] + 1.0) * getattr(d, "whole", False) for _, d in vary.items])
+    OPTIMISERS["cma"][0](Search(evaluate, vary.units({}), budget, SEED, grain=grain))
+    return best
 
 
-def of_row(cells: Mapping[str, str]) -> Tuned:
-    """A row of the file."""
-    pairs = (pair.split("=") for pair in cells["values"].split())
-    return Tuned(cells["law"], int(cells["search"]), float(cells["cost"]), {key: float(x) for key, x in pairs})
-
-
-def write(found: list[Tuned], file: Path = FILE) -> None:
-    """Writes the searches to a file."""
+def write(lab: Lab, file: Path = FILE) -> None:
+    """Searches all tables and writes what was found."""
     with file.open("w", newline="", encoding="utf-8") as out:
-        rows = csv.DictWriter(out, ["law", "search", "cost", "values"], lineterminator="\n")
-        rows.writeheader()
-        rows.writerows(as_row(each) for each in found)
+        rows = csv.writer(out, lineterminator="\n")
+        rows.writerow(("way", "setting", "value"))
+        for way in TABLES:
+            cost, values = search(lab, way)
+            rows.writerows((way, key, f"{value:.6g}") for key, value in ({"cost": cost} | values).items())
 
 
-def kept() -> tuple[Tuned, ...]:
-    """What the searches found, as kept."""
+def kept(way: str) -> dict[str, float]:
+    """The setting of a table as kept, with its ``cost``."""
     with FILE.open(newline="", encoding="utf-8") as file:
-        return tuple(of_row(cells) for cells in csv.DictReader(file))
+        return {row["setting"]: float(row["value"]) for row in csv.DictReader(file) if row["way"] == way}
 
 
-def best(law: str) -> Tuned:
-    """The setting of a law with the smallest cost in the search."""
-    return min((each for each in kept() if each.law == law), key=lambda each: each.cost)
+# ---- judged
+class Judged(NamedTuple):
+    """What a law does on every line in every material: arrays ``[line, material]``."""
+
+    rms_error: np.ndarray
+    """deg"""
+    lateral: np.ndarray
+    """mm"""
+
+
+@measure
+def judged(lab: Lab, name: str, mismatch: bool = False) -> Judged:
+    """A law of :data:`LAWS` on materials, textures and noises that no search has seen."""
+    plants, changes = held_out_plants(OVER, JUDGED, SEED, JUDGED_PART), unknown_plant(mismatch)
+    rows = []
+    for line in LINES:
+        if name in TABLES:
+            settings = {key: np.array([value]) for key, value in kept(name).items() if key != "cost"}
+            found = third_piece(lab, name, settings, plants, line, JUDGED_NOISE, changes)
+        else:
+            scenario = lab.study.scenario(f"{line}_fabric")
+            loop = lab.loop(name, scenario, changes=changes)
+            found = loop.batch(scenario.duration_s, plants, first=JUDGED_NOISE).metrics
+        rows.append([found[metric].ravel() for metric in Judged._fields])
+    return Judged(*np.moveaxis(np.array(rows), 1, 0))
+
+
+def less(lab: Lab, law: str, other: str) -> Interval:
+    """Mean RMS deviation of a law less that of another, paired by material, deg; interval of 95 %."""
+    a, b = (judged(lab, name).rms_error.mean(axis=0) for name in (law, other))
+    fine = np.zeros(a.size, dtype=bool)
+    return paired(law, other, a, b, fine, fine, SEED).difference
+
+
+if __name__ == "__main__":
+    from leadscrew.catalogue import study
+
+    write(Lab(study("sofnn_tangent")))

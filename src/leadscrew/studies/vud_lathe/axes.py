@@ -16,6 +16,7 @@ from leadscrew.controllers.vud.scaled import vud_scaled
 from leadscrew.kernel.block import Block
 from leadscrew.studies.lab import Lab, measure
 from leadscrew.studies.vud_lathe.controllers import VARIANTS
+from leadscrew.studies.vud_lathe.scenarios import MACHINES, STEPS
 
 DRAWS, SEED = 200, 9
 """How many axes, and the seed that they are drawn with."""
@@ -52,6 +53,9 @@ READER_LAGS_S = np.array([0.003, 0.009, 0.012])
 """Lags of the grating reader; the paper has 6 ms."""
 FRICTIONS = np.array([0.005, 0.01, 0.02, 0.05])
 """Duties that friction takes off every command, moving or not."""
+
+HELD_OUT_MM_S = np.concatenate([[259.0, 334.0], np.random.default_rng(2014).uniform(259.0, 334.0, 62)])
+"""64 speeds at full duty, both ends among them; no search has seen them."""
 
 Metrics = Mapping[str, np.ndarray]
 
@@ -118,3 +122,12 @@ def friction_sweep(lab: Lab, scenario: str, integral: bool, share: float) -> Met
         "actuator.subtract": np.ones(len(FRICTIONS)),
     }
     return lab.batch(block, scenario, changes, machine="dead_zone").metrics
+
+
+@measure
+def settled_s(lab: Lab, controller: str) -> np.ndarray:
+    """Seconds to 2 um of both steps, on the nominal axis and on 64 that no search has seen, ``[axis, step]``."""
+    speeds = np.concatenate([[MACHINES["linear"].plant.params.full_duty_speed_mm_s], HELD_OUT_MM_S])
+    varied = {"plant.full_duty_speed_mm_s": speeds}
+    found = [lab.batch(controller, s.scenario, varied, 2.5).metrics["settling_2um"] for s in STEPS.values()]
+    return np.nan_to_num(np.array(found).T, nan=np.inf)

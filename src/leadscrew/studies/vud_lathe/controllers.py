@@ -10,14 +10,16 @@ ones are the best of one search each, rounded to four digits, and can be found a
 from __future__ import annotations
 
 from dataclasses import replace
+from pathlib import Path
 
-from leadscrew.controllers.vud import duty_pd, duty_pid, power_law, vud, vud_beta_e
+from leadscrew.controllers.vud import duty_pd, duty_pd_observed, duty_pid, power_law, vud, vud_beta_e
 from leadscrew.controllers.vud.family import BELL, BETA_E, ERROR, MAXIMUM, MEAN, ONE, PRODUCT, UNITY, vud_family
 from leadscrew.controllers.vud.fast import vud_fast
 from leadscrew.controllers.vud.incremental import vud_incremental
 from leadscrew.controllers.vud.integral_factor import vud_integral_factor
 from leadscrew.controllers.vud.scaled import ROBUST, vud_scaled
 from leadscrew.kernel.block import Block
+from leadscrew.studies.tuned import tuned
 
 FIXED = {"output_from": UNITY, "e_kind": ONE, "ec_tau": 0.0}
 """No universe contracts."""
@@ -161,6 +163,20 @@ CONSTANT = vud_fast(
 """The nominal setting with universes that do not contract: search(linear, {"e_tau": 0.0, "ec_tau": 0.0}, robust=False,
 seed=2, generations=120), 3,420 candidates. It tells what is the observer's and what the contraction's."""
 
+FOLDER = Path(__file__).parent
+EQUALS: dict[str, Block] = {
+    f"ours.{name}{kind}": tuned(FOLDER, f"{name}{kind}", block, f"{doc}: {plants}.")
+    for name, block, doc in (
+        ("pd_tuned", duty_pd, "A plain PD, as well tuned as the rules"),
+        ("vud_tuned", vud_scaled, "The rules on error and change, as well tuned as the PD"),
+        ("pd_observed", duty_pd_observed, "A plain PD behind the observer"),
+        ("vud_observed", vud_fast, "The rules behind the observer"),
+    )
+    for kind, plants in (("", "on the nominal axis"), ("_robust", "on axes of 259 to 334 mm/s"))
+}
+"""Rules and PD with the same measurements, tuned by the same search; the second pair has more information: an observer
+that knows the chain of the axis."""
+
 CONTROLLERS: dict[str, Block] = {
     "paper.vud": vud,
     "corrected.vud_beta_e": vud_beta_e,
@@ -172,8 +188,10 @@ CONTROLLERS: dict[str, Block] = {
     "ours.pd": duty_pd,
     **VARIANTS,
     **FAST,
+    **EQUALS,
 }
-"""The printed law and its corrections; three fits of the servo that it replaced; a plain PD; variants; the fast ones.
+"""The printed law and its corrections; three fits of the servo that it replaced; a plain PD; variants; the fast ones;
+rules and PD tuned alike.
 
 The P and PID fits hold for 209 mm/s at full duty, where they fit Table 1 best (see ``original.py``).
 """
