@@ -96,6 +96,6 @@ def judged(lab: Lab, case: str) -> dict[str, Judged]:
     fuzzy, kept = errors["fsmc"], {}
     for law, e in sorted(errors.items(), key=lambda item: float(np.nanmean(item[1]))):
         less = paired(law, "fsmc", e, fuzzy, np.isnan(e), np.isnan(fuzzy), SEED, law == "fsmc").difference
-        ends = (None, None) if law == "fsmc" else (less.low, less.high)
-        kept[law] = Judged(float(np.nanmean(e)), *ends, float(np.nanmax(e)), chatter[law], int(np.isnan(e).sum()))
+        low, high = (None, None) if law == "fsmc" else (less.low, less.high)
+        kept[law] = Judged(float(np.nanmean(e)), low, high, float(np.nanmax(e)), chatter[law], int(np.isnan(e).sum()))
     return kept
