@@ -27,6 +27,11 @@ def tiny(tmp_path, monkeypatch):
     return "tiny.py:STUDY"
 
 
+def beside(report):
+    """What lies in the folder of a report but bytecode."""
+    return {p.name for p in report.parent.iterdir()} - {"__pycache__"}
+
+
 @pytest.fixture
 def pages(monkeypatch):
     """No figure is drawn: that takes a second."""
@@ -103,7 +108,7 @@ def test_an_older_report_is_replaced_and_nothing_else_ever_is(call, refused, tin
     call("run", tiny, "--out", out, "--no-figures")
     (out / "stale").write_text("of the older report")
     call("run", tiny, "--out", out, "--no-figures")
-    assert not (out / "stale").exists() and {p.name for p in tmp_path.iterdir()} - {"__pycache__"} == {"report", "tiny.py"}
+    assert not (out / "stale").exists() and beside(out) == {"report", "tiny.py"}
     shutil.rmtree(out)
     out.mkdir()
     call("run", tiny, "--out", out, "--no-figures")
