@@ -16,8 +16,13 @@ def test_the_file_is_a_controller_with_the_command_that_finds_it_again(call, tmp
     assert (file.study, file.controller) == ("npid_xytable", "pid") and file.tuning["holds"] is True
     found = strict_json(call(*file.tuning["command"].split()[1:], "-o", two, "--json").stdout)
     assert found["parameters"] == dict(controller_file.read(two).parameters) == dict(file.parameters)
-    run = strict_json(call("simulate", "npid_xytable", "-c", one, "-s", "measured_1000", "--json").stdout)
-    assert run["metrics"]["rms_error"] < 3e-3
+    given = [word for name, value in file.parameters.items() for word in ("--set", f"controller.{name}={value!r}")]
+    runs = [
+        strict_json(call("simulate", "npid_xytable", "-s", "measured_1000", "--json", "-c", *words).stdout)
+        for words in ([one], ["pid", *given], ["pid"])
+    ]
+    by_file, by_hand, untuned = (run["metrics"]["rms_error"] for run in runs)
+    assert by_file == by_hand < untuned
 
 
 @pytest.mark.parametrize(
