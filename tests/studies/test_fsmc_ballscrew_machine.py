@@ -16,6 +16,7 @@ from leadscrew.studies.fsmc_ballscrew import backlash, drives
 from leadscrew.studies.fsmc_ballscrew.circles import CIRCLES, both, circle_of, jumps_um, one
 from leadscrew.studies.fsmc_ballscrew.friction_experiments import peak_friction
 from leadscrew.studies.fsmc_ballscrew.learned import FIXED, passes_um, slip_foreseen_wrong
+from leadscrew.studies.fsmc_ballscrew.scenarios import sine_of
 from leadscrew.studies.lab import Lab
 
 MM = 1.5923
@@ -145,7 +146,14 @@ def test_a_filter_that_the_controller_does_not_know_costs_its_lag_times_the_spee
 
 @pytest.mark.slow
 def test_with_a_sample_of_delay_the_gains_made_for_it_hold_and_others_by_chance():
-    assert drives.survivors(LAB, "ours.pd_dob_robust") < 8 == drives.survivors(LAB, "ours.pd_dob_delay")
+    """Eight runs on sin 2 pi t whose amplitudes differ by 1e-4; one that stays within 10 um never leaves the track."""
+
+    def survivors(controller):
+        size = sine_of("sine_fast").amplitude_mm * (1.0 + 1e-4 * np.arange(8))
+        done = drives.driven(controller, "sine_fast", "delay").batch(8.0, {"reference.amplitude": size})
+        return np.sum(1e3 * done.metrics["max"] <= 10.0)
+
+    assert survivors("ours.pd_dob_robust") < 8 == survivors("ours.pd_dob_delay")
 
 
 @pytest.mark.slow

@@ -7,7 +7,7 @@ from leadscrew.controllers.pid import TUNINGS as PID
 from leadscrew.disturbances.sine_load import sine_load
 from leadscrew.studies.npid_xytable.calibration import gain_um_per_mv
 from leadscrew.studies.npid_xytable.rejection import BEST, best_pid, let_through, opened, peak
-from leadscrew.studies.npid_xytable.spindle import FINDS, IS_TOLD, wrongly_told
+from leadscrew.studies.npid_xytable.spindle import ADAPTIVE, KNOWN_SPEED, wrong_speed
 from leadscrew.studies.npid_xytable.table2 import LINES_HZ
 from tests.controllers.table_axis import lines_um, rms_um, table_axis
 from tests.studies.npid_lab import lab
@@ -57,18 +57,18 @@ def test_the_global_search_ends_where_the_tuning_is():
 
 @pytest.mark.slow
 def test_the_spindle_is_found_on_every_speed_and_the_error_is_small():
-    found = wrongly_told(lab(), FINDS)
+    found = wrong_speed(lab(), ADAPTIVE)
     assert found.found_after().max() < 6.0
     assert found.estimate[:, -500:] == pytest.approx(np.outer(1.0 + found.share, np.ones(500)), abs=4e-4)
     assert found.rms.max() < 0.1
-    told = wrongly_told(lab(), IS_TOLD)
+    told = wrong_speed(lab(), KNOWN_SPEED)
     assert told.rms[told.share == 0.0].max() < 0.1 < told.rms[told.share != 0.0].min()
 
 
 @pytest.mark.slow
 def test_the_batch_is_the_runs_one_by_one():
     """Row 0: 1,000 1/min told, 2 % less turned, by a loop built by hand with the same lines but other noise."""
-    block = lab().study.controllers[FINDS](**{"inner.spindle_hz": 1000.0 / 60.0})
+    block = lab().study.controllers[ADAPTIVE](**{"inner.spindle_hz": 1000.0 / 60.0})
     loop = lab().loop(block, "measured_1000", changes={"plant.spindle_hz": 0.98 * 1000.0 / 60.0}, seed=99)
     alone = loop.run(20.0, record=("true_error",))
-    assert rms_um(alone) == pytest.approx(wrongly_told(lab(), FINDS).rms[0], rel=0.05)
+    assert rms_um(alone) == pytest.approx(wrong_speed(lab(), ADAPTIVE).rms[0], rel=0.05)

@@ -120,6 +120,8 @@ EQUAL = ("smc", "csmc", "fsmc", "smc_integral", "pid_friction", "pd_dob", "pid_b
 """Laws of the equal comparison, by the name of their file in ``tuned``."""
 ON_A_DRIVE = ("fsmc", "smc_integral", "pid_friction")
 """Those that are tuned with a delay and with an axial mode as well."""
+CASES = {"rigid": EQUAL, "printed": EQUAL, "delay": ON_A_DRIVE, "mode": ON_A_DRIVE}
+"""The stages that laws are tuned for: drawn ones, that of Table 2, with a sample of delay, with an axial mode."""
 
 
 def named(law: str, case: str) -> str:
@@ -133,7 +135,6 @@ def _tuned(name: str) -> Block:
 
 
 CONTROLLERS: Mapping[str, Block] = _OWN | {
-    f"tuned.{name}": _tuned(name)
-    for name in (*EQUAL, *(named(law, case) for case in ("delay", "mode") for law in ON_A_DRIVE))
+    f"tuned.{name}": _tuned(name) for name in (named(law, case) for case, laws in CASES.items() for law in laws)
 }
 """All of them; ``tuned.*`` have the gains of equal searches, see :mod:`leadscrew.studies.fsmc_ballscrew.equal`."""

@@ -117,11 +117,3 @@ def largest_um(lab: Lab, controller: str, scenario: str, drive: str = "ideal") -
     loop.adopt_program(lab.once(("program", loop.compiled_from()), lambda: loop))
     found = loop.run(SECONDS[scenario], every=0).metrics["max"]
     return 1e3 * float(found) if np.isfinite(found) else None
-
-
-@measure
-def survivors(lab: Lab, controller: str, seconds: float = 8.0, runs: int = 8, within_um: float = 10.0) -> int:
-    """Of runs on sin 2 pi t with a sample of delay, how many never leave the track; their amplitudes differ by 1e-4."""
-    size = sine_of("sine_fast").amplitude_mm * (1.0 + 1e-4 * np.arange(runs))
-    done = driven(controller, "sine_fast", "delay").batch(seconds, {"reference.amplitude": size})
-    return int(np.sum(np.nan_to_num(1e3 * done.metrics["max"], nan=math.inf) <= within_um))

@@ -28,8 +28,8 @@ DRAWS = 30
 """Of phases, for each spindle speed."""
 FEW = 6
 """The same where amplitudes hardly depend on the draw."""
-TOLD = ("ours.resonant_full", "ours.resonant_full_185", "ours.resonant_adaptive")
-"""Controllers that are told the spindle's speed, as a CNC can."""
+SPEED_KNOWN = ("ours.resonant_full", "ours.resonant_full_185", "ours.resonant_adaptive")
+"""Controllers that get the spindle's speed, as a CNC can give it."""
 BOX: dict[str, np.ndarray] = {
     f"plant.{key}": np.array([combination[i] for combination in product(
         (0.8 * 69380.0, 69380.0, 1.2 * 69380.0), (0.8 * 144.8, 1.2 * 144.8), (0.70e-3, 0.85e-3),
@@ -124,7 +124,7 @@ class Trial:
 
 
 def spindle_key(loop: Loop) -> str:
-    """Where a controller is told the spindle's speed: the outermost place."""
+    """Where a controller gets the spindle's speed: the outermost place."""
     places = [key for key in loop.sheet if key.startswith("controller.") and key.endswith("spindle_hz")]
     return min(places, key=len)
 
@@ -163,8 +163,8 @@ def tried(
     """The three speeds with ``draws`` of phases each, on the nominal plant or on every plant of :data:`BOX`.
 
     ``own_plants``: each draw on a plant of its own, from within the box. ``encoder``: of 0.5 um with 0.1 um of noise.
-    ``phases``: ``(3, runs a speed, 5)`` in place of random ones. The controllers of :data:`TOLD` are told the spindle's
-    speed.
+    ``phases``: ``(3, runs a speed, 5)`` in place of random ones. The controllers of :data:`SPEED_KNOWN` get the
+    spindle's speed.
     """
     read = {} if encoder else {"encoder_um": 0.0, "noise_um": 0.0}
     loop = lab.loop(controller, "measured_1000", **read, **options)
@@ -176,7 +176,7 @@ def tried(
     speed, draw, plant = (np.array(x) for x in zip(*order, strict=True))
     rpm = np.array(SPEEDS)[speed]
     varied = line_volts(rpm, by_speed[speed, draw]) | {"plant.spindle_hz": rpm / 60.0}
-    if controller in TOLD:
+    if controller in SPEED_KNOWN:
         varied[spindle_key(loop)] = rpm / 60.0
     if box:
         varied |= {key: values[plant] for key, values in BOX.items()}

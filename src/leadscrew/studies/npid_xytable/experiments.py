@@ -464,7 +464,7 @@ def unknown_spindle_speed(lab: Lab) -> tuple[Table, str]:
     """1,000 to 3,000 1/min, right, 2 % off, growing by 0.1 % a second from 2 % below, and swinging by 2 % in 10 s;
     resonators that estimate the speed, and resonators that take the set one.
     """
-    fine, coarse = spindle.wrongly_told(lab, spindle.FINDS), spindle.wrongly_told(lab, spindle.IS_TOLD)
+    fine, coarse = spindle.wrong_speed(lab, spindle.ADAPTIVE), spindle.wrong_speed(lab, spindle.KNOWN_SPEED)
     moving = {"growing": (spindle.DRIFT, 0.0), "swinging": (0.0, spindle.OFF)}
     rows: dict[str, tuple[Any, ...]] = {}
     for name, exact in (("right", True), ("2 % off", False)):

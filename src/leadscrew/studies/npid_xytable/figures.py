@@ -34,7 +34,7 @@ from leadscrew.studies.npid_xytable import chatter, friction, spindle
 from leadscrew.studies.npid_xytable.calibration import PERIOD_S
 from leadscrew.studies.npid_xytable.claims import NPID, PID, RETUNED
 from leadscrew.studies.npid_xytable.controllers import CONTROLLERS
-from leadscrew.studies.npid_xytable.cutting import FEW, TOLD, lines_um, trial
+from leadscrew.studies.npid_xytable.cutting import FEW, SPEED_KNOWN, lines_um, trial
 from leadscrew.studies.npid_xytable.experiments import BOXED, chatter_rows
 from leadscrew.studies.npid_xytable.intercept import PRINTED
 from leadscrew.studies.npid_xytable.laws import straight_fit
@@ -56,8 +56,8 @@ FREQUENCIES = [f"{hz:.1f}" for hz in LINES_HZ]
 
 
 def cut(lab: Lab, controller: str) -> Run:
-    """A controller's run at 1,000 1/min; told the spindle's speed where it takes it."""
-    if controller not in TOLD:
+    """A controller's run at 1,000 1/min, with the spindle's speed where it takes it."""
+    if controller not in SPEED_KNOWN:
         return lab.run(controller, "spindle_1000")
     keys = [e.key for e in entries(CONTROLLERS[controller].params, "controller.") if e.key.endswith("spindle_hz")]
     return lab.run(controller, "spindle_1000", changes={min(keys, key=len): 1000.0 / 60.0})

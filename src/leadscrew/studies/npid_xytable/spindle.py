@@ -193,7 +193,7 @@ WANDER_S = 10.0
 NEAR = 5e-4
 """The speed counts as found when it stays within this share of itself."""
 ESTIMATE = "controller.spindle.spindle_hz"
-FINDS, IS_TOLD = "ours.resonant_adaptive", "ours.resonant_full"
+ADAPTIVE, KNOWN_SPEED = "ours.resonant_adaptive", "ours.resonant_full"
 
 
 @dataclass(frozen=True)
@@ -201,14 +201,14 @@ class Cuts:
     """Runs of 1 mm at 0.7 Hz under Table II's lines and the spindle's; the first axis is the run."""
 
     rpm: np.ndarray
-    """Told, 1/min."""
+    """Commanded, 1/min."""
     share: np.ndarray
-    """Turned, less 1, over told."""
+    """Turned over commanded, less 1."""
     rms: np.ndarray
     """um, of the last half."""
     time: np.ndarray
     estimate: np.ndarray
-    """Estimated speed over the told one, over time; empty for a controller that estimates none."""
+    """Estimated speed over the commanded one, over time; empty for a controller that estimates none."""
 
     def found_after(self) -> np.ndarray:
         """Time from which on the estimate stays within :data:`NEAR` of the speed, s."""
@@ -218,7 +218,7 @@ class Cuts:
 
 
 @measure
-def wrongly_told(lab: Lab, controller: str) -> Cuts:
+def wrong_speed(lab: Lab, controller: str) -> Cuts:
     """The three speeds, each right and off by 2 % to either side."""
     rpm, share = (np.array(x) for x in zip(*product(SPEEDS, (-OFF, 0.0, OFF)), strict=True))
     phases = np.random.default_rng(7).uniform(0.0, 2.0 * np.pi, (7, 13 * len(rpm)))[:, : len(rpm)]
@@ -229,7 +229,7 @@ def wrongly_told(lab: Lab, controller: str) -> Cuts:
         "plant.tooth_phase": phases[6],
         **line_volts(rpm, phases[:5].T),
     }
-    shown = (ESTIMATE,) if controller == FINDS else ()
+    shown = (ESTIMATE,) if controller == ADAPTIVE else ()
     done = lab.batch(controller, "measured_1000", varied, CUT_S, record=("true_error", *shown))
     estimate = done[ESTIMATE][:, ::20] / (rpm / 60.0)[:, None] if shown else np.zeros((len(rpm), 0))
     return Cuts(rpm, share, 1e3 * done.metrics["rms_error"], done.time[::20], estimate)
@@ -237,9 +237,9 @@ def wrongly_told(lab: Lab, controller: str) -> Cuts:
 
 @measure
 def moving_speed(lab: Lab, drift: float, wander: float) -> Cuts:
-    """Three speeds that start 2 % below what was told and grow, or that wander about it with a period of 10 s."""
+    """Three speeds that start 2 % below the commanded one and grow, or that wander about it with a period of 10 s."""
     load = wandering_spindle(drift=drift, wander=wander, wander_s=WANDER_S)
-    loop = lab.loop(FINDS, "measured_1000", disturbance=load, changes={"plant.spindle_v": 0.0, "plant.tooth_v": 0.0})
+    loop = lab.loop(ADAPTIVE, "measured_1000", disturbance=load, changes={"plant.spindle_v": 0.0, "plant.tooth_v": 0.0})
     rpm, start = np.array(SPEEDS), -OFF if drift else 0.0
     varied: dict[str, Any] = line_volts(rpm, np.zeros((3, 5)), "disturbance.lines")
     varied |= {"controller.inner.spindle_hz": rpm / 60.0, "disturbance.spindle_hz": rpm / 60.0 * (1.0 + start)}
