@@ -15,8 +15,8 @@ from leadscrew.analysis.friction import friction_along, friction_velocity
 from leadscrew.figures.panels import grid, with_legend
 from leadscrew.friction.lugre import LuGre
 from leadscrew.identify.friction import FrictionFit, fit_friction
-from leadscrew.plants.ballscrew_stage import TRAVEL_MM_PER_RAD
-from leadscrew.references.friction_test import ROWS
+from leadscrew.plants import TRAVEL_MM_PER_RAD
+from leadscrew.references._friction_test import ROWS
 from leadscrew.report.ballbar_picture import CIRCLE, centred, division_um
 from leadscrew.report.style import BLACK, BLUE, GREEN, ORANGE, VERMILION, pen
 from leadscrew.studies.fsmc_ballscrew.circles import CIRCLES, circle_of

@@ -12,16 +12,16 @@ from friction_images import images as friction_images_of_the_stage
 
 from leadscrew import Loop, catalogue, experiment, fuzzy
 from leadscrew.bench import stage_picture
-from leadscrew.controllers.axis_cascade import axis_cascade
+from leadscrew.controllers import axis_cascade
 from leadscrew.experiment import Experiment
 from leadscrew.identify.axis.fit import identify_axis
 from leadscrew.logs import axis_log
-from leadscrew.plants.servo_axis import servo_axis
-from leadscrew.references.waypoints import waypoints
+from leadscrew.plants import servo_axis
+from leadscrew.references import waypoints
 from leadscrew.report import backlash, friction
 from leadscrew.report import fuzzy as pictures
 from leadscrew.report.identified_axis_picture import friction_figure, position_figure
-from leadscrew.sensors.axis_reading import axis_reading
+from leadscrew.sensors import axis_reading
 from leadscrew.studies.lab import Lab
 from leadscrew.tune.job import Job
 from leadscrew.tune.tuned_figures import figures

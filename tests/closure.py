@@ -5,7 +5,7 @@
 
 An edge leads from a file to each file that it imports (also in functions, in strings of code, in the Python of a page)
 or names. A name of a lazy package leads to the file that defines it. Tables of strings (``{"sine":
-"leadscrew.references.sine:sine"}``) and typer's commands lead to those entries whose key is in a string of the test.
+"leadscrew.references._sine:sine"}``) and typer's commands lead to those entries whose key is in a string of the test.
 """
 
 from __future__ import annotations
@@ -53,6 +53,11 @@ class Tree:
         """The module of each public name of a lazy package."""
         file = self.module(package)
         homes: dict[str, str] = {}
+        if f"{file}i" in self.files:
+            for node in ast.parse((self.root / f"{file}i").read_text(encoding="utf-8")).body:
+                if isinstance(node, ast.ImportFrom) and node.level == 1 and node.module:
+                    homes |= {alias.name: f"{package}.{node.module}" for alias in node.names}
+            return homes
         if file.endswith("/__init__.py"):
             for node in ast.walk(ast.parse((self.root / file).read_text(encoding="utf-8"))):
                 rows = strings(node)

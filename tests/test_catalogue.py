@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import importlib
 import pkgutil
+import types
 
 import pytest
 
@@ -21,23 +22,32 @@ def test_every_row_is_a_block_of_its_name():
 
 
 def test_every_row_of_the_other_tables_resolves():
-    assert all(callable(made) and made.__doc__ for made in catalogue.makers().values())
-    assert {catalogue.maker_kind(n) for n in catalogue.MAKERS} <= set(KINDS)
+    assert all(callable(made) and made.__doc__ for made in catalogue.factories().values())
+    assert {catalogue.factory_kind(n) for n in catalogue.FACTORIES} <= set(KINDS)
     for name in catalogue.STUDIES:
         assert catalogue.study(name).name == name
 
 
 def test_every_block_of_the_library_has_a_row():
-    known = {target.replace(":", ".") for target in catalogue.BLOCKS.values()}
+    known = {id(block) for block in catalogue.blocks().values()}
     missing = []
     for package in PACKAGES:
         home = importlib.import_module(f"leadscrew.{package}")
         for info in pkgutil.walk_packages(home.__path__, f"{home.__name__}."):
-            module = importlib.import_module(info.name)
-            for name, found in vars(module).items():
-                if isinstance(found, Block) and found.step.__module__ == info.name and not name.startswith("_"):
-                    missing += [f"{info.name}.{name}"] if f"{info.name}.{name}" not in known else []
+            for name, block in vars(importlib.import_module(info.name)).items():
+                if isinstance(block, Block) and block.step.__module__ == info.name and not name.startswith("_"):
+                    missing += [f"{info.name}.{name}"] if id(block) not in known else []
     assert not missing, f"give these blocks a row in leadscrew/catalogue.py: {missing}"
+
+
+def test_packages_of_blocks_export_blocks_and_no_modules():
+    for package in PACKAGES:
+        home = importlib.import_module(f"leadscrew.{package}")
+        shown = {name: getattr(home, name) for name in home.__all__ if name != "grating"}
+        assert shown and not [name for name, value in shown.items() if isinstance(value, types.ModuleType)]
+    from leadscrew.controllers import pid
+
+    assert pid(kp=2.0).params.kp == 2.0
 
 
 def test_every_standard_metric_has_a_row():

@@ -4,8 +4,8 @@ import math
 
 import pytest
 
-from leadscrew.actuators.limits import limits
-from leadscrew.actuators.stiction import stiction
+from leadscrew.actuators._limits import limits
+from leadscrew.actuators._stiction import stiction
 from leadscrew.kernel.errors import ValueRefused
 
 

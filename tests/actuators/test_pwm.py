@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from leadscrew.actuators.pwm import mean_voltage, pwm
+from leadscrew.actuators._pwm import mean_voltage, pwm
 from leadscrew.kernel.errors import ValueRefused
 
 

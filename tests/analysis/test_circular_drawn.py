@@ -18,8 +18,8 @@ from leadscrew.analysis.circular.machine import Machine
 from leadscrew.analysis.circular.quantities import quantities
 from leadscrew.kernel.block import controller, plant, sensor
 from leadscrew.kernel.errors import DataError, Diverged, ValueRefused
-from leadscrew.references.path import line, path
-from leadscrew.references.sine import sine, sine_motion
+from leadscrew.references._path import line, path
+from leadscrew.references._sine import sine, sine_motion
 
 
 class Pair(NamedTuple):

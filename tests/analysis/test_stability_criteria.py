@@ -15,10 +15,10 @@ from leadscrew.analysis.stability.lure import lure
 from leadscrew.analysis.stability.popov import popov
 from leadscrew.analysis.stability.sampled import sampled_loop
 from leadscrew.analysis.stability.tsypkin import tsypkin
-from leadscrew.controllers.npid import npid
-from leadscrew.controllers.pid import TUNINGS
+from leadscrew.controllers._npid import npid
+from leadscrew.controllers._pid import TUNINGS
 from leadscrew.kernel.errors import ValueRefused
-from leadscrew.references.sine import sine
+from leadscrew.references._sine import sine
 from tests.analysis.test_stability_margins import random_rational
 from tests.controllers.xy_loop import xy_loop
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from leadscrew import controller_file
-from leadscrew.controllers.vud.universe import TABLE_2
+from leadscrew.controllers._vud.universe import TABLE_2
 from leadscrew.export.folder import compiler_path
 from tests.cli.conftest import left, strict_json
 from tests.design.moves import TABLE_1, rows, swapped, write

@@ -17,7 +17,7 @@ from leadscrew.kernel.block import controller, reference
 from leadscrew.kernel.errors import BlockError, ValueRefused
 from leadscrew.kernel.loop import Loop
 from leadscrew.kernel.metrics import rms_error
-from leadscrew.references.sine import sine_motion
+from leadscrew.references._sine import sine_motion
 from tests.budget import in_every_run
 from tests.cli.conftest import strict_json
 from tests.cli.plain_study import STUDY, slide

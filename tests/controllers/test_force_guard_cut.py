@@ -5,17 +5,17 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 
-from leadscrew.controllers.grey_fuzzy.tunings import TUNINGS
-from leadscrew.controllers.guard import HOLDING, RUNNING, Clock, force_guard
-from leadscrew.controllers.guard.watching import NOT_FINITE, STUCK, CellChecks, Levels, Seen, looked
-from leadscrew.disturbances.hard_spot import hard_spot
+from leadscrew.controllers._guard import HOLDING, RUNNING, Clock, force_guard
+from leadscrew.controllers._guard.watching import NOT_FINITE, STUCK, CellChecks, Levels, Seen, looked
+from leadscrew.disturbances._hard_spot import hard_spot
 from leadscrew.kernel.block import controller
 from leadscrew.kernel.engines import ENGINES
 from leadscrew.kernel.loop import Loop
-from leadscrew.plants.turning import turning
-from leadscrew.references.cutting_program import cutting_program
-from leadscrew.sensors.faulty_load_cell import KINDS, faulty_load_cell
-from leadscrew.sensors.load_cell import CutReading, lathe_reading
+from leadscrew.plants._turning import turning
+from leadscrew.references._cutting_program import cutting_program
+from leadscrew.sensors._faulty_load_cell import KINDS, faulty_load_cell
+from leadscrew.sensors._load_cell import CutReading, lathe_reading
+from leadscrew.studies.grey_turning.tunings import TUNINGS
 from tests.tools import runnable
 
 TFC = TUNINGS["corrected.tfc_stfc"]

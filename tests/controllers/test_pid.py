@@ -5,11 +5,11 @@ import pytest
 from scipy import signal
 from scipy.linalg import expm
 
-from leadscrew.controllers.pid import TUNINGS, pid
+from leadscrew.controllers._pid import TUNINGS, pid
 from leadscrew.kernel.errors import ValueRefused
-from leadscrew.plants.xy_table import xy_table
-from leadscrew.references.sine import sine
-from leadscrew.references.step import step
+from leadscrew.plants._xy_table import xy_table
+from leadscrew.references._sine import sine
+from leadscrew.references._step import step
 from tests.controllers.xy_loop import PERIOD, outputs, xy_loop
 
 RNG = np.random.default_rng(11)

@@ -4,15 +4,15 @@ import numpy as np
 import pytest
 from scipy.optimize import least_squares
 
-from leadscrew.controllers.pid import pid
-from leadscrew.controllers.sofnn import ACCUMULATE, NLMS, STORED, TUNINGS, fnn, sofc, sofnn, with_network, with_rules
-from leadscrew.controllers.sofnn.tunings import BAD_SLOPE
+from leadscrew.controllers._pid import pid
+from leadscrew.controllers._sofnn import ACCUMULATE, NLMS, STORED, fnn, sofc, sofnn, with_network, with_rules
 from leadscrew.export.folder import compiler_path
 from leadscrew.kernel.errors import BlockError, ValueRefused
 from leadscrew.neural.inference_net import W0, regressors
 from leadscrew.neural.performance import GOLDEN, LEVELS, NETWORK, ODD, ROUNDED, TABLE, measured
-from leadscrew.references.cut_line import TangentCommand
-from leadscrew.sensors.cut_camera import SeenCut
+from leadscrew.references._cut_line import TangentCommand
+from leadscrew.sensors._cut_camera import SeenCut
+from leadscrew.studies.sofnn_tangent.tunings import BAD_SLOPE, TUNINGS
 from tests.controllers.sofnn_loop import QUIET, T, knife_loop, rms, state_of
 from tests.tools import missing
 

@@ -5,13 +5,13 @@ import math
 import numpy as np
 import pytest
 
-from leadscrew.controllers.tangent.curvature_feed_forward import curvature_feed_forward
-from leadscrew.controllers.tangent.curvature_network import apart_covariance, curvature_network, start_covariance
+from leadscrew.controllers._tangent.curvature_feed_forward import curvature_feed_forward
+from leadscrew.controllers._tangent.curvature_network import apart_covariance, curvature_network, start_covariance
 from leadscrew.kernel.errors import ValueRefused
 from leadscrew.neural.inference_net import Fired
 from leadscrew.neural.kalman import kalman_learn
-from leadscrew.references.cut_line import TangentCommand
-from leadscrew.sensors.cut_camera import SeenCut
+from leadscrew.references._cut_line import TangentCommand
+from leadscrew.sensors._cut_camera import SeenCut
 from tests.controllers.tangent_loop import knife
 
 SEEN = ("command", "feedback", "output")

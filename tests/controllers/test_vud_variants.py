@@ -5,16 +5,16 @@ import math
 import numpy as np
 import pytest
 
-from leadscrew.actuators.dead_zone import dead_zone
-from leadscrew.controllers.vud import vud, vud_beta_e, vud_family, vud_incremental, vud_integral_factor, vud_scaled
-from leadscrew.controllers.vud.family import BELL, BETA_E, ERROR, MAXIMUM, MEAN, ONE, PRINTED, PRODUCT, RATE, UNITY
-from leadscrew.controllers.vud.scaled import ROBUST
+from leadscrew.actuators._dead_zone import dead_zone
+from leadscrew.controllers._vud import vud, vud_beta_e, vud_family, vud_incremental, vud_integral_factor, vud_scaled
+from leadscrew.controllers._vud.family import BELL, BETA_E, ERROR, MAXIMUM, MEAN, ONE, PRINTED, PRODUCT, RATE, UNITY
+from leadscrew.controllers._vud.scaled import ROBUST
 from leadscrew.kernel.errors import ValueRefused
 from leadscrew.kernel.loop import Loop
 from leadscrew.kernel.metrics import overshoot, settling_time, steady_state_error
-from leadscrew.plants.lathe_servo import lathe_servo
-from leadscrew.references.step import step
-from leadscrew.sensors.grating_count import grating_count
+from leadscrew.plants._lathe_servo import lathe_servo
+from leadscrew.references._step import step
+from leadscrew.sensors._grating_count import grating_count
 from leadscrew.studies.vud_lathe.controllers import VARIANTS
 from tests.studies import lathe_oracle as oracle
 from tests.tools import runnable

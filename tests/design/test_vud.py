@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from leadscrew.controllers.vud import vud, vud_beta_e
-from leadscrew.controllers.vud.universe import TABLE_2
+from leadscrew.controllers._vud import vud, vud_beta_e
+from leadscrew.controllers._vud.universe import TABLE_2
 from leadscrew.design import Factors, design_vud, read_moves
 from leadscrew.design.universes import find_universes
 from leadscrew.fuzzy.partition_count import partition_count

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from leadscrew.controllers.sofnn import sofnn
+from leadscrew.controllers._sofnn import sofnn
 from leadscrew.kernel.sheet import entries
 from tests.docs.snippets import python_of, shown
 

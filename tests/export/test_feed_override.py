@@ -7,12 +7,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from leadscrew.controllers.guard import FeedCommand
+from leadscrew.controllers._guard import FeedCommand
 from leadscrew.export import hal_check, hal_names, hal_run
 from leadscrew.export.controller import export_controller
 from leadscrew.export.folder import write
 from leadscrew.export.hal_check import Stream
-from leadscrew.sensors.load_cell import CutReading
+from leadscrew.sensors._load_cell import CutReading
 from tests.controllers.guarded import Stepped
 from tests.export.hal_bench import needed
 

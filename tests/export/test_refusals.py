@@ -17,8 +17,8 @@ from typing import NamedTuple
 
 from leadscrew import Loop
 from leadscrew.kernel.block import controller
-from leadscrew.plants.xy_table import xy_table
-from leadscrew.references.sine import sine
+from leadscrew.plants._xy_table import xy_table
+from leadscrew.references._sine import sine
 
 
 class Params(NamedTuple):
@@ -39,8 +39,8 @@ def loop():
 CONTINUOUS = """\
 from leadscrew import Loop
 from leadscrew.kernel.block import controller
-from leadscrew.plants.ballscrew_stage import ballscrew_stage
-from leadscrew.references.sine import sine
+from leadscrew.plants._ballscrew_stage import ballscrew_stage
+from leadscrew.references._sine import sine
 
 
 @controller(continuous=True)

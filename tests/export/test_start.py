@@ -12,7 +12,7 @@ from leadscrew.export import fmu, hal
 from leadscrew.export.controller import export_controller
 from leadscrew.export.fmu_variables import variables
 from leadscrew.export.fmu_xml import model_description
-from leadscrew.references.step import step
+from leadscrew.references._step import step
 from tests.tools import missing, needed
 
 PERIOD = 0.01

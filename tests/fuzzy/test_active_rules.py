@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from leadscrew.controllers.vud.universe import CENTRES, TABLE_2
+from leadscrew.controllers._vud.universe import CENTRES, TABLE_2
 from leadscrew.fuzzy.inference import infer, rule_base
 from leadscrew.fuzzy.partition import Partition
 from leadscrew.kernel.errors import ValueRefused

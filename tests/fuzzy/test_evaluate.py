@@ -189,7 +189,7 @@ def test_a_table_is_what_all_its_rules_give(inputs, shoulders):
 
 
 def test_two_inputs_take_the_rule_base_of_the_lathe_with_its_bits():
-    from leadscrew.controllers.vud.universe import CENTRES, TABLE_2
+    from leadscrew.controllers._vud.universe import CENTRES, TABLE_2
 
     names = [f"s{i}" for i in range(6)]
     feet = [-math.inf, *CENTRES, math.inf]

@@ -22,7 +22,7 @@ def contracted(name: str, centres) -> Input:
 
 def lathe() -> System:
     """The rules of the lathe on the universes that section V of the paper prints for e = -0.25, ec = 0.12."""
-    from leadscrew.controllers.vud.universe import TABLE_2
+    from leadscrew.controllers._vud.universe import TABLE_2
 
     e = contracted("e", [-0.2873, -0.1925, -0.0948, 0.0948, 0.1925, 0.2873])
     ec = contracted("ec", [-0.1485, -0.0995, -0.0490, 0.0490, 0.0995, 0.1485])

@@ -2,7 +2,7 @@
 
 import pytest
 
-from leadscrew.controllers.vud.universe import TABLE_2
+from leadscrew.controllers._vud.universe import TABLE_2
 from leadscrew.fuzzy.completion import complete_rules
 from leadscrew.fuzzy.learning import learn_rules
 from leadscrew.fuzzy.partition import Partition

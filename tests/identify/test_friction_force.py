@@ -17,7 +17,7 @@ from leadscrew.identify.friction_force.block import lugre_of, map_of
 from leadscrew.identify.friction_force.models import dahl_force, lugre_force, stops
 from leadscrew.identify.friction_force.record import encoder_step, without_flicker
 from leadscrew.kernel.errors import DataError, ValueRefused
-from leadscrew.plants.servo_axis_lugre import servo_axis_lugre
+from leadscrew.plants._servo_axis_lugre import servo_axis_lugre
 from tests.identify.friction_force_logs import PERIOD, TRUTH, cosines, log
 
 

@@ -8,8 +8,8 @@ import pytest
 
 from leadscrew import Loop, controller, disturbance, plant, reference
 from leadscrew.kernel.loop import RunWarning
-from leadscrew.references.s_curve import s_curve
-from leadscrew.references.step import step
+from leadscrew.references._s_curve import s_curve
+from leadscrew.references._step import step
 
 PERIOD = 0.01
 

@@ -10,9 +10,9 @@ from leadscrew import Loop, catalogue, controller, plant
 from leadscrew.kernel.errors import BlockError, ValueRefused
 from leadscrew.kernel.frame import as_floats
 from leadscrew.kernel.layout import Layout
-from leadscrew.plants.mass_lugre import mass_lugre
-from leadscrew.references.sine import sine
-from leadscrew.references.step import step
+from leadscrew.plants._mass_lugre import mass_lugre
+from leadscrew.references._sine import sine
+from leadscrew.references._step import step
 from tests.kernel import zoo
 
 PERIOD = 0.75e-3

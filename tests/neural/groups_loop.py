@@ -4,11 +4,11 @@ from dataclasses import replace
 
 import numpy as np
 
-from leadscrew.controllers.sofnn.all_weights import sofnn_all_weights
-from leadscrew.disturbances.cut_load import cut_load
+from leadscrew.controllers._sofnn.all_weights import sofnn_all_weights
+from leadscrew.disturbances._cut_load import cut_load
 from leadscrew.kernel.loop import Loop
 from leadscrew.neural.performance import NETWORK
-from leadscrew.references.cut_line import cut_line
+from leadscrew.references._cut_line import cut_line
 from tests.controllers.sofnn_loop import T, knife_loop
 
 ALL = {"q_centre": 0.01, "q_certainty": 0.01}

@@ -25,7 +25,7 @@ from leadscrew.neural.performance import (
     measured,
 )
 from leadscrew.neural.performance_file import net_text, read_net, read_table, write_net
-from leadscrew.references.step import step
+from leadscrew.references._step import step
 from tests.fuzzy.formats_systems import shared
 from tests.tools import runnable
 

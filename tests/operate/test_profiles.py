@@ -10,7 +10,7 @@ from leadscrew.experiment import Experiment
 from leadscrew.kernel.errors import NameUnknown, ValueRefused
 from leadscrew.operate.profile import fitted, profile_of
 from leadscrew.operate.profiles.sofnn_tangent import MATERIALS
-from leadscrew.plants import flexible_cut
+from leadscrew.plants import _flexible_cut as flexible_cut
 from leadscrew.report.tables import signal_unit
 from tests.operate.playing import STUDIES, loop_of
 

@@ -7,22 +7,22 @@ import numpy as np
 import pytest
 
 from leadscrew import catalogue
-from leadscrew.controllers.force.gain_normalised import gain_normalised
-from leadscrew.controllers.grey_fuzzy import gpfc, smith, tfc
-from leadscrew.controllers.guard.feed_override import feed_override
-from leadscrew.controllers.guard.force_guard import force_guard
-from leadscrew.controllers.input_dob import input_dob
-from leadscrew.controllers.sofnn import TUNINGS as SOFNN
-from leadscrew.controllers.sofnn.all_weights import sofnn_all_weights
-from leadscrew.controllers.tangent.curvature_network import TUNINGS as CURVATURE
-from leadscrew.controllers.vud.family import vud_family
-from leadscrew.controllers.vud.scaled import vud_scaled
+from leadscrew.controllers._force.gain_normalised import gain_normalised
+from leadscrew.controllers._grey_fuzzy import gpfc, smith, tfc
+from leadscrew.controllers._guard.feed_override import feed_override
+from leadscrew.controllers._guard.force_guard import force_guard
+from leadscrew.controllers._input_dob import input_dob
+from leadscrew.controllers._sofnn.all_weights import sofnn_all_weights
+from leadscrew.controllers._tangent.curvature_network import TUNINGS as CURVATURE
+from leadscrew.controllers._vud.family import vud_family
+from leadscrew.controllers._vud.scaled import vud_scaled
 from leadscrew.kernel.sheet import entries
 from leadscrew.operate.why import explained, explainer
-from leadscrew.references.cut_line import TangentCommand
-from leadscrew.references.cutting_program import CutCommand
-from leadscrew.sensors.cut_camera import SeenCut
-from leadscrew.sensors.load_cell import CutReading
+from leadscrew.references._cut_line import TangentCommand
+from leadscrew.references._cutting_program import CutCommand
+from leadscrew.sensors._cut_camera import SeenCut
+from leadscrew.sensors._load_cell import CutReading
+from leadscrew.studies.sofnn_tangent.tunings import TUNINGS as SOFNN
 from tests.operate.plain import check_shares, periods, said, value_of
 
 STUDIES = ("vud_lathe", "grey_turning", "fsmc_ballscrew", "sofnn_tangent", "npid_xytable")

@@ -15,7 +15,7 @@ from leadscrew.analysis.circular.paths import CCW, CircularTest, Turn
 from leadscrew.analysis.circular.quantities import quantities
 from leadscrew.kernel.errors import ValueRefused
 from leadscrew.operate.why import Circle
-from leadscrew.references.sine import sine_motion
+from leadscrew.references._sine import sine_motion
 
 COLUMNS = ["time", "command.position", "actual", "feedback", "y.actual", "y.feedback"]
 RADIUS, FREQUENCY = 0.5, 0.5

@@ -9,11 +9,11 @@ import numpy as np
 import pytest
 
 from leadscrew import Loop, catalogue, plant
-from leadscrew.controllers.grey_fuzzy import tfc
+from leadscrew.controllers._grey_fuzzy import tfc
 from leadscrew.experiment import Experiment
 from leadscrew.fuzzy import block
 from leadscrew.operate.why import explainer
-from leadscrew.references.step import step
+from leadscrew.references._step import step
 from tests.fuzzy.systems import mamdani, sugeno
 from tests.operate.plain import check_shares, said
 

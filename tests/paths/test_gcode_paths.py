@@ -9,8 +9,8 @@ from leadscrew.kernel.errors import DataError, ValueRefused
 from leadscrew.paths.gcode import paths_of_gcode
 from leadscrew.paths.read import read_drawing
 from leadscrew.paths.shapes import rounded_rectangle
-from leadscrew.references.gcode import segments_from_gcode
-from leadscrew.references.gcode_reader import Dialect, moves_from_gcode
+from leadscrew.references._gcode import segments_from_gcode
+from leadscrew.references._gcode_reader import Dialect, moves_from_gcode
 from leadscrew.tangent.emit import program as written
 from leadscrew.tangent.settings import Settings
 from leadscrew.tangent.stroke import strokes_of

@@ -7,8 +7,8 @@ import pytest
 from scipy import signal
 
 from leadscrew.kernel.errors import ValueRefused
-from leadscrew.plants.lathe_servo import LatheServoParams, lathe_servo
-from leadscrew.plants.linear import state_space, transfer_function
+from leadscrew.plants._lathe_servo import LatheServoParams, lathe_servo
+from leadscrew.plants._linear import state_space, transfer_function
 
 DT = 0.01
 

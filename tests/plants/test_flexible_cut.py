@@ -6,15 +6,15 @@ import numpy as np
 import pytest
 from scipy import signal
 
-from leadscrew.controllers.pid import pid
-from leadscrew.disturbances.cut_load import CutLoad, cut_load
+from leadscrew.controllers._pid import pid
+from leadscrew.disturbances._cut_load import CutLoad, cut_load
 from leadscrew.kernel.errors import ValueRefused
 from leadscrew.kernel.loop import Loop
 from leadscrew.kernel.noise import Noise
-from leadscrew.plants.flexible_cut import MATERIALS, FlexibleCutParams, FlexibleCutState, flexible_cut, steady_shear
-from leadscrew.references.cut_line import ROOM, along, cut_line, tables
-from leadscrew.references.step import step
-from leadscrew.sensors.cut_camera import cut_camera, cut_reading
+from leadscrew.plants._flexible_cut import MATERIALS, FlexibleCutParams, FlexibleCutState, flexible_cut, steady_shear
+from leadscrew.references._cut_line import ROOM, along, cut_line, tables
+from leadscrew.references._step import step
+from leadscrew.sensors._cut_camera import cut_camera, cut_reading
 from tests.kernel.loops import turns_blade
 
 T = 0.01

@@ -7,7 +7,7 @@ import pytest
 
 from leadscrew import Loop, catalogue, controller
 from leadscrew.kernel.layout import is_branch
-from leadscrew.references.step import step
+from leadscrew.references._step import step
 from tests.cli.conftest import call  # noqa: F401
 
 SECONDS = 0.2

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from leadscrew.kernel.errors import DataError, ValueRefused
-from leadscrew.references.logged import logged_command
+from leadscrew.references._logged import logged_command
 
 
 def at(block, t):

@@ -5,7 +5,7 @@ import pytest
 
 from leadscrew.kernel.errors import LeadscrewError
 from leadscrew.kernel.loop import Loop
-from leadscrew.references.stairs import stairs
+from leadscrew.references._stairs import stairs
 from tests.kernel import zoo
 
 

@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 
 from leadscrew.kernel.block import controller
 from leadscrew.kernel.loop import Loop
-from leadscrew.references.sine import sine_motion
+from leadscrew.references._sine import sine_motion
 from leadscrew.report import html, tables
 from leadscrew.report.plots import run_figure
 from leadscrew.report.strict import strict

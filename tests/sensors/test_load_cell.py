@@ -5,10 +5,10 @@ import pytest
 
 from leadscrew import Loop, controller
 from leadscrew.kernel.noise import Noise
-from leadscrew.plants.turning import turning
-from leadscrew.references.cutting_program import cutting_force
-from leadscrew.sensors.faulty_load_cell import KINDS, faulty_load_cell
-from leadscrew.sensors.load_cell import CutReading, lathe_reading, load_cell
+from leadscrew.plants._turning import turning
+from leadscrew.references._cutting_program import cutting_force
+from leadscrew.sensors._faulty_load_cell import KINDS, faulty_load_cell
+from leadscrew.sensors._load_cell import CutReading, lathe_reading, load_cell
 
 
 @controller()

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from leadscrew import catalogue
-from leadscrew.controllers.pd_dob import pd_dob
-from leadscrew.controllers.sliding.integral import smc_integral
-from leadscrew.plants.ballscrew_stage import INERTIA
-from leadscrew.references.motion import Motion
+from leadscrew.controllers._pd_dob import pd_dob
+from leadscrew.controllers._sliding.integral import smc_integral
+from leadscrew.plants._ballscrew_stage import INERTIA
+from leadscrew.references._motion import Motion
 from leadscrew.studies.fsmc_ballscrew import equal
 from leadscrew.studies.lab import Lab
 

@@ -8,9 +8,9 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from leadscrew import catalogue
-from leadscrew.controllers.sliding.stage import SlidingParams, View, layer_slope, switching_gain
+from leadscrew.controllers._sliding.stage import SlidingParams, View, layer_slope, switching_gain
 from leadscrew.friction.lugre import TABLE_2, LuGre
-from leadscrew.plants.ballscrew_stage import INERTIA, TRAVEL_MM_PER_RAD
+from leadscrew.plants._ballscrew_stage import INERTIA, TRAVEL_MM_PER_RAD
 from leadscrew.studies.fsmc_ballscrew import laws
 from leadscrew.studies.fsmc_ballscrew.attraction import SYSTEMS, UNKNOWN, hold, reach
 from leadscrew.studies.fsmc_ballscrew.claims import FIGURES

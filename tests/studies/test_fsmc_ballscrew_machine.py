@@ -10,8 +10,8 @@ from leadscrew import catalogue
 from leadscrew.analysis.circular.paths import CircularTest, Turn
 from leadscrew.analysis.circular.quantities import quantities
 from leadscrew.analysis.friction_runs import break_away
-from leadscrew.plants.ballscrew_stage import INERTIA, TRAVEL_MM_PER_RAD
-from leadscrew.plants.mass_lugre import mass_lugre
+from leadscrew.plants._ballscrew_stage import INERTIA, TRAVEL_MM_PER_RAD
+from leadscrew.plants._mass_lugre import mass_lugre
 from leadscrew.studies.fsmc_ballscrew import backlash, drives
 from leadscrew.studies.fsmc_ballscrew.circles import CIRCLES, both, circle_of, jumps_um, one
 from leadscrew.studies.fsmc_ballscrew.friction_experiments import peak_friction

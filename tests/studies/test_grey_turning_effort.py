@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from leadscrew.controllers.grey_fuzzy import tfc
+from leadscrew.controllers._grey_fuzzy import tfc
 from leadscrew.studies.grey_turning import engineers_choice as choice
 from leadscrew.studies.grey_turning import equal_effort as effort
 from leadscrew.studies.grey_turning.equal_effort import (

@@ -7,13 +7,13 @@ import pytest
 from turning_oracle import Fuzzy, Lathe, grey, run
 
 from leadscrew import catalogue
-from leadscrew.controllers.grey_fuzzy.rule_tables import TABLES
-from leadscrew.controllers.grey_fuzzy.tunings import FACTORS
-from leadscrew.sensors.load_cell import load_cell
+from leadscrew.controllers._grey_fuzzy.rule_tables import TABLES
+from leadscrew.sensors._load_cell import load_cell
 from leadscrew.studies import results
 from leadscrew.studies.grey_turning import cuts, laws, protection, removal
 from leadscrew.studies.grey_turning.cuts import BOTH, Case, Cuts, Row, better, compared, together
 from leadscrew.studies.grey_turning.readings import SeedMean, read, seed_mean
+from leadscrew.studies.grey_turning.tunings import FACTORS
 from tests.budget import WHOLE
 from tests.studies.turning_lab import lab
 

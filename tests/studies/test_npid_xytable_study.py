@@ -5,7 +5,7 @@ import pytest
 
 from leadscrew.analysis.stability.sampled import sampled_loop
 from leadscrew.catalogue import study
-from leadscrew.controllers.wrapping import takes_motion
+from leadscrew.controllers._wrapping import takes_motion
 from leadscrew.kernel.errors import LeadscrewError
 from leadscrew.studies import results
 from tests.budget import WHOLE

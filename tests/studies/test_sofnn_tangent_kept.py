@@ -6,9 +6,9 @@ from scipy.ndimage import gaussian_filter1d
 
 from leadscrew import catalogue, controller_file
 from leadscrew.analysis.piece_learning import next_offsets
-from leadscrew.controllers.tangent.curvature_feed_forward import curvature_feed_forward
-from leadscrew.controllers.tangent.curvature_network import curvature_network
-from leadscrew.controllers.tangent.taught_offset import taught_alone
+from leadscrew.controllers._tangent.curvature_feed_forward import curvature_feed_forward
+from leadscrew.controllers._tangent.curvature_network import curvature_network
+from leadscrew.controllers._tangent.taught_offset import taught_alone
 from leadscrew.kernel.errors import ValueRefused
 from leadscrew.kernel.sheet import checked_replace
 from leadscrew.studies.sofnn_tangent import all_weights, curvature_rules, scenarios, tuning, workflow

@@ -73,7 +73,7 @@ def test_without_scenarios_it_is_the_experiments_own_or_the_first():
 def test_a_continuous_loop_is_refused(tmp_path):
     file = tmp_path / "continuous.py"
     file.write_text(
-        "from leadscrew.kernel.loop import Loop\nfrom leadscrew.references.step import step\n"
+        "from leadscrew.kernel.loop import Loop\nfrom leadscrew.references._step import step\n"
         "from tests.tune.noisy_loop import gain, slide\n"
         "LOOP = Loop(reference=step(), controller=gain, plant=slide, period=None)\n"
     )

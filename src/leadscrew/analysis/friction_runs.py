@@ -16,7 +16,7 @@ from leadscrew.kernel.block import controller, reference
 from leadscrew.kernel.errors import ValueRefused
 from leadscrew.kernel.loop import Loop
 from leadscrew.kernel.sheet import Ge, Unit
-from leadscrew.references.ramp import ramp
+from leadscrew.references._ramp import ramp
 
 if TYPE_CHECKING:
     from leadscrew.kernel.block import Block

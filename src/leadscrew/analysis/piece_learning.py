@@ -3,7 +3,7 @@
     command form     u_(j+1)(k) = Q [ (1 - L) u_j(k) + L (d_j(k) - e_j(k + lead) / g) ]
     textbook form    u_(j+1)(k) = Q [ u_j(k) - L e_j(k + lead) ]
 
-``u`` (deg) is the table of a piece (:func:`~leadscrew.controllers.tangent.taught_offset.taught_offset`), ``d`` (deg)
+``u`` (deg) is the table of a piece (:func:`~leadscrew.controllers.taught_offset`), ``d`` (deg)
 the offset that was sent in it, with the part of a feedback controller, ``e`` (deg) the deviation of the cut line from
 the drawn one, ``g`` the believed gain from offset to deviation. ``lead`` is what lies between the two, in samples: the
 lag of the axis, and the delay of the sensor if ``e`` is its reading (2 + 4 in the study), the lag alone if the piece

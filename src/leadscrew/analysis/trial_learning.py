@@ -2,7 +2,7 @@
 
     u_next(k) = Q [ u(k) + gain d(k + lead) ],      k modulo n
 
-``u`` is the table of a pass (:func:`~leadscrew.controllers.feed_forward_table.feed_forward_table`), ``d`` the torque
+``u`` is the table of a pass (:func:`~leadscrew.controllers.feed_forward_table`), ``d`` the torque
 that was missing in that pass at the table's places: the load of a disturbance observer, or an error times a gain.
 ``lead`` makes up for the samples that the observer, the hold and the stage are late. ``Q`` is a Gaussian of a standard
 deviation of ``width`` samples, forwards and backwards alike, so without a lag: it keeps out what would grow from pass

@@ -62,7 +62,7 @@ def _circle() -> Callable[[], object]:
     from leadscrew import catalogue
     from leadscrew.analysis.circular.machine import with_reference
     from leadscrew.operate.why import Circle
-    from leadscrew.references.sine import sine_motion
+    from leadscrew.references._sine import sine_motion
 
     own = catalogue.study("fsmc_ballscrew").loop("ours.smc_4khz", "sine_slow")
     pair = [with_reference(own, sine_motion(amplitude=0.5, frequency=0.5, phase=p)) for p in (0.5 * math.pi, 0.0)]

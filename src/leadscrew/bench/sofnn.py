@@ -16,12 +16,12 @@ from leadscrew.bench.machine import load
 from leadscrew.bench.row import row
 from leadscrew.bench.timing import interleaved
 from leadscrew.bench.yardstick import NoCompilerError, build
-from leadscrew.controllers.sofnn import NLMS, fnn, sofc, sofnn
+from leadscrew.controllers._sofnn import NLMS, fnn, sofc, sofnn
 from leadscrew.kernel.block import Block, controller
 from leadscrew.neural.inference_net import W0, fired
 from leadscrew.neural.performance import TABLE
-from leadscrew.references.cut_line import TangentCommand
-from leadscrew.sensors.cut_camera import SeenCut
+from leadscrew.references._cut_line import TangentCommand
+from leadscrew.sensors._cut_camera import SeenCut
 
 POINTS = 20_000
 BOUND_NS = 1000.0

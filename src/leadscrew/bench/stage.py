@@ -28,7 +28,7 @@ from leadscrew.bench.stage_schemes import (
 )
 from leadscrew.bench.timing import interleaved, repeated
 from leadscrew.bench.yardstick import NoCompilerError
-from leadscrew.plants.ballscrew_stage import INERTIA
+from leadscrew.plants._ballscrew_stage import INERTIA
 
 NAMES = {"sine_wide": "stage, 5 sin t", "sine_fast": "stage, sin 2 pi t"}
 SPANS = {"sine_wide": 8000, "sine_fast": 4000}

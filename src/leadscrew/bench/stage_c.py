@@ -10,7 +10,7 @@ import numpy as np
 from leadscrew.bench.stage_schemes import PERIOD_S, SINES, SoftParams
 from leadscrew.bench.yardstick import build
 from leadscrew.friction.lugre import LuGre, steady_bristle
-from leadscrew.plants.ballscrew_stage import INERTIA, TRAVEL_MM_PER_RAD
+from leadscrew.plants._ballscrew_stage import INERTIA, TRAVEL_MM_PER_RAD
 
 FIELDS = (
     "amplitude", "rate", "period", "substeps", "lam", "gain", "smooth", "ahead_coulomb", "ahead_viscous", "inertia",

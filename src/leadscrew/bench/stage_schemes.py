@@ -20,9 +20,9 @@ import numpy as np
 from leadscrew.friction.lugre import HAT, LuGre, level, steady_bristle
 from leadscrew.kernel.block import Block, controller
 from leadscrew.kernel.sheet import Doc, Gt, Unit
-from leadscrew.plants.ballscrew_stage import INERTIA, TRAVEL_MM_PER_RAD, ballscrew_stage
-from leadscrew.plants.ballscrew_stage_fixed import ballscrew_stage_fixed
-from leadscrew.references.sine import sine_motion
+from leadscrew.plants._ballscrew_stage import INERTIA, TRAVEL_MM_PER_RAD, ballscrew_stage
+from leadscrew.plants._ballscrew_stage_fixed import ballscrew_stage_fixed
+from leadscrew.references._sine import sine_motion
 
 if TYPE_CHECKING:
     from leadscrew.kernel.loop import Loop

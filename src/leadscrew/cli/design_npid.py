@@ -138,7 +138,7 @@ def runs_in(home: Study, block: Block, named: str) -> None:
 
 
 def _commands_motions(home: Study, controller: str, scenario: str) -> bool:
-    from leadscrew.references.motion import Motion
+    from leadscrew.references._motion import Motion
 
     return isinstance(home.loop(controller, scenario).signals["command"], Motion)
 

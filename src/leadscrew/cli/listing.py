@@ -66,7 +66,7 @@ def _found(name: str) -> Study | Block:
         return found if isinstance(found, Study) else catalogue.block(name)
     if name in catalogue.study_names():
         return catalogue.study(name)
-    if name in catalogue.block_names() or name in catalogue.MAKERS:
+    if name in catalogue.block_names() or name in catalogue.FACTORIES:
         return catalogue.block(name)
     known = [*catalogue.study_names(), *catalogue.block_names()]
     raise NameUnknown(f"there is no block or study {name!r}{nearest(name, known)}")
@@ -96,8 +96,8 @@ def _everything(as_json: bool) -> None:
     studies = [one("study", n, catalogue.study) for n in catalogue.study_names()]
     blocks = [one("block", n, catalogue.block) for n in catalogue.block_names()]
     makers = [
-        {"name": n, "kind": catalogue.maker_kind(n), "doc": first_line(f.__doc__ or "")}
-        for n, f in catalogue.makers().items()
+        {"name": n, "kind": catalogue.factory_kind(n), "doc": first_line(f.__doc__ or "")}
+        for n, f in catalogue.factories().items()
     ]
     if as_json:
         emit({"studies": studies, "blocks": blocks, "makers": makers})

@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from leadscrew.controllers.vud.universe import TABLE_2
+from leadscrew.controllers._vud.universe import TABLE_2
 from leadscrew.fuzzy.fill import Completed, complete
 from leadscrew.fuzzy.learning import LearnedRules, learn_rules
 from leadscrew.fuzzy.learning_report import aligned

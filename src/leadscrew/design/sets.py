@@ -14,7 +14,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from leadscrew.controllers.vud.universe import CENTRES
+from leadscrew.controllers._vud.universe import CENTRES
 from leadscrew.design.bending import Bending
 from leadscrew.fuzzy.grids import even, partition
 from leadscrew.fuzzy.partition import Partition

@@ -62,7 +62,7 @@ class VudDesign:
 
     def controller(self) -> Block:
         """The controller as a block for a loop."""
-        from leadscrew.controllers import vud as laws
+        from leadscrew.controllers import _vud as laws
         from leadscrew.kernel.sheet import checked_replace
 
         base: Block = getattr(laws, self.factors.law)

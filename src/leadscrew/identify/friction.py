@@ -18,7 +18,7 @@ The cost has several minima along ``v_s``. Trust-region least squares starts fro
 Standard errors are those of a linearised fit, not below the noise, with the errors of inertia, Coulomb and viscous
 friction carried over from step 1. A stroke that repeats another count by count counts once. A parameter with more than
 :data:`KNOWN` is not identifiable. Static friction and Stribeck speed act in slow motion only: sines of millimetres do
-not determine them, the record of :mod:`leadscrew.references.friction_test` does. Where they are not identifiable they
+not determine them, the record of :obj:`leadscrew.references.friction_test` does. Where they are not identifiable they
 stay near usual values (F_S = 1.5 F_C; v_s a 3,300th of the top speed), each weighed as one sample that is off by the
 noise at a factor of e.
 

@@ -22,7 +22,7 @@ from leadscrew.friction.lugre import LuGre, friction, steady_bristle
 from leadscrew.kernel.block import controller, plant, reference
 from leadscrew.kernel.loop import Loop
 from leadscrew.kernel.sheet import Doc, Gt, Unit
-from leadscrew.plants.ballscrew_stage import INERTIA, BallscrewStageState, stage_jacobian, stage_level
+from leadscrew.plants._ballscrew_stage import INERTIA, BallscrewStageState, stage_jacobian, stage_level
 
 BANDWIDTH = 300.0
 """rad/s, ``sqrt(kp / J)``; a fifth of the sampling rate at most."""

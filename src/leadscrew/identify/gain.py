@@ -18,7 +18,7 @@ import numpy as np
 
 from leadscrew.kernel.errors import DataError, ValueRefused
 from leadscrew.kernel.one_thread import one_thread
-from leadscrew.plants.linear import hold_matrices
+from leadscrew.plants._linear import hold_matrices
 
 Hold = Literal["linear", "previous", "current"]
 """Between two samples the input runs in a straight line, keeps the earlier value, or has the later one already."""

@@ -81,7 +81,7 @@ def plant_of(machine: MachineFile) -> Block:
     from leadscrew import catalogue
 
     if machine.model == "linear":
-        from leadscrew.plants.linear import transfer_function
+        from leadscrew.plants._linear import transfer_function
 
         for key in ("numerator", "denominator"):
             if not isinstance(machine.parameters.get(key), list):
@@ -103,10 +103,10 @@ def plant_of(machine: MachineFile) -> Block:
 def controllers_of(machine: MachineFile) -> dict[str, Block]:
     """Controllers for the machine: ours with and without its model, and the one that made the log, if it is known."""
     if machine.model == "linear":
-        from leadscrew.controllers.pid import pid
+        from leadscrew.controllers._pid import pid
 
         return {"ours.pid": _driving(pid(**gains.pid(machine)._asdict(), max_output=machine.drive), machine)}
-    from leadscrew.controllers.axis_cascade import AxisModel, axis_cascade
+    from leadscrew.controllers._axis_cascade import AxisModel, axis_cascade
 
     p, scale = machine.parameters, gains.per_si(machine)
     force = float(p["force_per_drive"])
@@ -175,8 +175,8 @@ def loop_of(machine: MachineFile, axis: Block, controller: Block, scenario: Scen
 
     The delay is taken to the nearest integration step; the sensor reads the table with the machine's encoder and noise.
     """
-    from leadscrew.actuators.saturation import saturation
-    from leadscrew.controllers.wrapping import takes_motion
+    from leadscrew.actuators._saturation import saturation
+    from leadscrew.controllers._wrapping import takes_motion
     from leadscrew.kernel.loop import Loop
 
     steps = _steps(machine.period, machine.delay_s, _curved(machine))
@@ -198,11 +198,11 @@ def loop_of(machine: MachineFile, axis: Block, controller: Block, scenario: Scen
 
 def _sensor(machine: MachineFile) -> Block | None:
     if machine.model in AXES:
-        from leadscrew.sensors.axis_reading import axis_reading
+        from leadscrew.sensors._axis_reading import axis_reading
 
         return axis_reading(resolution=machine.resolution, noise=machine.noise)
     if not machine.resolution and not machine.noise:
         return None
-    from leadscrew.sensors.noisy_ruler import noisy_ruler
+    from leadscrew.sensors._noisy_ruler import noisy_ruler
 
     return noisy_ruler(resolution_mm=machine.resolution or 1e-9, noise_mm=machine.noise)

@@ -38,7 +38,7 @@ def command(machine: MachineFile) -> Block:
     """
     import json
 
-    from leadscrew.references.logged import logged_command
+    from leadscrew.references._logged import logged_command
 
     path = machine.folder / str(machine.log["file"])
     now = userfile.digest(path)

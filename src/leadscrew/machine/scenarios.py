@@ -6,14 +6,14 @@ import math
 from dataclasses import replace
 from typing import Annotated, Any, NamedTuple
 
-from leadscrew.disturbances.step_load import step_load
+from leadscrew.disturbances._step_load import step_load
 from leadscrew.kernel.block import Block, reference
 from leadscrew.kernel.sheet import Doc, Ge, Gt, Unit
 from leadscrew.machine.file import MachineFile
 from leadscrew.machine.gains import cascade
-from leadscrew.references.eased_sine import eased_sine_motion
-from leadscrew.references.quintic import quintic
-from leadscrew.references.s_curve import s_curve
+from leadscrew.references._eased_sine import eased_sine_motion
+from leadscrew.references._quintic import quintic
+from leadscrew.references._s_curve import s_curve
 from leadscrew.studies.study import Scenario
 
 Start = Annotated[float, Doc("where it starts, in the machine's unit")]
@@ -103,7 +103,7 @@ def _rounded(seconds: float) -> float:
 
 
 def command(params: Any, motion: bool, unit: str = "") -> Block:
-    """The reference of a scenario: a :class:`~leadscrew.references.motion.Motion`, or its position alone."""
+    """The reference of a scenario: a :class:`~leadscrew.references.Motion`, or its position alone."""
     if isinstance(params, Move):
         block = s_curve(
             distance=params.distance, max_velocity=params.max_speed, max_acceleration=params.max_acceleration,

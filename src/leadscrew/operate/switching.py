@@ -65,7 +65,7 @@ def beginning(loop: Loop, start: Start) -> Axes:
 
 def ahead(loop: Loop) -> Loop:
     """The loop of the first axis of a circle."""
-    from leadscrew.plants.ballscrew_stage import TRAVEL_MM_PER_RAD
+    from leadscrew.plants._ballscrew_stage import TRAVEL_MM_PER_RAD
 
     command, plant = loop.blocks["reference"], loop.blocks["plant"]
     assert command is not None and plant is not None

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from leadscrew.kernel.live import Live
     from leadscrew.kernel.loop import Loop
 
-MOVED = "leadscrew.controllers.look_ahead"
+MOVED = "leadscrew.controllers._look_ahead"
 """A wrapper that shows the controller inside it another command than the signals have."""
 
 

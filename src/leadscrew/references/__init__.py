@@ -1,1 +1,8 @@
-"""References: blocks that give the command, one file each. A scalar command, a :class:`Motion`, or a path point."""
+"""References: blocks that give the command. A scalar command, a :class:`Motion`, or a path point.
+
+The public names stand in ``__init__.pyi``; each loads its own module when it is first used.
+"""
+
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

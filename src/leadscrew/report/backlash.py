@@ -12,8 +12,8 @@ from leadscrew.kernel.block import controller, reference
 from leadscrew.kernel.loop import Loop
 from leadscrew.kernel.run import Run
 from leadscrew.kernel.sheet import Unit
-from leadscrew.plants.backlash import DeadBand, Play, followed, reaction
-from leadscrew.plants.backlash_two_mass import backlash_two_mass
+from leadscrew.plants._backlash import DeadBand, Play, followed, reaction
+from leadscrew.plants._backlash_two_mass import backlash_two_mass
 from leadscrew.report.friction import _below, _panels
 from leadscrew.report.style import BLACK, BLUE, ORANGE, VERMILION
 

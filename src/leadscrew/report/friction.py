@@ -14,10 +14,10 @@ from leadscrew.friction.asymmetric import LuGreSlide
 from leadscrew.friction.dahl import Dahl
 from leadscrew.friction.maxwell_slip import MaxwellSlip
 from leadscrew.friction.static_map import Sliding, TwoSided
-from leadscrew.plants.mass_dahl import mass_dahl
-from leadscrew.plants.mass_lugre import mass_lugre
-from leadscrew.plants.mass_maxwell_slip import mass_maxwell_slip
-from leadscrew.plants.mass_stribeck import mass_stribeck
+from leadscrew.plants._mass_dahl import mass_dahl
+from leadscrew.plants._mass_lugre import mass_lugre
+from leadscrew.plants._mass_maxwell_slip import mass_maxwell_slip
+from leadscrew.plants._mass_stribeck import mass_stribeck
 from leadscrew.report.style import BLACK, BLUE, GREEN, ORANGE, SKY, VERMILION
 
 PENS: dict[str, dict[str, Any]] = {

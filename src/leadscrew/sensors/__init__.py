@@ -1,1 +1,8 @@
-"""Sensors: blocks that turn what a plant shows into what a controller sees, one file each."""
+"""Sensors: blocks that turn what a plant shows into what a controller sees.
+
+The public names stand in ``__init__.pyi``; each loads its own module when it is first used.
+"""
+
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

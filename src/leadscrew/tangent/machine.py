@@ -1,9 +1,9 @@
 """A simulated cutter: runs strokes of a program through the process of the study, and gives the line that it cuts.
 
 The blade goes along a stroke at the programmed feed, sampled every 10 ms; the block
-:func:`~leadscrew.plants.flexible_cut.flexible_cut` makes the deviation ``e`` of the cut's tangent of heading, curvature
+:func:`~leadscrew.plants.flexible_cut` makes the deviation ``e`` of the cut's tangent of heading, curvature
 and offset. The texture of the material is an Ornstein-Uhlenbeck process in arc length, as in
-:mod:`leadscrew.disturbances.cut_load`, of a stream of its own for each stroke. The material is at rest when the knife
+:obj:`leadscrew.disturbances.cut_load`, of a stream of its own for each stroke. The material is at rest when the knife
 plunges, and the axis has its angle.
 
 The cut line is the curve with the tangent ``phi + e``: each step of the programmed line, turned by the mean of ``e``
@@ -27,7 +27,7 @@ from leadscrew.tangent.settings import Settings
 from leadscrew.tangent.stroke import Stroke
 
 if TYPE_CHECKING:
-    from leadscrew.plants.flexible_cut import Material
+    from leadscrew.plants._flexible_cut import Material
 
 PERIOD_S = 0.01
 TEXTURE_DEG = 0.25
@@ -63,7 +63,7 @@ def material_of(name: str) -> Material:
     Raises:
         ValueRefused: an unknown one.
     """
-    from leadscrew.plants.flexible_cut import MATERIALS
+    from leadscrew.plants._flexible_cut import MATERIALS
 
     if name not in MATERIALS:
         raise ValueRefused(f"material {name!r}: expected {', '.join(MATERIALS)}")
@@ -117,8 +117,8 @@ def _cut(
     draw: np.random.Generator | None,
     progress: Callable[[float], None],
 ) -> Cut:
-    from leadscrew.disturbances.cut_load import CutLoad
-    from leadscrew.plants.flexible_cut import FlexibleCutState, flexible_cut
+    from leadscrew.disturbances._cut_load import CutLoad
+    from leadscrew.plants._flexible_cut import FlexibleCutState, flexible_cut
 
     count = max(math.ceil(times[-1] / PERIOD_S - 1e-9), 1)
     travel = np.interp(np.append(np.arange(count) * PERIOD_S, times[-1]), times, places)

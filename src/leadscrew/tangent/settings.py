@@ -15,7 +15,7 @@ import math
 from dataclasses import dataclass, fields
 
 from leadscrew.kernel.errors import DataError, ValueRefused
-from leadscrew.references.gcode_reader import MM_PER_INCH
+from leadscrew.references._gcode_reader import MM_PER_INCH
 
 MOST_OFFSET_DEG = 15.0
 """Range of the offset angle, on either side."""

@@ -16,8 +16,8 @@ from typing import Annotated, NamedTuple
 
 from leadscrew.kernel.block import reference
 from leadscrew.kernel.sheet import Doc, Gt, Unit
-from leadscrew.references.motion import Motion
-from leadscrew.references.path import PathPoint, PathPoint3
+from leadscrew.references._motion import Motion
+from leadscrew.references._path import PathPoint, PathPoint3
 
 
 class CircleParams(NamedTuple):

@@ -91,10 +91,10 @@ def table_i_sampled(
 
     The period is cut into as many steps as the delay asks for, up to 10,000: a delay is exact to 1/10,000 of a period.
     """
-    from leadscrew.controllers.pid import pid
+    from leadscrew.controllers._pid import pid
     from leadscrew.kernel.loop import Loop
-    from leadscrew.plants.xy_table import xy_table
-    from leadscrew.references.sine import sine
+    from leadscrew.plants._xy_table import xy_table
+    from leadscrew.references._sine import sine
 
     share = Fraction(delay / period).limit_denominator(FINEST)
     return sampled_loop(

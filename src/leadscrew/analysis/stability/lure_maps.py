@@ -16,8 +16,11 @@ from collections.abc import Callable
 from typing import Any, NamedTuple
 
 from leadscrew.analysis.stability.lure import ErrorMap
-from leadscrew.controllers import npid, npid_after, npid_slope, npid_split
-from leadscrew.controllers.npid_split import NPIDSplitParams, NPIDSplitState, paths
+from leadscrew.controllers import _npid as npid
+from leadscrew.controllers import _npid_after as npid_after
+from leadscrew.controllers import _npid_slope as npid_slope
+from leadscrew.controllers import _npid_split as npid_split
+from leadscrew.controllers._npid_split import NPIDSplitParams, NPIDSplitState, paths
 from leadscrew.kernel.block import Block, make
 from leadscrew.kernel.errors import ValueRefused
 

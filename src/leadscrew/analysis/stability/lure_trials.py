@@ -124,6 +124,6 @@ def _as_numbers(moves: np.ndarray) -> Iterator[float]:
 
 
 def _as_motions(moves: np.ndarray) -> Iterator[object]:
-    from leadscrew.references.motion import Motion
+    from leadscrew.references._motion import Motion
 
     return (Motion(*(float(x) for x in row)) for row in moves)

@@ -24,7 +24,7 @@ from leadscrew.kernel.errors import ValueRefused
 from leadscrew.kernel.frame import pairs
 from leadscrew.kernel.layout import Layout, leaves
 from leadscrew.kernel.loop import Loop
-from leadscrew.plants.linear import hold_matrices
+from leadscrew.plants._linear import hold_matrices
 
 COMMANDS = (2.0**-7, -(2.0**-5))
 """Commands (and their derivatives) under which a controller must have the matrices that it has at zero: 8 and 31 um."""
@@ -77,7 +77,7 @@ def _controller(loop: Loop, command: Any, notes: list[str]) -> Linear:
         raise ValueRefused(
             f"{block.name}: its state holds {order} numbers; a stability analysis takes controllers of up to "
             f"{LARGEST_ORDER}. Repetitive control has a condition of its own: contraction() of "
-            "leadscrew.controllers.repetitive"
+            "leadscrew.controllers._repetitive"
         )
     found = Linear(f, order, inputs, rest)
     if not found.linear():

@@ -1,7 +1,7 @@
 """Lost motion of an axis from the reversals in its log.
 
 Behind a play of ``b`` in all the table follows the drive's side by ``table = drive - s b / 2``, ``s`` the direction of
-the last motion (:mod:`leadscrew.plants.backlash`). What tells ``b`` depends on what was logged:
+the last motion (:mod:`leadscrew.plants._backlash`). What tells ``b`` depends on what was logged:
 
 - *two positions*, :func:`lost_motion`: the table's lag changes by ``b`` at each reversal. Least squares over sliding,
   ``table - drive = c + k drive - s b / 2``.

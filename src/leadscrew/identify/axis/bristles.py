@@ -1,4 +1,4 @@
-"""A log's drive played on an axis with bristles: :mod:`leadscrew.plants.servo_axis_lugre` in open loop."""
+"""A log's drive played on an axis with bristles: :obj:`leadscrew.plants.servo_axis_lugre` in open loop."""
 
 from __future__ import annotations
 
@@ -14,8 +14,8 @@ from leadscrew.identify.axis.simulation import plant_values, start_state
 from leadscrew.kernel.block import plant, reference
 from leadscrew.kernel.loop import Loop
 from leadscrew.kernel.sheet import Doc, Unit
-from leadscrew.plants.mass_lugre import MassLuGreState, mass_lugre_jacobian
-from leadscrew.plants.servo_axis_lugre import ServoAxisLuGreParams, lugre_axis_shown, servo_axis_lugre
+from leadscrew.plants._mass_lugre import MassLuGreState, mass_lugre_jacobian
+from leadscrew.plants._servo_axis_lugre import ServoAxisLuGreParams, lugre_axis_shown, servo_axis_lugre
 
 if TYPE_CHECKING:
     from leadscrew.logs import AxisLog
@@ -61,7 +61,7 @@ def prestressed_jacobian(p, s):
     jacobian=prestressed_jacobian, stiff=True, unit="m",
 )  # fmt: skip
 def prestressed_axis(p, s, u, load):
-    """:mod:`leadscrew.plants.servo_axis_lugre`."""
+    """:obj:`leadscrew.plants.servo_axis_lugre`."""
     return servo_axis_lugre(p.axis, s, u, load)
 
 

@@ -75,7 +75,7 @@ def identify_axis(
         model: ``coulomb``, ``stribeck``, ``lugre``, or ``auto``: decided by cross-validation.
         holdout: share of the log, at its end, that is kept unseen, 0 to 0.8.
         delay: s, from a logged drive to its act; found unless given.
-        given: values that are known, by key of :mod:`leadscrew.plants.servo_axis`; they are not fitted.
+        given: values that are known, by key of :obj:`leadscrew.plants.servo_axis`; they are not fitted.
         refine: ``none``: the linear stage alone; ``windows`` (``auto``), ``open``, ``closed``: see
             :mod:`leadscrew.identify.axis.refine`.
         cascade: the loop that was active; the closed loop is then judged too.

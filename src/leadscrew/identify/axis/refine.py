@@ -1,6 +1,6 @@
 """Refinement of an axis model by simulation: the parameters with which the plant itself comes nearest to the log.
 
-    minimise  sum_k (x_k(theta) - y_k)^2        x: leadscrew.plants.servo_axis under the logged drive
+    minimise  sum_k (x_k(theta) - y_k)^2        x: leadscrew.plants._servo_axis under the logged drive
 
 by trust-region least squares (SciPy) in scaled variables; all simulations of an iteration are one ``Loop.batch``.
 

@@ -6,7 +6,7 @@ one ``Loop.batch``. With a delay ``d`` between the logged drive and its act, the
 
     u[k - n - 1] for f dt, then u[k - n] for (1 - f) dt        d = (n + f) dt
 
-and both parts are steps of :mod:`leadscrew.plants.servo_axis`, exact as one is. Before the first sample the drive is
+and both parts are steps of :obj:`leadscrew.plants.servo_axis`, exact as one is. Before the first sample the drive is
 that of the first sample.
 """
 
@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 from leadscrew.kernel.block import controller, plant, reference
 from leadscrew.kernel.loop import Loop
 from leadscrew.kernel.sheet import Doc, Unit
-from leadscrew.plants.servo_axis import (
+from leadscrew.plants._servo_axis import (
     ServoAxisParams,
     ServoAxisState,
     ServoAxisStep,
@@ -111,7 +111,7 @@ def late_axis_shown(p, s):
 
 @plant(LateAxis(), ServoAxisState(), output=late_axis_shown, prepare=late_axis_step, initial=late_axis_start, unit="m")
 def late_axis(p, s, u, load, dt):
-    """:mod:`leadscrew.plants.servo_axis` under a drive that changes once within the period."""
+    """:obj:`leadscrew.plants.servo_axis` under a drive that changes once within the period."""
     begins = u.begins > 0.5
     # in motion the table begins behind the flank that pushes it
     lead = p.now.half_gap if u.speed > 0.0 else -p.now.half_gap if u.speed < 0.0 else 0.0

@@ -1,6 +1,6 @@
 """A log of an axis played on its model: in open loop, the logged drive held between samples; or in the known cascade.
 
-Everything is simulated by :mod:`leadscrew.plants.servo_axis` in the kernel's loops, the plant that the user gets;
+Everything is simulated by :obj:`leadscrew.plants.servo_axis` in the kernel's loops, the plant that the user gets;
 :mod:`leadscrew.identify.axis.refine_replay` says how.
 """
 
@@ -95,7 +95,7 @@ def simulate_open(
 
     Args:
         log: what was measured; only its drive counts, and its start.
-        values: by key of :mod:`leadscrew.plants.servo_axis`; what is missing backwards is as forwards.
+        values: by key of :obj:`leadscrew.plants.servo_axis`; what is missing backwards is as forwards.
         delay_s: from a logged drive to its act.
         start_state: position and speed at the first sample; from the measured position unless given.
 

@@ -1,6 +1,6 @@
 """A test move: strokes from rest to rest, each with its speed, a rest after it, and what it is for.
 
-Every stroke is the profile of :mod:`leadscrew.references.motion`, at the same acceleration and jerk, so that the
+Every stroke is the profile of :mod:`leadscrew.references._motion`, at the same acceleration and jerk, so that the
 move is at once a table of samples, a path of ours (:func:`path_of`) and a program of ``G1`` and ``G4`` in exact
 stop mode.
 """
@@ -17,7 +17,7 @@ import numpy as np
 from leadscrew.identify.excite.limits import SHARE, Limits
 from leadscrew.kernel.block import Block
 from leadscrew.kernel.errors import ValueRefused
-from leadscrew.references.motion import Profile, profile_duration, shortest_profile, travel
+from leadscrew.references._motion import Profile, profile_duration, shortest_profile, travel
 
 START_REST = 1.0
 """Seconds of rest before the first stroke, for the recorder and the noise of the sensor."""
@@ -117,8 +117,8 @@ def check(seen: Sampled, limits: Limits, per_si: float = 1.0, unit: str = "m") -
 
 
 def path_of(move: Move, per_si: float = 1000.0) -> Block:
-    """The move as a reference of ours, :func:`leadscrew.references.path.path`; its ``x`` is the axis, mm (deg)."""
-    from leadscrew.references.path import line, path
+    """The move as a reference of ours, :func:`leadscrew.references.path`; its ``x`` is the axis, mm (deg)."""
+    from leadscrew.references._path import line, path
 
     segments, here = [], move.start
     for stroke in move.strokes:

@@ -66,6 +66,6 @@ def machine(fit: LinearFit, name: str) -> MachineFile:
 
 def block(fit: LinearFit, name: str = "linear") -> Block:
     """The plant without its delay: give the loop ``computation_delay=fit.delay_s``."""
-    from leadscrew.plants.linear import transfer_function
+    from leadscrew.plants._linear import transfer_function
 
     return transfer_function(fit.numerator, fit.denominator, name)

@@ -19,7 +19,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from leadscrew.plants.linear import hold_matrices
+from leadscrew.plants._linear import hold_matrices
 
 BLOCK = 64
 """Samples that are answered at once."""

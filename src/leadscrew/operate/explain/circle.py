@@ -19,7 +19,7 @@ from leadscrew.analysis.circular.quantities import quantities
 from leadscrew.kernel.errors import DataError, ValueRefused
 from leadscrew.kernel.loop import Loop
 from leadscrew.operate.explain.shown import rounded_up
-from leadscrew.references.sine import SineParams
+from leadscrew.references._sine import SineParams
 
 MOST = 20_000
 """Periods of a turn, at most, that all count for the figures: 5 s at 4 kHz. A look at so many takes about 6 ms."""

@@ -1,12 +1,12 @@
-"""The 49 learned rules of the curvature: :mod:`leadscrew.controllers.tangent.curvature_network`."""
+"""The 49 learned rules of the curvature: :mod:`leadscrew.controllers.curvature_network`."""
 
 from __future__ import annotations
 
 import math
 from typing import Any
 
-from leadscrew.controllers.tangent.believed import RING
-from leadscrew.controllers.tangent.curvature_network import TWICE, CurvatureNetworkParams
+from leadscrew.controllers._tangent.believed import RING
+from leadscrew.controllers._tangent.curvature_network import TWICE, CurvatureNetworkParams
 from leadscrew.kernel.block import Block
 from leadscrew.neural.inference_net import AXIS, RULES, fired
 from leadscrew.operate.explain.network import PEAKS, Texts, four, levels_of

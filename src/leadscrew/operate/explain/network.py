@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from typing import Any
 
-from leadscrew.controllers.sofnn.all_weights import AllWeightsParams
-from leadscrew.controllers.sofnn.fixed import FnnParams
-from leadscrew.controllers.sofnn.levels import MOST_LEVEL, Scales, scales
-from leadscrew.controllers.sofnn.network import SofnnParams
-from leadscrew.controllers.sofnn.standard import SofcParams
+from leadscrew.controllers._sofnn.all_weights import AllWeightsParams
+from leadscrew.controllers._sofnn.fixed import FnnParams
+from leadscrew.controllers._sofnn.levels import MOST_LEVEL, Scales, scales
+from leadscrew.controllers._sofnn.network import SofnnParams
+from leadscrew.controllers._sofnn.standard import SofcParams
 from leadscrew.kernel.block import Block
 from leadscrew.neural.groups import said_by
 from leadscrew.neural.inference_net import AXIS, CENTRES, LABELS, RULES, Fired, fired

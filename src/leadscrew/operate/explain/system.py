@@ -8,7 +8,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import Any, NamedTuple
 
-from leadscrew.controllers.wrapping import copied
+from leadscrew.controllers._wrapping import copied
 from leadscrew.fuzzy.block import Memory
 from leadscrew.fuzzy.engine import Engine
 from leadscrew.fuzzy.explain import explain

@@ -73,7 +73,7 @@ def operated(loop: Loop) -> Loop:
 
     A loop in continuous time stays as it is.
     """
-    from leadscrew.sensors.noisy import noisy
+    from leadscrew.sensors._noisy import noisy
 
     if loop.continuous:
         return loop

@@ -145,9 +145,9 @@ DISTURBANCES = (
 
 def operated(loop: Loop) -> Loop:
     """A pulse and a common factor in the load's place, and noise where the position is read without a sensor."""
-    from leadscrew.disturbances.five_sines import five_sines
-    from leadscrew.disturbances.five_sines_pulse import five_sines_pulse
-    from leadscrew.sensors.noisy import noisy_position
+    from leadscrew.disturbances._five_sines import five_sines
+    from leadscrew.disturbances._five_sines_pulse import five_sines_pulse
+    from leadscrew.sensors._noisy import noisy_position
 
     found, blocks = loop.blocks["disturbance"], {}
     if found is not None and found.step is five_sines.step:

@@ -31,7 +31,7 @@ def with_blocks(loop: Loop, **blocks: Block) -> Loop:
 
 def with_pulse(loop: Loop) -> Loop:
     """The loop with a load pulse of size 0 where nothing loads it."""
-    from leadscrew.disturbances.pulse_load import pulse_load
+    from leadscrew.disturbances._pulse_load import pulse_load
 
     if loop.blocks["disturbance"] is not None:
         return loop

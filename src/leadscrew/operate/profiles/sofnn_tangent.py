@@ -98,7 +98,7 @@ MATERIALS = {
     "leather": (25.0, 0.02, 0.4, 0.8, 0.2, 0.90),
     "foam": (90.0, 0.10, 0.2, 0.3, 0.5, 0.75),
 }
-"""As :data:`leadscrew.plants.flexible_cut.MATERIALS`: a profile imports no plant. A test compares them."""
+"""As :data:`leadscrew.plants._flexible_cut.MATERIALS`: a profile imports no plant. A test compares them."""
 
 PROPERTIES = ("shear", "lag_s", "fibre", "bias", "exponent", "gain")
 

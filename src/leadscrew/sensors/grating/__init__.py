@@ -9,3 +9,7 @@
 ``heydemann``           the ellipse of a logged pair of signals, and the correction that makes it a circle
 ======================  ===========================================================================================
 """
+
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -22,9 +22,9 @@ import numpy as np
 from leadscrew.analysis.circular.paths import TURN, USUAL, CircularTest, Floats, Turn
 from leadscrew.analysis.circular.quantities import BothWays, OneWay, quantities
 from leadscrew.analysis.circular.reversals import Reversal, reversals
-from leadscrew.controllers.pd_dob import pd_dob
+from leadscrew.controllers._pd_dob import pd_dob
 from leadscrew.kernel.block import Block
-from leadscrew.plants.ballscrew_stage import TRAVEL_MM_PER_RAD
+from leadscrew.plants._ballscrew_stage import TRAVEL_MM_PER_RAD
 from leadscrew.studies.fsmc_ballscrew.controllers import CONTROLLERS
 from leadscrew.studies.fsmc_ballscrew.scenarios import PERIOD_S, SineMove
 from leadscrew.studies.lab import Lab, measure

@@ -14,7 +14,7 @@ import numpy as np
 
 from leadscrew.analysis.circular.instrument import BallBar
 from leadscrew.friction.lugre import TABLE_2, LuGre
-from leadscrew.plants.ballscrew_stage import INERTIA, TRAVEL_MM_PER_RAD
+from leadscrew.plants._ballscrew_stage import INERTIA, TRAVEL_MM_PER_RAD
 from leadscrew.studies.claims import Measured, Test, at_least, at_most, claim, within
 from leadscrew.studies.fsmc_ballscrew import equal, laws
 from leadscrew.studies.fsmc_ballscrew.attraction import HOME_UM, LOADS, STEPS_MM, TORQUE, UNKNOWN, hold, reach, region

@@ -16,25 +16,25 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from leadscrew import controller_file
-from leadscrew.controllers.look_ahead import look_ahead
-from leadscrew.controllers.pd_dob import TUNINGS as PD_DOB
-from leadscrew.controllers.pd_dob import pd_dob
-from leadscrew.controllers.pd_learned import TUNINGS as LEARNED
-from leadscrew.controllers.sliding.complementary import csmc
-from leadscrew.controllers.sliding.continuous import (
+from leadscrew.controllers._look_ahead import look_ahead
+from leadscrew.controllers._pd_dob import TUNINGS as PD_DOB
+from leadscrew.controllers._pd_dob import pd_dob
+from leadscrew.controllers._pd_learned import TUNINGS as LEARNED
+from leadscrew.controllers._sliding.complementary import csmc
+from leadscrew.controllers._sliding.continuous import (
     csmc_ideal,
     fsmc_ideal,
     fsmc_printed_ideal,
     smc_ideal,
     smc_integral_ideal,
 )
-from leadscrew.controllers.sliding.conventional import smc
-from leadscrew.controllers.sliding.fuzzy import TUNINGS as FUZZY
-from leadscrew.controllers.sliding.integral import smc_integral
-from leadscrew.controllers.sliding.super_twisting import super_twisting
-from leadscrew.controllers.torque_pid import torque_pid
+from leadscrew.controllers._sliding.conventional import smc
+from leadscrew.controllers._sliding.fuzzy import TUNINGS as FUZZY
+from leadscrew.controllers._sliding.integral import smc_integral
+from leadscrew.controllers._sliding.super_twisting import super_twisting
+from leadscrew.controllers._torque_pid import torque_pid
 from leadscrew.kernel.block import Block
-from leadscrew.plants.ballscrew_stage import INERTIA, TRAVEL_MM_PER_RAD
+from leadscrew.plants._ballscrew_stage import INERTIA, TRAVEL_MM_PER_RAD
 from leadscrew.studies import tuned as tuned_gains
 
 IDEAL: dict[str, Block] = {

@@ -9,7 +9,7 @@ import numpy as np
 from leadscrew.analysis.circular.instrument import BallBar, read_by
 from leadscrew.figures.table import Table
 from leadscrew.friction.lugre import LuGre
-from leadscrew.plants.ballscrew_stage import INERTIA, TRAVEL_MM_PER_RAD
+from leadscrew.plants._ballscrew_stage import INERTIA, TRAVEL_MM_PER_RAD
 from leadscrew.studies.claims import finite
 from leadscrew.studies.exhibits import experiment
 from leadscrew.studies.fsmc_ballscrew import drives, equal, laws

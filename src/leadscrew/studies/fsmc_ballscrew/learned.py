@@ -17,10 +17,10 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from leadscrew.analysis.trial_learning import last_period, taught
-from leadscrew.controllers.feed_forward_table import feed_forward_table
+from leadscrew.controllers._feed_forward_table import feed_forward_table
 from leadscrew.friction.maxwell_slip import Elements, move_elements, stuck_stiffness
-from leadscrew.plants.ballscrew_gms import ballscrew_gms, cut
-from leadscrew.plants.ballscrew_stage import TRAVEL_MM_PER_RAD
+from leadscrew.plants._ballscrew_gms import ballscrew_gms, cut
+from leadscrew.plants._ballscrew_stage import TRAVEL_MM_PER_RAD
 from leadscrew.studies.fsmc_ballscrew.controllers import CONTROLLERS
 from leadscrew.studies.fsmc_ballscrew.scenarios import ENCODER_NM, PERIOD_S, sine_of
 from leadscrew.studies.lab import Lab, measure

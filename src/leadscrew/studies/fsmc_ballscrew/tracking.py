@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from leadscrew.plants.ballscrew_stage import TRAVEL_MM_PER_RAD
+from leadscrew.plants._ballscrew_stage import TRAVEL_MM_PER_RAD
 from leadscrew.studies.fsmc_ballscrew.scenarios import SAMPLE_S, sine_of
 from leadscrew.studies.lab import Lab, measure
 

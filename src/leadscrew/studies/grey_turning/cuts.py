@@ -13,12 +13,12 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from leadscrew.controllers.grey_fuzzy.gpfc import READING_A, READING_B, gpfc
-from leadscrew.controllers.grey_fuzzy.rule_tables import TABLES, rough
-from leadscrew.controllers.grey_fuzzy.tunings import FACTORS, Factors
+from leadscrew.controllers._grey_fuzzy.gpfc import READING_A, READING_B, gpfc
+from leadscrew.controllers._grey_fuzzy.rule_tables import TABLES, rough
 from leadscrew.grey.predictors import GM, GM_CLAMPED, LAST, OFF_BY_ONE, PRINTED, TWO_POINT
 from leadscrew.studies.grey_turning.readings import Reading, SeedMean, filtered, read, seed_mean
 from leadscrew.studies.grey_turning.scenarios import FALLING, FOLLOWING, FORCE_N, PERIOD_S, SCENARIOS, SLOW
+from leadscrew.studies.grey_turning.tunings import FACTORS, Factors
 from leadscrew.studies.lab import Lab, measure
 
 SEEDS = 30
@@ -36,7 +36,7 @@ LAWS: dict[str, dict[str, int]] = {
 WORDS = {"tfc": "TFC", "b": "GPFC", "a": "GPFC, reading A", "two_point": "two-point predictor"}
 BOTH = ("tfc", "b")
 WRITTEN = {"s6": "S6", "s9": "S9", "s9_half": "S9/2", "stfc": "STFC", "sbn": "SBN, plant N", "edge_n": "edge, plant N"}
-"""Scaling factors of :data:`~leadscrew.controllers.grey_fuzzy.tunings.FACTORS`."""
+"""Scaling factors of :data:`~leadscrew.studies.grey_turning.tunings.FACTORS`."""
 
 PLANT_N = {f"plant.{key}": value for key, value in SLOW.items()}
 QUIET: dict[str, Any] = {"sensor.noise_n": 0.0, "plant.runout": 0.0}

@@ -24,17 +24,17 @@ from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 
-from leadscrew.controllers.grey_fuzzy import gpfc
-from leadscrew.controllers.grey_fuzzy.gpfc import READING_A, READING_B
-from leadscrew.controllers.grey_fuzzy.smith import smith
-from leadscrew.controllers.grey_fuzzy.tunings import SMITH_N
+from leadscrew.controllers._grey_fuzzy import gpfc
+from leadscrew.controllers._grey_fuzzy.gpfc import READING_A, READING_B
+from leadscrew.controllers._grey_fuzzy.smith import smith
 from leadscrew.grey.predictors import DGM, EXPONENTIAL, GM, GM_GUARDED, LAST, LINE, RESIDUAL, TWO_POINT, VERHULST
 from leadscrew.kernel.block import Block, sensor
 from leadscrew.kernel.noise import Noise
 from leadscrew.kernel.sheet import Doc, Ge
-from leadscrew.sensors.load_cell import LoadCellParams, LoadCellState, weighed
+from leadscrew.sensors._load_cell import LoadCellParams, LoadCellState, weighed
 from leadscrew.studies.grey_turning.readings import filtered
 from leadscrew.studies.grey_turning.scenarios import FORCE_N
+from leadscrew.studies.grey_turning.tunings import SMITH_N
 from leadscrew.studies.lab import Lab, measure
 
 FREE = 1.0

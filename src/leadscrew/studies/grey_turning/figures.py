@@ -6,9 +6,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from leadscrew.controllers.grey_fuzzy.rule_tables import SETS
-from leadscrew.controllers.grey_fuzzy.surface import CENTRES
-from leadscrew.controllers.grey_fuzzy.tunings import FACTORS
+from leadscrew.controllers._grey_fuzzy.rule_tables import SETS
+from leadscrew.controllers._grey_fuzzy.surface import CENTRES
 from leadscrew.figures.panels import grid, with_legend
 from leadscrew.grey.filters import response
 from leadscrew.grey.vectorised_others import limit
@@ -22,6 +21,7 @@ from leadscrew.studies.grey_turning.linear_force_loop import first_part
 from leadscrew.studies.grey_turning.random_plants import FACTOR_SETS, drawn
 from leadscrew.studies.grey_turning.readings import BAD_OVERSHOOT, BAD_STEADY
 from leadscrew.studies.grey_turning.scenarios import FORCE_N, PERIOD_S
+from leadscrew.studies.grey_turning.tunings import FACTORS
 from leadscrew.studies.lab import Lab
 
 if TYPE_CHECKING:

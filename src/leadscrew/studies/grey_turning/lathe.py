@@ -11,16 +11,16 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from leadscrew.actuators.dac import lathe_dac
-from leadscrew.controllers.grey_fuzzy.tunings import TUNINGS
-from leadscrew.controllers.lathe_loops import lathe_loops
+from leadscrew.actuators._dac import lathe_dac
+from leadscrew.controllers._lathe_loops import lathe_loops
 from leadscrew.kernel.block import Block
-from leadscrew.plants.turning_lathe import turning_lathe
-from leadscrew.references.lathe_program import lathe_program
-from leadscrew.sensors.lathe_sensors import lathe_sensors
+from leadscrew.plants._turning_lathe import turning_lathe
+from leadscrew.references._lathe_program import lathe_program
+from leadscrew.sensors._lathe_sensors import lathe_sensors
 from leadscrew.studies.grey_turning.cuts import PLANT_N
 from leadscrew.studies.grey_turning.readings import read
 from leadscrew.studies.grey_turning.scenarios import FORCE_N, PERIOD_S, RPM, SUBSTEPS
+from leadscrew.studies.grey_turning.tunings import TUNINGS
 from leadscrew.studies.lab import Lab, measure
 
 if TYPE_CHECKING:

@@ -12,14 +12,14 @@ from typing import Annotated, NamedTuple
 import numpy as np
 
 from leadscrew.analysis.cutting_force import PowerLaw, feed_for
-from leadscrew.controllers.grey_fuzzy.surface import concluded
-from leadscrew.controllers.grey_fuzzy.tfc import tfc
+from leadscrew.controllers._grey_fuzzy.surface import concluded
+from leadscrew.controllers._grey_fuzzy.tfc import tfc
 from leadscrew.kernel.block import Block, controller
 from leadscrew.kernel.sheet import Doc, Ge, Le, Unit
-from leadscrew.plants.turning import turning
-from leadscrew.plants.turning.chip import IRON, S45C
-from leadscrew.references.cutting_program import cutting_force
-from leadscrew.sensors.load_cell import lathe_reading
+from leadscrew.plants._turning import turning
+from leadscrew.plants._turning.chip import IRON, S45C
+from leadscrew.references._cutting_program import cutting_force
+from leadscrew.sensors._load_cell import lathe_reading
 from leadscrew.studies.grey_turning.scenarios import FORCE_N, PERIOD_S, RPM
 from leadscrew.studies.lab import Lab, measure
 

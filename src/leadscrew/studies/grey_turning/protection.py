@@ -1,6 +1,6 @@
 """The guard on the raw force and on the load cell: hard spots at 1 ms resolution, load cells that break.
 
-The guard (:mod:`leadscrew.controllers.guard`) stands around the force controller and takes the voltage from the drive
+The guard (:mod:`leadscrew.controllers._guard`) stands around the force controller and takes the voltage from the drive
 where the raw force passes 180 N. A look is one reading that it judges: every 20 ms with the controller, or every
 millisecond.
 """
@@ -12,13 +12,13 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from leadscrew.controllers.grey_fuzzy.tunings import FACTORS, TUNINGS
-from leadscrew.controllers.guard import HOLDING, RUNNING, Clock, force_guard
-from leadscrew.disturbances.hard_spot import hard_spot
+from leadscrew.controllers._guard import HOLDING, RUNNING, Clock, force_guard
+from leadscrew.disturbances._hard_spot import hard_spot
 from leadscrew.grey.vectorised import ahead, fit
 from leadscrew.grey.window import LENGTH
-from leadscrew.sensors.faulty_load_cell import KINDS, faulty_load_cell
+from leadscrew.sensors._faulty_load_cell import KINDS, faulty_load_cell
 from leadscrew.studies.grey_turning.scenarios import FORCE_N, PERIOD_S, SLOW
+from leadscrew.studies.grey_turning.tunings import FACTORS, TUNINGS
 from leadscrew.studies.lab import Lab, measure
 
 TFC = TUNINGS["corrected.tfc_stfc"]

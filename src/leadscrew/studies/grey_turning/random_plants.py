@@ -16,7 +16,7 @@ import numpy as np
 from leadscrew.analysis.cutting_force import PowerLaw, feed_for
 from leadscrew.kernel.errors import NameUnknown
 from leadscrew.kernel.sheet import nearest
-from leadscrew.plants.turning.chip import S45C
+from leadscrew.plants._turning.chip import S45C
 from leadscrew.studies.grey_turning.readings import Reading, filtered, read
 from leadscrew.studies.grey_turning.scenarios import FORCE_N, RPM
 from leadscrew.studies.lab import Lab, measure

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 
-from leadscrew.disturbances.pulse_load import pulse_load
+from leadscrew.disturbances._pulse_load import pulse_load
 from leadscrew.kernel.block import Block, metric
 from leadscrew.kernel.metrics import (
     NAN,
@@ -27,10 +27,10 @@ from leadscrew.kernel.metrics import (
     steady_state_error,
 )
 from leadscrew.kernel.sheet import Doc, Ge, Le, Lt, Unit
-from leadscrew.plants.turning import turning
-from leadscrew.plants.turning.chip import IRON
-from leadscrew.references.cutting_program import DepthProgram, cutting_force, cutting_program
-from leadscrew.sensors.load_cell import lathe_reading, load_cell
+from leadscrew.plants._turning import turning
+from leadscrew.plants._turning.chip import IRON
+from leadscrew.references._cutting_program import DepthProgram, cutting_force, cutting_program
+from leadscrew.sensors._load_cell import lathe_reading, load_cell
 from leadscrew.studies.study import Scenario
 
 if TYPE_CHECKING:

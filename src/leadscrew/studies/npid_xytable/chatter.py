@@ -13,8 +13,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from leadscrew.controllers.pid import pid
-from leadscrew.disturbances.kicked_load import kicked_load
+from leadscrew.controllers._pid import pid
+from leadscrew.disturbances._kicked_load import kicked_load
 from leadscrew.kernel.block import Block
 from leadscrew.studies.lab import Lab, measure
 from leadscrew.studies.npid_xytable.calibration import DEAD_TIME_S, PERIOD_S

@@ -10,22 +10,44 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from leadscrew.controllers import (
-    adaptive_resonant,
-    cascade_ppi,
-    dead_zone_inverse,
-    input_dob,
-    inverse_feed_forward,
-    learned_feed_forward,
-    npid_after,
-    npid_slope,
-    npid_split,
-    repetitive,
-    resonant,
-    tracking_differentiator,
+    _adaptive_resonant as adaptive_resonant,
 )
-from leadscrew.controllers.npid import READINGS, npid
-from leadscrew.controllers.pid import TUNINGS as PID
-from leadscrew.controllers.pid import pid
+from leadscrew.controllers import (
+    _cascade_ppi as cascade_ppi,
+)
+from leadscrew.controllers import (
+    _dead_zone_inverse as dead_zone_inverse,
+)
+from leadscrew.controllers import (
+    _input_dob as input_dob,
+)
+from leadscrew.controllers import (
+    _inverse_feed_forward as inverse_feed_forward,
+)
+from leadscrew.controllers import (
+    _learned_feed_forward as learned_feed_forward,
+)
+from leadscrew.controllers import (
+    _npid_after as npid_after,
+)
+from leadscrew.controllers import (
+    _npid_slope as npid_slope,
+)
+from leadscrew.controllers import (
+    _npid_split as npid_split,
+)
+from leadscrew.controllers import (
+    _repetitive as repetitive,
+)
+from leadscrew.controllers import (
+    _resonant as resonant,
+)
+from leadscrew.controllers import (
+    _tracking_differentiator as tracking_differentiator,
+)
+from leadscrew.controllers._npid import READINGS, npid
+from leadscrew.controllers._pid import TUNINGS as PID
+from leadscrew.controllers._pid import pid
 from leadscrew.kernel.block import Block
 from leadscrew.studies.tuned import tuned
 

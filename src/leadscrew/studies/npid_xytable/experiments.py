@@ -15,11 +15,12 @@ from leadscrew.analysis.stability.margins import margins
 from leadscrew.analysis.stability.popov import popov
 from leadscrew.analysis.stability.tsypkin import tsypkin
 from leadscrew.analysis.stability.zames_falb import zames_falb
-from leadscrew.controllers import cascade_ppi, input_dob
-from leadscrew.controllers.npid import npid
-from leadscrew.controllers.npid_after import npid_after
-from leadscrew.controllers.npid_slope import npid_slope
-from leadscrew.controllers.pid import TUNINGS as PIDS
+from leadscrew.controllers import _cascade_ppi as cascade_ppi
+from leadscrew.controllers import _input_dob as input_dob
+from leadscrew.controllers._npid import npid
+from leadscrew.controllers._npid_after import npid_after
+from leadscrew.controllers._npid_slope import npid_slope
+from leadscrew.controllers._pid import TUNINGS as PIDS
 from leadscrew.studies.exhibits import Table, experiment
 from leadscrew.studies.lab import Lab, measure
 from leadscrew.studies.npid_xytable import chatter, friction, spindle, two_mass

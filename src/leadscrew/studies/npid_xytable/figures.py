@@ -10,11 +10,11 @@ from leadscrew.analysis.harmonics import Sampling, spectrum
 from leadscrew.analysis.stability.loop import reference_loops
 from leadscrew.analysis.stability.plot import draw_popov, finish
 from leadscrew.analysis.stability.popov import popov
-from leadscrew.controllers import npid as cosh
-from leadscrew.controllers import npid_slope as limited
-from leadscrew.controllers import resonant
-from leadscrew.controllers.inverse_feed_forward import inverse_feed_forward
-from leadscrew.controllers.pid import TUNINGS as PIDS
+from leadscrew.controllers import _npid as cosh
+from leadscrew.controllers import _npid_slope as limited
+from leadscrew.controllers import _resonant as resonant
+from leadscrew.controllers._inverse_feed_forward import inverse_feed_forward
+from leadscrew.controllers._pid import TUNINGS as PIDS
 from leadscrew.figures.panels import grid, with_legend
 from leadscrew.kernel.sheet import entries
 from leadscrew.report.style import (

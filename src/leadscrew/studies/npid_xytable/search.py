@@ -25,10 +25,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from leadscrew.controllers.inverse_feed_forward import inverse_feed_forward
-from leadscrew.controllers.npid import npid
-from leadscrew.controllers.npid_split import npid_split
-from leadscrew.controllers.pid import pid
+from leadscrew.controllers._inverse_feed_forward import inverse_feed_forward
+from leadscrew.controllers._npid import npid
+from leadscrew.controllers._npid_split import npid_split
+from leadscrew.controllers._pid import pid
 from leadscrew.kernel.block import Block
 from leadscrew.studies.lab import Lab
 from leadscrew.studies.npid_xytable.calibration import PERIOD_S
@@ -131,7 +131,7 @@ def rest_du_mv(
     The table is asked to stand at ``offsets`` places within a count; the last three quarters count in mean square.
     """
     from leadscrew.kernel.metrics import chatter
-    from leadscrew.references.step import step
+    from leadscrew.references._step import step
 
     judged = {"chatter": chatter(from_time=0.25 * seconds)}
     loop = lab.loop(block, "quiet", reference=step(target=0.0), metrics=judged)

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from leadscrew.controllers.sofnn.all_weights import sofnn_all_weights
+from leadscrew.controllers._sofnn.all_weights import sofnn_all_weights
 from leadscrew.neural.performance import NETWORK
 from leadscrew.studies.lab import measure
 from leadscrew.studies.sofnn_tangent.cuts import along_the_line, in_material, rms, rules

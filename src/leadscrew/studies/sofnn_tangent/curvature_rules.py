@@ -4,7 +4,7 @@
 cost: the largest RMS deviation of eighteen, rules learned on one of three lines that the study does not cut
 (:func:`lines_of_choice`), frozen, and asked on the two others, in three materials. All that was tried is kept in
 ``data/recall_choice.csv``; the row of the smallest cost is the default of
-:func:`leadscrew.controllers.tangent.curvature_network.curvature_network`.
+:func:`leadscrew.controllers.curvature_network`.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from leadscrew.controllers.tangent.curvature_network import apart_covariance, curvature_network, start_covariance
+from leadscrew.controllers._tangent.curvature_network import apart_covariance, curvature_network, start_covariance
 from leadscrew.kernel.block import Block
 from leadscrew.neural.inference_net import RULES
 from leadscrew.studies.lab import measure
@@ -150,7 +150,7 @@ def lines_of_choice() -> list[Line]:
 def changes_of(line: Line) -> dict[str, Any]:
     """A line of the choice in place of the wave, and as long."""
     from leadscrew.paths.path import sampled
-    from leadscrew.references.cut_line import tables
+    from leadscrew.references._cut_line import tables
 
     samples = samples_of("wave")
     laps = np.ceil(samples * SAMPLE_MM / line.length) if line.closed else 1.0

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, cast
 import numpy as np
 
 from leadscrew.kernel.block import Block
-from leadscrew.plants.flexible_cut import MATERIALS
+from leadscrew.plants._flexible_cut import MATERIALS
 from leadscrew.studies.lab import Lab, measure
 from leadscrew.studies.sofnn_tangent.laws import fixed_fuzzy
 from leadscrew.studies.sofnn_tangent.scenarios import LINES, MATERIAL_NAMES, samples_of

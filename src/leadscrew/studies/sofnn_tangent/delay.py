@@ -26,10 +26,10 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from leadscrew.controllers.sofnn.network import sofnn
+from leadscrew.controllers._sofnn.network import sofnn
 from leadscrew.neural.inference_net import W0
 from leadscrew.neural.performance import TABLE as TABLE_1
-from leadscrew.plants.flexible_cut import flexible_cut
+from leadscrew.plants._flexible_cut import flexible_cut
 from leadscrew.studies.lab import measure
 from leadscrew.studies.sofnn_tangent.cuts import TABLE, deviations, rms
 from leadscrew.studies.sofnn_tangent.scenarios import PERIOD_S

@@ -15,8 +15,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from leadscrew.analysis.piece_learning import next_offsets
-from leadscrew.controllers.tangent.curvature_feed_forward import COUNT, START, curvature_feed_forward
-from leadscrew.controllers.tangent.taught_offset import taught_alone, taught_offset
+from leadscrew.controllers._tangent.curvature_feed_forward import COUNT, START, curvature_feed_forward
+from leadscrew.controllers._tangent.taught_offset import taught_alone, taught_offset
 from leadscrew.kernel.block import Block
 from leadscrew.studies.lab import measure
 from leadscrew.studies.sofnn_tangent.cuts import NONE, PNN, RUNS, TUNED, material_columns

@@ -2,7 +2,7 @@
 
 The paper shows one curve (Figure 5) and says nothing of the material: lines, materials, texture and camera are a
 reconstruction. The lines are in :mod:`leadscrew.paths.shapes`, the materials in
-:mod:`leadscrew.plants.flexible_cut`. A sample is 10 ms, at 50 mm/s 0.5 mm.
+:obj:`leadscrew.plants.flexible_cut`. A sample is 10 ms, at 50 mm/s 0.5 mm.
 """
 
 from __future__ import annotations
@@ -14,15 +14,15 @@ from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 
 import numpy as np
 
-from leadscrew.actuators.saturation import saturation
-from leadscrew.disturbances.cut_load import cut_load
+from leadscrew.actuators._saturation import saturation
+from leadscrew.disturbances._cut_load import cut_load
 from leadscrew.kernel.block import Block, metric, sensor
 from leadscrew.kernel.metrics import iae, max_error, rms_error
 from leadscrew.kernel.sheet import Doc, Ge, Gt, Le, Unit
-from leadscrew.plants.flexible_cut import MATERIALS, RADIAN, Material, flexible_cut
-from leadscrew.references.cut_line import cut_line
-from leadscrew.references.step import step
-from leadscrew.sensors.cut_camera import (
+from leadscrew.plants._flexible_cut import MATERIALS, RADIAN, Material, flexible_cut
+from leadscrew.references._cut_line import cut_line
+from leadscrew.references._step import step
+from leadscrew.sensors._cut_camera import (
     CutCameraParams,
     CutCameraState,
     SeenCut,
@@ -90,7 +90,7 @@ def line_of(scenario: str) -> str:
 def line_tables(scenario: str, feed: float) -> dict[str, Any]:
     """Parameters of ``cut_line`` and ``cut_load`` for the line of a scenario; laps have a whole number of samples."""
     from leadscrew.paths.path import sampled
-    from leadscrew.references.cut_line import tables
+    from leadscrew.references._cut_line import tables
 
     name = line_of(scenario)
     if name == "straight":

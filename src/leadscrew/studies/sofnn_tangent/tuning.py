@@ -21,7 +21,7 @@ import numpy as np
 
 from leadscrew import controller_file
 from leadscrew.analysis.piece_learning import next_offsets
-from leadscrew.controllers.tangent.taught_offset import taught_alone, taught_offset
+from leadscrew.controllers._tangent.taught_offset import taught_alone, taught_offset
 from leadscrew.studies.lab import Lab, measure
 from leadscrew.studies.sofnn_tangent.pieces import PLACES, unknown_plant
 from leadscrew.studies.sofnn_tangent.scenarios import LINES, takes_cut_line

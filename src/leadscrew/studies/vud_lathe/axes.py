@@ -11,8 +11,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from leadscrew.controllers.vud.family import BETA_E, ERROR, vud_family
-from leadscrew.controllers.vud.scaled import vud_scaled
+from leadscrew.controllers._vud.family import BETA_E, ERROR, vud_family
+from leadscrew.controllers._vud.scaled import vud_scaled
 from leadscrew.kernel.block import Block
 from leadscrew.studies.lab import Lab, measure
 from leadscrew.studies.vud_lathe.controllers import VARIANTS

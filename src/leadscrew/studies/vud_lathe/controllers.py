@@ -1,7 +1,7 @@
 """The study's controllers by name: whose each one is, the name says.
 
 ``paper.vud`` is the printed law to the letter. Variants change one thing of it each; all but four of them are one
-block with other parameters (:mod:`leadscrew.controllers.vud.family`), so they share one compiled program. A factor of
+block with other parameters (:mod:`leadscrew.controllers._vud.family`), so they share one compiled program. A factor of
 "one" is ``|x|^0 + 0.0001`` there; that 0.01 % shows in the fourth digit of what is still on its way at 2 s. The fast
 ones are the best of one search each, rounded to four digits, and can be found again: ``search`` of
 :mod:`leadscrew.studies.vud_lathe.fast_search` with the arguments that stand beside them.
@@ -12,12 +12,12 @@ from __future__ import annotations
 from dataclasses import replace
 from pathlib import Path
 
-from leadscrew.controllers.vud import duty_pd, duty_pd_observed, duty_pid, power_law, vud, vud_beta_e
-from leadscrew.controllers.vud.family import BELL, BETA_E, ERROR, MAXIMUM, MEAN, ONE, PRODUCT, UNITY, vud_family
-from leadscrew.controllers.vud.fast import vud_fast
-from leadscrew.controllers.vud.incremental import vud_incremental
-from leadscrew.controllers.vud.integral_factor import vud_integral_factor
-from leadscrew.controllers.vud.scaled import ROBUST, vud_scaled
+from leadscrew.controllers._vud import duty_pd, duty_pd_observed, duty_pid, power_law, vud, vud_beta_e
+from leadscrew.controllers._vud.family import BELL, BETA_E, ERROR, MAXIMUM, MEAN, ONE, PRODUCT, UNITY, vud_family
+from leadscrew.controllers._vud.fast import vud_fast
+from leadscrew.controllers._vud.incremental import vud_incremental
+from leadscrew.controllers._vud.integral_factor import vud_integral_factor
+from leadscrew.controllers._vud.scaled import ROBUST, vud_scaled
 from leadscrew.kernel.block import Block
 from leadscrew.studies.tuned import tuned
 

@@ -8,15 +8,15 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from leadscrew.analysis.single_lag import single_lag_time
-from leadscrew.controllers.vud.family import BETA_E, ERROR, MAXIMUM, MEAN, UNITY, vud_family
-from leadscrew.controllers.vud.universe import TABLE_2
+from leadscrew.controllers._vud.family import BETA_E, ERROR, MAXIMUM, MEAN, UNITY, vud_family
+from leadscrew.controllers._vud.universe import TABLE_2
 from leadscrew.figures.table import Table
 from leadscrew.identify.gain import HOLDS
 from leadscrew.kernel.block import Block
 from leadscrew.kernel.sheet import entries
-from leadscrew.sensors.grating.heydemann import fit_ellipse
-from leadscrew.sensors.grating.moire import GRATING
-from leadscrew.sensors.grating.quadrature import first_order_error, interpolation_error, quadrature
+from leadscrew.sensors.grating._heydemann import fit_ellipse
+from leadscrew.sensors.grating._moire import GRATING
+from leadscrew.sensors.grating._quadrature import first_order_error, interpolation_error, quadrature
 from leadscrew.studies.claims import finite
 from leadscrew.studies.exhibits import experiment
 from leadscrew.studies.lab import Lab, measure
@@ -395,9 +395,9 @@ def shortest_time(lab: Lab) -> tuple[Table, str]:
 def fast_axis(lab: Lab) -> Loop:
     """The axis behind a grating whose errors can be set: without any it is the ideal counter, bit for bit."""
     from leadscrew.kernel.loop import Loop
-    from leadscrew.plants.lathe_servo import lathe_servo
-    from leadscrew.references.step import step
-    from leadscrew.sensors.grating.ruler import grating_ruler
+    from leadscrew.plants._lathe_servo import lathe_servo
+    from leadscrew.references._step import step
+    from leadscrew.sensors.grating._ruler import grating_ruler
 
     names = ("settling_2um", "overshoot", "error_after_2s", "chatter")
     loop = Loop(

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from leadscrew.controllers.vud import universe
-from leadscrew.controllers.vud.power_law import power_law
+from leadscrew.controllers._vud import universe
+from leadscrew.controllers._vud.power_law import power_law
 from leadscrew.figures.panels import grid, with_legend
 from leadscrew.report.positioning import draw as draw_positioning
 from leadscrew.report.style import (
@@ -22,10 +22,10 @@ from leadscrew.report.style import (
     colour,
     pen,
 )
-from leadscrew.sensors.grating import counting
-from leadscrew.sensors.grating.heydemann import fit_ellipse
-from leadscrew.sensors.grating.moire import GRATING
-from leadscrew.sensors.grating.quadrature import first_order_error, interpolation_error, quadrature
+from leadscrew.sensors.grating import _counting as counting
+from leadscrew.sensors.grating._heydemann import fit_ellipse
+from leadscrew.sensors.grating._moire import GRATING
+from leadscrew.sensors.grating._quadrature import first_order_error, interpolation_error, quadrature
 from leadscrew.studies.exhibits import figure
 from leadscrew.studies.lab import Lab
 from leadscrew.studies.vud_lathe import curvature, limits

@@ -15,7 +15,7 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 
-from leadscrew.controllers.vud.universe import CENTRES, TABLE_2, contraction
+from leadscrew.controllers._vud.universe import CENTRES, TABLE_2, contraction
 from leadscrew.fuzzy.completion import Completion, complete_rules
 from leadscrew.fuzzy.inference import infer, rule_base
 from leadscrew.fuzzy.learning import LearnedRules, learn_rules
@@ -23,7 +23,7 @@ from leadscrew.fuzzy.partition import Partition
 from leadscrew.identify.gain import HOLDS, GainFit, Record, fit_gain
 from leadscrew.identify.log import read_log
 from leadscrew.kernel.errors import DataError
-from leadscrew.sensors.grating.quadrature import SignalErrors
+from leadscrew.sensors.grating._quadrature import SignalErrors
 
 TABLE_1 = Path(__file__).parent / "data" / "table1.csv"
 SAMPLE_TIME_S = 0.1

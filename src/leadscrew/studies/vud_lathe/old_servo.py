@@ -13,7 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from leadscrew.controllers.vud.duty_pid import duty_pid
+from leadscrew.controllers._vud.duty_pid import duty_pid
 from leadscrew.identify.output_error import OutputErrorFit, Search, Trajectory, fit_output_error
 from leadscrew.kernel.block import Block
 from leadscrew.studies.lab import Lab, measure
