@@ -9,7 +9,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from leadscrew import catalogue
+from leadscrew import resolve
 from leadscrew.analysis.circular.paths import CircularTest
 from leadscrew.analysis.friction import friction_along, friction_velocity
 from leadscrew.figures.panels import grid, with_legend
@@ -204,7 +204,7 @@ def _errors(axes: Axes, found: dict[str, FrictionFit]) -> None:
 
 def images() -> dict[str, Figure]:
     """The images by name."""
-    lab = Lab(catalogue.study("fsmc_ballscrew"))
+    lab = Lab(resolve.study("fsmc_ballscrew"))
     learned = {
         "learned_sines": learned_sines,
         "learned_way": learned_way,

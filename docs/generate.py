@@ -16,13 +16,13 @@ import sys
 from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 
-from leadscrew import catalogue, escape
+from leadscrew import catalogue, escape, resolve
 from leadscrew.kernel.sheet import entries
 from leadscrew.report import tables
 from leadscrew.report.report import Picture, Report, Section, TextTable
 from leadscrew.report.study import report_of
 from leadscrew.studies.results import Results, evaluate
-from leadscrew.studies.study import Study
+from leadscrew.study_data import Study
 
 
 def kept() -> bool:
@@ -125,7 +125,7 @@ def blocks_page() -> str:
         "# Blocks by name",
         "What `leadscrew list` shows: every block, its parameters, units, defaults and ranges.",
     ]
-    found = [(name, catalogue.block(name)) for name in catalogue.BLOCKS]
+    found = [(name, resolve.block(name)) for name in catalogue.BLOCKS]
     for kind in dict.fromkeys(block.kind for _, block in found):
         parts.append(f"## {kind.capitalize()}s")
         for name, block in found:
@@ -153,7 +153,7 @@ def everything(docs: Path) -> None:
     write(docs / "reference" / "generated" / "blocks_by_name.md", blocks_page())
     for name in catalogue.STUDIES:
         if not (kept() and page_of(docs, name).exists()):
-            study = catalogue.study(name)
+            study = resolve.study(name)
             write_study(docs, study, evaluate(study))
 
 

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 from friction_images import images as friction_images_of_the_stage
 
-from leadscrew import Loop, catalogue, experiment, fuzzy
+from leadscrew import Loop, experiment, fuzzy, resolve
 from leadscrew.bench import stage_picture
 from leadscrew.controllers import axis_cascade
 from leadscrew.experiment import Experiment
@@ -112,7 +112,7 @@ def identification_images(folder: Path) -> None:
 def main(folder: Path = Path(__file__).parent / "images") -> None:
     """Draws every image."""
     folder.mkdir(exist_ok=True)
-    labs = {study: Lab(catalogue.study(study)) for study, _ in IMAGES.values()}
+    labs = {study: Lab(resolve.study(study)) for study, _ in IMAGES.values()}
     for image, (study, wanted) in IMAGES.items():
         assert labs[study].study.contents is not None
         shown = next(f for f in labs[study].study.contents().figures if f.name == wanted)

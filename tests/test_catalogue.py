@@ -8,7 +8,7 @@ import types
 
 import pytest
 
-from leadscrew import catalogue, userfile
+from leadscrew import catalogue, names, resolve
 from leadscrew.kernel.block import KINDS, Block
 from leadscrew.kernel.errors import BlockError, DataError, LeadscrewError, NameUnknown
 
@@ -25,7 +25,7 @@ def test_every_row_of_the_other_tables_resolves():
     assert all(callable(made) and made.__doc__ for made in catalogue.factories().values())
     assert {catalogue.factory_kind(n) for n in catalogue.FACTORIES} <= set(KINDS)
     for name in catalogue.STUDIES:
-        assert catalogue.study(name).name == name
+        assert resolve.study(name).name == name
 
 
 def test_every_block_of_the_library_has_a_row():
@@ -58,13 +58,13 @@ def test_every_standard_metric_has_a_row():
 
 def test_an_unknown_name_gets_the_nearest():
     with pytest.raises(NameUnknown, match=r"did you mean .*lathe_servo"):
-        catalogue.block("lathe_srvo")
+        resolve.block("lathe_srvo")
     with pytest.raises(NameUnknown, match="vud_lathe"):
-        catalogue.study("vud")
+        resolve.study("vud")
     with pytest.raises(BlockError, match="state_space"):
-        catalogue.block("state_space")
+        resolve.block("state_space")
     with pytest.raises(BlockError, match="is a reference, not a controller"):
-        catalogue.block("sine", "controller")
+        resolve.block("sine", "controller")
 
 
 MINE = '''
@@ -93,30 +93,30 @@ def test_an_installed_package_joins(tmp_path, monkeypatch):
         "[leadscrew.blocks]\nmine = my_blocks:mine\ngone = my_blocks:gone\nnumber = my_blocks:number\n"
     )
     monkeypatch.syspath_prepend(str(tmp_path))
-    assert catalogue.block("mine").params.kp == 3.0
+    assert resolve.block("mine").params.kp == 3.0
     assert "mine" in catalogue.block_names() and "mine" not in catalogue.study_names()
     with pytest.raises(LeadscrewError, match=r"plug-in 'gone' .*cannot be loaded"):
-        catalogue.block("gone")
+        resolve.block("gone")
     with pytest.raises(BlockError, match="is not a block but an object of type int"):
-        catalogue.block("number")
+        resolve.block("number")
     with pytest.raises(NameUnknown, match="mine"):
-        catalogue.block("miner")
+        resolve.block("miner")
 
 
 def test_a_block_of_ones_own_file(tmp_path):
     path = tmp_path / "mine.py"
     path.write_text(MINE)
-    assert catalogue.block(f"{path}:mine").params.kp == 3.0
+    assert resolve.block(f"{path}:mine").params.kp == 3.0
     with pytest.raises(NameUnknown, match="did you mean mine"):
-        catalogue.block(f"{path}:mines")
+        resolve.block(f"{path}:mines")
     with pytest.raises(NameUnknown, match=r"it has .*mine"):
-        catalogue.block(str(path))
+        resolve.block(str(path))
     with pytest.raises(BlockError, match="is not a block but an object of type int"):
-        catalogue.block(f"{path}:number")
+        resolve.block(f"{path}:number")
     with pytest.raises(BlockError, match="not a study"):
-        catalogue.study(f"{path}:mine")
+        resolve.study(f"{path}:mine")
     with pytest.raises(DataError, match="there is no file"):
-        catalogue.block(f"{tmp_path}/none.py:mine")
+        resolve.block(f"{tmp_path}/none.py:mine")
 
 
 def test_a_file_that_does_not_load_is_refused_with_its_line(tmp_path):
@@ -127,19 +127,19 @@ def test_a_file_that_does_not_load_is_refused_with_its_line(tmp_path):
     ):
         path.write_text(text)
         with pytest.raises(DataError, match=words):
-            catalogue.block(f"{path}:x")
+            resolve.block(f"{path}:x")
 
 
 def test_a_file_may_import_what_lies_beside_it_and_is_read_anew_when_changed(tmp_path):
     (tmp_path / "gains_beside_mine.py").write_text("KP = 5.0\n")
     path = tmp_path / "mine.py"
     path.write_text("from gains_beside_mine import KP\n" + MINE.replace("3.0", "KP"))
-    assert catalogue.block(f"{path}:mine").params.kp == 5.0
+    assert resolve.block(f"{path}:mine").params.kp == 5.0
     path.write_text(MINE.replace("3.0", "4.0"))
-    assert catalogue.block(f"{path}:mine").params.kp == 4.0
+    assert resolve.block(f"{path}:mine").params.kp == 4.0
 
 
 def test_names_of_files_are_told_from_others():
-    assert userfile.is_reference("a/b.py:c") and userfile.is_reference("b.py") and userfile.is_reference(r"C:\b.py:c")
-    assert not userfile.is_reference("sine") and not userfile.is_reference("b.toml")
-    assert userfile.absolute("sine") == "sine"
+    assert names.is_reference("a/b.py:c") and names.is_reference("b.py") and names.is_reference(r"C:\b.py:c")
+    assert not names.is_reference("sine") and not names.is_reference("b.toml")
+    assert names.absolute("sine") == "sine"

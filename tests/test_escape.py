@@ -19,7 +19,7 @@ from xml.etree import ElementTree as ET
 import pytest
 from markdown_it import MarkdownIt
 
-from leadscrew import controller_file, escape
+from leadscrew import escape, toml_file
 from leadscrew.experiment import Experiment
 from leadscrew.export.controller import export_controller
 from leadscrew.export.folder import contents
@@ -275,12 +275,12 @@ def test_a_figure_is_drawn_with_the_text_and_is_an_svg_that_parses(text):
 @each
 def test_toml_gives_the_same_text_back(text):
     if "\ud800" in text:
-        for write in (lambda: controller_file.toml({"a": text}), lambda: controller_file.toml({text: 1})):
+        for write in (lambda: toml_file.text({"a": text}), lambda: toml_file.text({text: 1})):
             with pytest.raises(ValueRefused, match="cannot be written as TOML: it is no Unicode text"):
                 write()
         return
     table = {"a": text, "list": [text], "files": {text: "b", "lathe.toml": "c"}, "log": {"columns": {text: "d"}}}
-    assert tomllib.loads(controller_file.toml(table)) == table
+    assert tomllib.loads(toml_file.text(table)) == table
     asked = Experiment("vud_lathe", None, text, changes={"a.b": text}, files={text: "c", "lathe.toml": "d"})
     read = tomllib.loads(worst.toml(asked, text))
     assert read["scenario"] == text and read["set"] == {"a": {"b": text}}

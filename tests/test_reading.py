@@ -12,7 +12,7 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
 
-from leadscrew import apart, controller_file, parquet, reading, replay
+from leadscrew import apart, parquet, reading, replay, toml_file
 from leadscrew.analysis.circular.file import read_circles
 from leadscrew.analysis.following_files import read_logs
 from leadscrew.analysis.positioning_file import read_positioning
@@ -28,7 +28,7 @@ from leadscrew.tune.journal import Journal
 
 CORPUS = Path(__file__).with_name("corpus") / "0.1.0"
 READERS = {
-    "a.toml": controller_file.table_of, "b.toml": hal_file.read, "a.ngc": read_drawing, "a.svg": read_drawing,
+    "a.toml": toml_file.read, "b.toml": hal_file.read, "a.ngc": read_drawing, "a.svg": read_drawing,
     "a.dxf": read_drawing, "positioning.csv": read_positioning, "circles.csv": lambda path: read_circles(path, 100.0),
     "force.csv": read_force_table, "measured.csv": read_measured, "net.json": read_net, "log.csv": read_table,
     "log.mat": read_table, "log.parquet": read_table, "a.fll": formats.read,
@@ -66,20 +66,20 @@ def test_settings_that_nest_too_deep_or_hold_what_no_machine_does_are_refused(tm
 
 def test_a_pipe_is_read_no_further_than_a_file_may_be_long():
     with pytest.raises(DataError, match="settings up to 8 MB are read"):
-        controller_file.table_of(Path("/dev/zero"))
+        toml_file.read(Path("/dev/zero"))
 
 
 def test_the_limits_are_raised_by_a_factor_and_a_wrong_one_is_refused(tmp_path, monkeypatch):
     path = tmp_path / "a.toml"
     path.write_text("# " + "-" * 9_000_000 + "\na = 1\n")
     with pytest.raises(DataError, match="--file-limits 2 "):
-        controller_file.table_of(path)
+        toml_file.read(path)
     monkeypatch.setenv(reading.VARIABLE, "2")
-    assert controller_file.table_of(path) == {"a": 1}
+    assert toml_file.read(path) == {"a": 1}
     for wrong in ("0.5", "much", "nan", "1e9"):
         monkeypatch.setenv(reading.VARIABLE, wrong)
         with pytest.raises(ValueRefused, match="expected a number from 1 to 1000"):
-            controller_file.table_of(path)
+            toml_file.read(path)
 
 
 @pytest.mark.slow

@@ -1,9 +1,7 @@
-"""Every block and study by name: plain tables, and the look-up that also takes plug-ins and a user's own file.
+"""Every block and study by name: plain tables, and what installed packages add.
 
 Adding a block is one file, its name in the ``__init__.pyi`` of its package, and one row here. An installed package
-joins through the entry points ``leadscrew.blocks`` and ``leadscrew.studies``; a file of one's own is named
-``path/file.py:name`` wherever a name is asked for, and a fuzzy system's file (``.fis``, ``.fll``, ``.fcl``, ``.xml``)
-or a controller file (``.toml``) wherever a controller is.
+joins through the entry points ``leadscrew.blocks`` and ``leadscrew.studies``. Names of files: :mod:`leadscrew.resolve`.
 """
 
 from __future__ import annotations
@@ -18,7 +16,6 @@ if TYPE_CHECKING:
     from importlib.metadata import EntryPoint
 
     from leadscrew.kernel.block import Block
-    from leadscrew.studies.study import Study
 
 BLOCKS: dict[str, str] = {
     # references
@@ -236,11 +233,6 @@ def _from_plug_in(point: EntryPoint) -> Any:
 
 
 def _find(name: str, table: dict[str, str], group: str, what: str) -> Any:
-    if "." in name:
-        from leadscrew import userfile
-
-        if userfile.is_reference(name) or (group == BLOCK_GROUP and userfile.is_controller_file(name)):
-            return userfile.load(name)
     if name in table:
         return _from_table(table[name])
     points = _plug_ins(group)
@@ -249,48 +241,27 @@ def _find(name: str, table: dict[str, str], group: str, what: str) -> Any:
     raise NameUnknown(f"there is no {what} {name!r}{nearest(name, [*table, *points])}")
 
 
-def block(name: str, kind: str | None = None) -> Block:
-    """The block of a name: from the table, an installed plug-in, ``path/file.py:name``, or a fuzzy system's file.
+def block(name: str) -> Any:
+    """What stands under the name of a block: in the table, or an installed plug-in.
 
     Raises:
         NameUnknown: no such block; names the nearest.
-        BlockError: what is there is not a block, or not of that ``kind``.
-        DataError: the file is missing or does not load.
+        BlockError: it is made from data by a function.
     """
-    from leadscrew.kernel.block import Block
-
     if name in FACTORIES:
         raise BlockError(
             f"{name} is made from data by a function: call {FACTORIES[name].replace(':', '.')}(...) in a file"
         )
-    found = _find(name, BLOCKS, BLOCK_GROUP, "block")
-    if not isinstance(found, Block):
-        raise BlockError(
-            f"{name} is not a block but an object of type {type(found).__name__}; decorate its step: @controller(...)"
-        )
-    if kind is not None and found.kind != kind:
-        raise BlockError(f"{name} is a {found.kind}, not a {kind}")
-    return found
+    return _find(name, BLOCKS, BLOCK_GROUP, "block")
 
 
-def study(name: str) -> Study:
-    """The study of a name: from the table, an installed plug-in, a machine file (``.toml``), or ``path/file.py:name``.
+def study(name: str) -> Any:
+    """What stands under the name of a study.
 
     Raises:
         NameUnknown: no such study; names the nearest.
-        BlockError: what is there is not a study.
-        DataError: the file is missing or does not load.
     """
-    from leadscrew.studies.study import Study
-
-    if name.endswith(".toml"):
-        from leadscrew.machine.axis_study import study as machine
-
-        return machine(name)
-    found = _find(name, STUDIES, STUDY_GROUP, "study")
-    if not isinstance(found, Study):
-        raise BlockError(f"{name} is not a study but an object of type {type(found).__name__}")
-    return found
+    return _find(name, STUDIES, STUDY_GROUP, "study")
 
 
 def block_names() -> list[str]:

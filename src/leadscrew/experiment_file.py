@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, ValidationError
 
-from leadscrew.experiment import Experiment
+from leadscrew import toml_file
 from leadscrew.kernel.engines import without_numba
 from leadscrew.kernel.errors import DataError
 from leadscrew.kernel.sheet import nearest
@@ -35,8 +35,8 @@ class ExperimentFile(BaseModel):
     changes: Annotated[dict[str, Any], Field(alias="set")] = {}
 
 
-def validated(table: Mapping[str, Any], where: str) -> Experiment:
-    """The experiment that a TOML table describes.
+def validated(table: Mapping[str, Any], where: str) -> dict[str, Any]:
+    """The fields of the experiment that a TOML table describes.
 
     Raises:
         DataError: names file and key of what is wrong.
@@ -52,27 +52,18 @@ def validated(table: Mapping[str, Any], where: str) -> Experiment:
         if first["type"] == "missing":
             raise DataError(f"{where}: the key {key!r} is missing") from None
         raise DataError(f"{where}: {key} = {first['input']!r}: {first['msg']}") from None
-    return Experiment(
-        study=file.study,
-        controller=file.controller,
-        scenario=file.scenario,
-        changes=dict(flat(file.changes)),
-        duration_s=file.duration,
-        engine=file.engine,
-        every=file.every,
-        substeps=file.substeps,
-        record=None if file.record is None else tuple(file.record),
-        seed=file.seed,
-        run=file.run,
-        files=file.files,
-        source=where,
-    )
-
-
-def flat(table: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, Any]]:
-    """Nested tables as dotted keys."""
-    for key, value in table.items():
-        if isinstance(value, Mapping):
-            yield from flat(value, f"{prefix}{key}.")
-        else:
-            yield f"{prefix}{key}", value
+    return {
+        "study": file.study,
+        "controller": file.controller,
+        "scenario": file.scenario,
+        "changes": dict(toml_file.flat(file.changes)),
+        "duration_s": file.duration,
+        "engine": file.engine,
+        "every": file.every,
+        "substeps": file.substeps,
+        "record": None if file.record is None else tuple(file.record),
+        "seed": file.seed,
+        "run": file.run,
+        "files": file.files,
+        "source": where,
+    }

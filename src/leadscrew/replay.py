@@ -11,7 +11,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from leadscrew import __version__, userfile
+from leadscrew import names, userfile
+from leadscrew._version import __version__
 from leadscrew.experiment import Experiment
 from leadscrew.kernel.engines import without_numba
 from leadscrew.kernel.errors import CodeNotTrusted, DataError, LeadscrewError
@@ -95,8 +96,8 @@ def rebuilt(manifest: Mapping[str, Any], where: str) -> Loop:
     controller = origin.get("controller")
     try:
         experiment = Experiment(
-            userfile.FromFile(origin["study"], f"{where}/run.json"),
-            None if controller is None else userfile.FromFile(controller, f"{where}/run.json"),
+            names.FromFile(origin["study"], f"{where}/run.json"),
+            None if controller is None else names.FromFile(controller, f"{where}/run.json"),
             origin.get("scenario"), origin.get("changes") or {}, substeps=origin.get("substeps"),
         )  # fmt: skip
         saved, seed, bound = dict(manifest["parameters"]), manifest["seed"], manifest["bound"]

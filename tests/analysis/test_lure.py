@@ -8,7 +8,6 @@ import pytest
 
 from leadscrew.analysis.stability.lure import ErrorMap, declare, lure
 from leadscrew.analysis.stability.sampled import sampled_loop
-from leadscrew.catalogue import block
 from leadscrew.controllers._feed_forward_table import feed_forward_table
 from leadscrew.controllers._learned_feed_forward import learned_feed_forward
 from leadscrew.controllers._look_ahead import look_ahead
@@ -23,6 +22,7 @@ from leadscrew.kernel.errors import ValueRefused
 from leadscrew.kernel.loop import Loop
 from leadscrew.plants._xy_table_cutting import xy_table_cutting
 from leadscrew.references._eased_sine import eased_sine_motion
+from leadscrew.resolve import block
 from leadscrew.studies.npid_xytable.controllers import CONTROLLERS
 from tests.controllers.xy_loop import outputs
 

@@ -197,7 +197,7 @@ def test_with_the_printed_numbers_the_design_is_the_corrected_controller_to_the_
 
 @pytest.mark.slow
 def test_the_design_from_table_1_settles_as_the_corrected_controller_does(found):
-    from leadscrew.catalogue import study
+    from leadscrew.resolve import study
 
     lathe = study("vud_lathe")
     for scenario, fine in (("fig11a_step_m50", 0.989), ("fig11b_step_m170", 1.576)):
@@ -212,7 +212,7 @@ def test_the_design_from_table_1_settles_as_the_corrected_controller_does(found)
 @pytest.mark.slow
 def test_a_design_from_our_own_log_settles(tmp_path):
     """The loop closed: the old servo is simulated and logged, its log designs a controller, the controller is run."""
-    from leadscrew.catalogue import study
+    from leadscrew.resolve import study
 
     lathe = study("vud_lathe")
     folders = []

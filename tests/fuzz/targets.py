@@ -46,9 +46,9 @@ def _loop(path: Path) -> None:
 
 
 def _machine(path: Path) -> None:
-    from leadscrew import catalogue
+    from leadscrew import resolve
 
-    study = catalogue.study(str(path))
+    study = resolve.study(str(path))
     assert study.controllers
 
 

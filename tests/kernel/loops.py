@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from leadscrew import catalogue
+from leadscrew import catalogue, resolve
 from leadscrew.actuators._dac import lathe_dac
 from leadscrew.actuators._saturation import saturation
 from leadscrew.controllers._sliding.continuous import seen_in_mm
@@ -116,7 +116,7 @@ def _candidates(block: Block):
     else:
         plain = {"reference": COMMANDS[0], "controller": CONTROLLERS[0], "plant": zoo.mass, **rest}
         yield {**plain, block.kind: block}
-        plants = [catalogue.block(n) for n in catalogue.block_names() if catalogue.block(n).kind == "plant"]
+        plants = [resolve.block(n) for n in catalogue.block_names() if resolve.block(n).kind == "plant"]
         for plant in plants:
             yield {**plain, "plant": plant, block.kind: block}
         for c in CONTROLLERS:
@@ -128,7 +128,7 @@ def _candidates(block: Block):
 
 def around(name: str) -> Loop:
     """A loop with a block of the catalogue in its place."""
-    block = catalogue.block(name)
+    block = resolve.block(name)
     said = []
     for parts in _candidates(block):
         try:

@@ -5,7 +5,7 @@ import sys
 
 import pytest
 
-from leadscrew import catalogue
+from leadscrew import resolve
 from leadscrew.experiment import Experiment
 from leadscrew.kernel.errors import NameUnknown, ValueRefused
 from leadscrew.operate.profile import fitted, profile_of
@@ -143,7 +143,7 @@ def test_a_ball_bar_is_offered_only_where_two_axes_can_make_a_circle():
 
 def test_a_machine_starts_with_a_controller_and_a_scenario_of_its_study(machine):
     profile, _, _ = machine
-    study = catalogue.study(profile.study)
+    study = resolve.study(profile.study)
     assert profile.controller in study.controllers
     assert profile.scenario in study.scenarios
     assert 0.0 < profile.window_s <= 20.0

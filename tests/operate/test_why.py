@@ -6,7 +6,7 @@ import re
 import numpy as np
 import pytest
 
-from leadscrew import catalogue
+from leadscrew import resolve
 from leadscrew.controllers._force.gain_normalised import gain_normalised
 from leadscrew.controllers._grey_fuzzy import gpfc, smith, tfc
 from leadscrew.controllers._guard.feed_override import feed_override
@@ -55,7 +55,7 @@ def seen_cut(k: int) -> tuple[TangentCommand, SeenCut]:
 
 
 def vud_blocks() -> dict:
-    found = catalogue.study("vud_lathe").controllers
+    found = resolve.study("vud_lathe").controllers
     return {n: b for n, b in found.items() if "rules" in getattr(b.params, "_fields", ())}
 
 
@@ -213,7 +213,7 @@ def test_the_rules_of_the_curvature_and_the_rest_give_the_offset(name: str) -> N
 
 @pytest.mark.parametrize("study", STUDIES)
 def test_no_fuzzy_and_no_sliding_controller_is_left_without_its_why(study: str) -> None:
-    for name, block in catalogue.study(study).controllers.items():
+    for name, block in resolve.study(study).controllers.items():
         tables = {e.key.rsplit(".", 1)[-1]: np.size(e.default) for e in entries(block.params)}
         fuzzy = "rules" in tables or "terms" in tables or tables.get("prior", 0) >= 49
         sliding = re.search(r"smc|twisting", name) is not None
@@ -224,7 +224,7 @@ def test_no_fuzzy_and_no_sliding_controller_is_left_without_its_why(study: str) 
 
 
 def test_a_controller_without_a_view_says_why() -> None:
-    study = catalogue.study("npid_xytable")
+    study = resolve.study("npid_xytable")
     found = explainer(study.loop("paper.pid", "quiet"), "paper.pid")
     assert found.views == ()
     assert found.reason.startswith("paper.pid is neither a fuzzy nor a sliding-mode controller")

@@ -6,7 +6,7 @@ import math
 import numpy as np
 import pytest
 
-from leadscrew import Loop, catalogue
+from leadscrew import Loop, resolve
 from leadscrew.analysis.circular import command
 from leadscrew.analysis.circular.drawn import Circle as Asked
 from leadscrew.analysis.circular.drawn import draw
@@ -23,7 +23,7 @@ RADIUS, FREQUENCY = 0.5, 0.5
 
 def loops(radius: float = RADIUS, ahead: float = 0.5 * math.pi, frequency: float = FREQUENCY) -> list[Loop]:
     """Two axes of the ball-screw stage under sines, as a circle is operated; none of them is run."""
-    study = catalogue.study("fsmc_ballscrew")
+    study = resolve.study("fsmc_ballscrew")
     own = study.loop("ours.smc_4khz", "sine_slow")
     return [
         with_reference(own, sine_motion(amplitude=radius, frequency=frequency, phase=phase, offset=2.0))
@@ -149,7 +149,7 @@ def test_a_hundred_turns_are_kept_and_drawn_as_one_is() -> None:
 @pytest.mark.slow
 def test_a_turn_that_a_machine_draws_has_the_figures_of_the_ball_bar_test() -> None:
     """Against :func:`draw` of the same stage, circle and feed, which runs and samples it by itself."""
-    study = catalogue.study("fsmc_ballscrew")
+    study = resolve.study("fsmc_ballscrew")
     own = study.loop("ours.smc_4khz", "sine_slow")
     values = {"radius": 2.0, "speed": 2.0, "start": 0.0, "turning": 1.0}
     first = own.signals["actual"]

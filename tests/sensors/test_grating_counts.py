@@ -14,7 +14,7 @@ from leadscrew.kernel.loop import Loop
 from leadscrew.kernel.noise import Noise
 from leadscrew.plants._lathe_servo import LathePosition, lathe_servo
 from leadscrew.sensors._grating_count import grating_count
-from leadscrew.sensors.grating import counting
+from leadscrew.sensors.grating import _counting as counting
 from leadscrew.sensors.grating._counter import grating_counter, sector_of
 from leadscrew.sensors.grating._quadrature import (
     PERFECT,

@@ -5,10 +5,10 @@ import math
 import numpy as np
 import pytest
 
+from leadscrew.identify.heydemann import fit_ellipse, fit_log
 from leadscrew.kernel.errors import DataError, ValueRefused
 from leadscrew.kernel.noise import Noise
 from leadscrew.plants._lathe_servo import LathePosition
-from leadscrew.sensors.grating._heydemann import fit_ellipse, fit_log
 from leadscrew.sensors.grating._moire import GRATING, fringe_width, magnification, small_angle_error
 from leadscrew.sensors.grating._quadrature import (
     PERFECT,

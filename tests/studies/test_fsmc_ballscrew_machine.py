@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from leadscrew import catalogue
+from leadscrew import resolve
 from leadscrew.analysis.circular.paths import CircularTest, Turn
 from leadscrew.analysis.circular.quantities import quantities
 from leadscrew.analysis.friction_runs import break_away
@@ -21,7 +21,7 @@ from leadscrew.studies.lab import Lab
 
 MM = 1.5923
 """Travel of the table per radian, Table 1."""
-LAB = Lab(catalogue.study("fsmc_ballscrew"))
+LAB = Lab(resolve.study("fsmc_ballscrew"))
 
 
 def by_scipy(way, cosine, when):

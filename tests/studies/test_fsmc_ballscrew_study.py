@@ -2,11 +2,11 @@
 
 import pytest
 
-from leadscrew import catalogue
+from leadscrew import resolve
 from leadscrew.kernel.errors import LeadscrewError
 from leadscrew.studies import results
 
-STAGE = catalogue.study("fsmc_ballscrew")
+STAGE = resolve.study("fsmc_ballscrew")
 
 
 def test_every_controller_fits_into_every_scenario():

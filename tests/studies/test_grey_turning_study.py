@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from turning_oracle import Fuzzy, Lathe, grey, run
 
-from leadscrew import catalogue
+from leadscrew import resolve
 from leadscrew.controllers._grey_fuzzy.rule_tables import TABLES
 from leadscrew.sensors._load_cell import load_cell
 from leadscrew.studies import results
@@ -17,7 +17,7 @@ from leadscrew.studies.grey_turning.tunings import FACTORS
 from tests.budget import WHOLE
 from tests.studies.turning_lab import lab
 
-STUDY = catalogue.study("grey_turning")
+STUDY = resolve.study("grey_turning")
 ON_THE_RING = 1171.875
 """Spindle speed at which a step of 1 ms is five of the 256 places a revolution: interpolation is then exact."""
 S9 = (28.0, 15.4, 0.0214)

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from leadscrew.analysis.stability.sampled import sampled_loop
-from leadscrew.catalogue import study
 from leadscrew.controllers._wrapping import takes_motion
 from leadscrew.kernel.errors import LeadscrewError
+from leadscrew.resolve import study
 from leadscrew.studies import results
 from tests.budget import WHOLE
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.ndimage import gaussian_filter1d
 
-from leadscrew import catalogue, controller_file
+from leadscrew import controller_file, resolve
 from leadscrew.analysis.piece_learning import next_offsets
 from leadscrew.controllers._tangent.curvature_feed_forward import curvature_feed_forward
 from leadscrew.controllers._tangent.curvature_network import curvature_network
@@ -21,7 +21,7 @@ from leadscrew.tune.space import Space
 from leadscrew.tune.tuner_plan import at_ends, training
 from tests.studies.tangent_lab import lab
 
-STUDY = catalogue.study("sofnn_tangent")
+STUDY = resolve.study("sofnn_tangent")
 FABRIC = Plan(1, runs=2, materials=("fabric",))
 FLOWER_S = 7.91
 

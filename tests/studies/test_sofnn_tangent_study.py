@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from leadscrew.catalogue import study
+from leadscrew.resolve import study
 from leadscrew.studies.lab import Lab
 from leadscrew.studies.sofnn_tangent import scenarios
 from leadscrew.studies.sofnn_tangent.claims import changed, changed_deviation

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from leadscrew.catalogue import study
+from leadscrew.resolve import study
 from tests.budget import some
 from tests.tools import runnable
 

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 from plain_loop import PERIOD, run_plain
 
-from leadscrew import catalogue
+from leadscrew import resolve
 from leadscrew.kernel.errors import DataError, NameUnknown, ValueRefused
 from leadscrew.plants._lathe_servo import lathe_servo
 from leadscrew.sensors._encoder_count import encoder_count
@@ -17,7 +17,7 @@ from leadscrew.studies.vud_lathe.scenarios import ON_THE_ENCODER, PRINTED_SECOND
 from tests.budget import in_every_run
 from tests.studies.lathe_lab import lab
 
-STUDY = catalogue.study("vud_lathe")
+STUDY = resolve.study("vud_lathe")
 
 
 @pytest.mark.parametrize("controller", in_every_run([PAPER, CORRECTED, OLD, PD], [CORRECTED, OLD]))

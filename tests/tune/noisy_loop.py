@@ -11,7 +11,7 @@ from leadscrew.kernel.metrics import max_error, overshoot, rms_error, settling_t
 from leadscrew.kernel.sheet import Doc, Ge, Gt, Unit
 from leadscrew.references._step import step
 from leadscrew.sensors._noisy_ruler import noisy_ruler
-from leadscrew.studies.study import Scenario, Study
+from leadscrew.study_data import Scenario, Study
 
 
 class GainParams(NamedTuple):

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from leadscrew import catalogue, controller_file, experiment, userfile
+from leadscrew import controller_file, experiment, names, resolve
 from leadscrew.controller_file import ControllerFile
 from leadscrew.experiment import Experiment
 from leadscrew.kernel.errors import DataError
@@ -53,17 +53,17 @@ def test_a_run_of_it_is_replayed_and_a_changed_file_is_named(file, tmp_path):
 
 
 def test_it_is_a_block_by_name_and_an_experiment_by_itself(file):
-    assert catalogue.block(str(file)).params.kp == 4.5
+    assert resolve.block(str(file)).params.kp == 4.5
     found = experiment.read(file)
     assert (found.study, found.controller) == (PLAIN, str(file))
-    assert userfile.stem(str(file)) == "mine"
-    assert userfile.absolute("a.toml") == str(Path("a.toml").resolve())
+    assert names.stem(str(file)) == "mine"
+    assert names.absolute("a.toml") == str(Path("a.toml").resolve())
 
 
 def test_a_fuzzy_system_may_be_its_controller(tmp_path):
     (tmp_path / "f.fis").write_text("x")
     (tmp_path / "c.toml").write_text(HEAD.replace("corrected.vud_beta_e", "f.fis"))
-    assert set(userfile.digests(str(tmp_path / "c.toml"))) == {str(tmp_path / "f.fis"), str(tmp_path / "c.toml")}
+    assert set(resolve.digests(str(tmp_path / "c.toml"))) == {str(tmp_path / "f.fis"), str(tmp_path / "c.toml")}
 
 
 def test_what_is_written_is_read_again(tmp_path):

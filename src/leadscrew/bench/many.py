@@ -66,7 +66,7 @@ def report(runs: int, seconds: float) -> dict[str, float]:
 
 def sensors() -> dict[str, float]:
     """Seconds of the lathe study's 200 drawn axes, two sensors by two controllers, both steps; compiled before."""
-    from leadscrew import catalogue
+    from leadscrew import resolve
     from leadscrew.studies.lab import Lab
     from leadscrew.studies.vud_lathe.axes import errors_um
     from leadscrew.studies.vud_lathe.scenarios import STEPS
@@ -74,7 +74,7 @@ def sensors() -> dict[str, float]:
     cells = [(c, s.scenario, sensor) for c in ("ours.original_fit", CONTROLLER) for s in STEPS.values()
              for sensor in ("encoder", "grating")]  # fmt: skip
     for _ in range(2):  # the first time compiles
-        lab, began = Lab(catalogue.study(STUDY)), time.perf_counter()
+        lab, began = Lab(resolve.study(STUDY)), time.perf_counter()
         for cell in cells:
             errors_um(lab, *cell)
     return {"wall": time.perf_counter() - began}

@@ -59,12 +59,12 @@ def _circle() -> Callable[[], object]:
 
     import numpy as np
 
-    from leadscrew import catalogue
+    from leadscrew import resolve
     from leadscrew.analysis.circular.machine import with_reference
     from leadscrew.operate.why import Circle
     from leadscrew.references._sine import sine_motion
 
-    own = catalogue.study("fsmc_ballscrew").loop("ours.smc_4khz", "sine_slow")
+    own = resolve.study("fsmc_ballscrew").loop("ours.smc_4khz", "sine_slow")
     pair = [with_reference(own, sine_motion(amplitude=0.5, frequency=0.5, phase=p)) for p in (0.5 * math.pi, 0.0)]
     circle = Circle(pair, ["actual", "y.actual"])
     turn = 2.0 * math.pi * np.arange(TURN + 1000) / TURN

@@ -85,11 +85,11 @@ def evaluated(show_progress: Callable[[str, float], None]) -> dict[str, tuple[Re
 
 def report_of(name: str) -> Report:
     """The key claims of a study."""
-    from leadscrew import catalogue
+    from leadscrew import resolve
     from leadscrew.report.study import summary_of
     from leadscrew.studies.results import evaluate
 
-    return summary_of(evaluate(catalogue.study(name), key=True), shlex.join(["leadscrew", "run", name]))
+    return summary_of(evaluate(resolve.study(name), key=True), shlex.join(["leadscrew", "run", name]))
 
 
 def print_demo(found: list[Report], page: Path, wall: float) -> None:

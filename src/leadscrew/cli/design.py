@@ -83,14 +83,14 @@ def vud(
 
     The file is a name wherever a controller is named: simulate, tune, export.
     """
-    from leadscrew import catalogue, controller_file, userfile
+    from leadscrew import controller_file, names, resolve
     from leadscrew.cli.tune import free
     from leadscrew.design import Factors, design_vud
 
     if out is not None and out.suffix != ".toml":
         raise ValueRefused(f"--out {out}: a controller file ends in .toml")
     if out is not None:
-        catalogue.study(userfile.absolute(study))
+        resolve.study(names.absolute(study))
     free([out])
     with busy(f"{', '.join(map(str, log))}: designing"):
         found = design_vud(
@@ -101,7 +101,7 @@ def vud(
             factors=Factors(law, tau, floor, output_tau, output_gain),  # type: ignore[arg-type]
         )  # fmt: skip
         if out is not None:
-            controller_file.write(out, found.controller_file(userfile.absolute(study)))
+            controller_file.write(out, found.controller_file(names.absolute(study)))
     if as_json:
         emit({"schema_version": SCHEMA_VERSION, **found.as_dict(), "out": None if out is None else str(out)})
         return

@@ -13,7 +13,7 @@ from leadscrew.kernel.errors import BlockError, ValueRefused
 if TYPE_CHECKING:
     from leadscrew.design.npid_axis import Gains, TableAxis, Work
     from leadscrew.kernel.block import Block
-    from leadscrew.studies.study import Study
+    from leadscrew.study_data import Study
 
 SCHEMA_VERSION = 1
 PLOTS = (".png", ".svg", ".pdf")
@@ -58,7 +58,7 @@ def npid(
     It is judged at the force lines of Table II, at 1000, 2000 and 3000 1/min. The file is a name wherever a controller
     is named: simulate, certify, tune, export.
     """
-    from leadscrew import catalogue, controller_file, userfile
+    from leadscrew import controller_file, names, resolve
     from leadscrew.cli.tune import free
     from leadscrew.design.npid import design_npid
     from leadscrew.design.npid_axis import Gains, TableAxis
@@ -69,7 +69,7 @@ def npid(
         raise ValueRefused(f"--plot {plot}: expected {', '.join(PLOTS)}")
     if not rate > 0.0:
         raise ValueRefused(f"--rate {rate!r} Hz: must be positive")
-    home = catalogue.study(userfile.absolute(study))
+    home = resolve.study(names.absolute(study))
     free([out, plot])
     axis = TableAxis(gain, damping, stiffness, 1e-3 * dead_time, 1.0 / rate)
     gains = Gains(kp, ki, kd)
@@ -83,7 +83,7 @@ def npid(
         if plot is not None:
             _draw(found, as_paper).savefig(plot, dpi=150)
         if out is not None:
-            controller_file.write(out, found.controller_file(userfile.absolute(study)))
+            controller_file.write(out, found.controller_file(names.absolute(study)))
     if as_json:
         paper = None if walked is None else {**walked.as_dict(), "compared": rows}
         emit(

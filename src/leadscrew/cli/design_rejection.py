@@ -40,8 +40,8 @@ def rejection(
     Each is proved stable on the twelve plants of the robustness box. What is printed was measured under phases of the
     forces that the search did not see. Exit code 1 where a bound is missed there.
     """
-    import leadscrew
-    from leadscrew import catalogue, controller_file
+    from leadscrew import controller_file, resolve
+    from leadscrew._version import __version__
     from leadscrew.cli.tune import free
     from leadscrew.kernel.sheet import nearest
     from leadscrew.studies.lab import Lab
@@ -62,7 +62,7 @@ def rejection(
     limits = {"rest": math.inf if rest is None else rest, "work": math.inf if work is None else work}
     with busy("tuning"):
         found = searched(
-            Lab(catalogue.study(STUDY)), law, feed_forward=feed_forward, rest_mv=limits["rest"],
+            Lab(resolve.study(STUDY)), law, feed_forward=feed_forward, rest_mv=limits["rest"],
             work_mv=limits["work"], ms=ms, amplitude_mm=amplitude, budget=budget, seed=seed,
         )  # fmt: skip
     words = ["leadscrew", "design", "rejection", law]
@@ -76,7 +76,7 @@ def rejection(
     bounds = [f"Ms<={ms:g}", "proved on the robustness box"]
     bounds += [f"change of the output at {key}, mV<={value:g}" for key, value in limits.items() if math.isfinite(value)]
     tuning = {
-        "made_by": "leadscrew design rejection", "leadscrew": leadscrew.__version__, "command": shlex.join(words),
+        "made_by": "leadscrew design rejection", "leadscrew": __version__, "command": shlex.join(words),
         "minimise": [GOAL], "subject_to": bounds, "budget": budget, "seed": seed, "holds": found.holds,
         "at_an_end": list(found.ends), "held_out": measured,
     }  # fmt: skip

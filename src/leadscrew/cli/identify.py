@@ -82,14 +82,14 @@ def friction(
         return
     if velocity is not None or normal is not None:
         raise ValueRefused("--velocity and --normal go with --force, the column of a measured friction force")
-    from leadscrew import catalogue, controller_file, userfile
+    from leadscrew import controller_file, names, resolve
     from leadscrew.cli.tune import free
     from leadscrew.identify.friction_file import controller_with, identify_file, table_rows
 
     if out is not None and out.suffix != ".toml":
         raise ValueRefused(f"--out {out}: a controller file ends in .toml")
     if out is not None:
-        catalogue.study(userfile.absolute(study))
+        resolve.study(names.absolute(study))
     free([out])
     with progress() as report:
         found = identify_file(
@@ -97,7 +97,7 @@ def friction(
             delay=delay, progress=lambda what, done: report(f"{log}: {what}", done),
         )  # fmt: skip
     if out is not None:
-        controller_file.write(out, controller_with(found, userfile.absolute(study), controller, str(log)))
+        controller_file.write(out, controller_with(found, names.absolute(study), controller, str(log)))
     if as_json:
         emit({"schema_version": SCHEMA_VERSION, "log": str(log), **found.as_dict(),
               "out": None if out is None else str(out)})  # fmt: skip

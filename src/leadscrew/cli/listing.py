@@ -14,7 +14,7 @@ from leadscrew.cli.subject import Trust, study_of
 if TYPE_CHECKING:
     from leadscrew.kernel.block import Block
     from leadscrew.report.tables import Setting
-    from leadscrew.studies.study import Study
+    from leadscrew.study_data import Study
 
 WIDE = 150
 """Columns from which it stands in a column of its own where a parameter is."""
@@ -40,7 +40,7 @@ def list_(
         listing_controller.show(name, as_json)
         return
     found = _found(name)
-    from leadscrew.studies.study import Study
+    from leadscrew.study_data import Study
 
     if isinstance(found, Study):
         _study(found, as_json)
@@ -54,20 +54,20 @@ def _found(name: str) -> Study | Block:
     Raises:
         LeadscrewError: there is neither.
     """
-    from leadscrew import catalogue, experiment, userfile
+    from leadscrew import catalogue, experiment, names, resolve
     from leadscrew.kernel.errors import NameUnknown
     from leadscrew.kernel.sheet import nearest
-    from leadscrew.studies.study import Study
+    from leadscrew.study_data import Study
 
     if experiment.is_file(name):
         return study_of(name)
-    if userfile.is_reference(name):
-        found = userfile.load(name)
-        return found if isinstance(found, Study) else catalogue.block(name)
+    if names.is_reference(name):
+        found = resolve.load(name)
+        return found if isinstance(found, Study) else resolve.block(name)
     if name in catalogue.study_names():
-        return catalogue.study(name)
+        return resolve.study(name)
     if name in catalogue.block_names() or name in catalogue.FACTORIES:
-        return catalogue.block(name)
+        return resolve.block(name)
     known = [*catalogue.study_names(), *catalogue.block_names()]
     raise NameUnknown(f"there is no block or study {name!r}{nearest(name, known)}")
 

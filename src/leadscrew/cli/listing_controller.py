@@ -20,9 +20,9 @@ def is_controller(name: str) -> bool:
     Raises:
         DataError: no such file, or bad TOML.
     """
-    from leadscrew import controller_file
+    from leadscrew import toml_file
 
-    return name.endswith(".toml") and controller_file.table_of(Path(name).expanduser()).get("kind") == "controller"
+    return name.endswith(".toml") and toml_file.read(Path(name).expanduser()).get("kind") == "controller"
 
 
 def show(name: str, as_json: bool) -> None:
@@ -31,14 +31,14 @@ def show(name: str, as_json: bool) -> None:
     Raises:
         DataError: its parameters do not fit its controller.
     """
-    from leadscrew import catalogue, controller_file
-    from leadscrew.experiment import controller
+    from leadscrew import controller_file, resolve
     from leadscrew.kernel.sheet import entries
     from leadscrew.report.tables import Setting, first_line
+    from leadscrew.resolve import controller
 
     found = controller_file.read(name)
-    block = controller_file.block(name)
-    own = {e.key: e.default for e in entries(controller(catalogue.study(found.study), found.controller).params)}
+    block = resolve.from_controller_file(name)
+    own = {e.key: e.default for e in entries(controller(resolve.study(found.study), found.controller).params)}
     sheet = [Setting(e) for e in entries(block.params)]
     if as_json:
         rows = [{**s.as_dict(), "value": s.entry.default, "default": own[s.entry.key],
@@ -64,8 +64,8 @@ def _settings(sheet: list[Any], own: Mapping[str, Any]) -> None:
 
 def _tuning(tuning: Mapping[str, Any]) -> None:
     """Where the settings come from; what a file of another hand does not say is left out."""
-    from leadscrew.controller_file import flat
     from leadscrew.report.tables import number
+    from leadscrew.toml_file import flat
 
     done = f"{tuning['evaluations']} evaluations by " if "evaluations" in tuning else ""
     parts = [f"{done}{tuning.get('optimiser', '')}".strip()]

@@ -81,7 +81,7 @@ def panel(
 
 def _spec(study: str | None, controller: str | None, scenario: str | None, hal: Path | None, folder: Path) -> Spec:
     """What the machine's process is to drive; names are checked there, files here."""
-    from leadscrew import catalogue, userfile
+    from leadscrew import catalogue, names
     from leadscrew.kernel.errors import DataError, NameUnknown, ValueRefused
     from leadscrew.kernel.sheet import nearest
     from leadscrew.panel.child import Spec
@@ -94,7 +94,7 @@ def _spec(study: str | None, controller: str | None, scenario: str | None, hal: 
         return Spec(str(folder), hal=str(hal.absolute()))
     if study is None:
         return Spec(str(folder), FIRST, controller or "", scenario or "", own=_own(controller))
-    if not userfile.is_reference(study) and not study.endswith(".toml"):
+    if not names.is_reference(study) and not study.endswith(".toml"):
         known = catalogue.study_names()
         if study not in known:
             raise NameUnknown(f"there is no study {study!r}{nearest(study, known)}")
@@ -102,8 +102,8 @@ def _spec(study: str | None, controller: str | None, scenario: str | None, hal: 
     from leadscrew.cli.subject import experiment_of
 
     found = experiment_of(study)
-    name = userfile.absolute(found.study)
-    own = None if controller is None else userfile.absolute(controller)
+    name = names.absolute(found.study)
+    own = None if controller is None else names.absolute(controller)
     return Spec(str(folder), name, own or found.controller or "", scenario or found.scenario or "",
                 changes=dict(found.changes), seed=found.seed, named=(name,),
                 own=_own(own or found.controller))  # fmt: skip

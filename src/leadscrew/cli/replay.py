@@ -34,7 +34,7 @@ def replay(
 
 
 def _run(folder: Path, out: Path | None, as_json: bool) -> None:
-    from leadscrew import __version__
+    from leadscrew._version import __version__
     from leadscrew.kernel.errors import ValueRefused
     from leadscrew.replay import replay as again
     from leadscrew.replay import versions
@@ -69,7 +69,7 @@ def _run(folder: Path, out: Path | None, as_json: bool) -> None:
 
 
 def _session(path: Path, out: Path | None, as_json: bool) -> None:
-    from leadscrew import __version__
+    from leadscrew._version import __version__
     from leadscrew.operate import session_file, session_folder
     from leadscrew.operate.recorder import EVERYTHING
     from leadscrew.replay import versions

@@ -75,7 +75,7 @@ def compensate(
 
     The program that was cut tells its offsets itself, so pieces follow each other: cut, measure, compensate.
     """
-    from leadscrew import __version__
+    from leadscrew._version import __version__
     from leadscrew.tangent.compensate import Learning, compensated
     from leadscrew.tangent.emit import program
     from leadscrew.tangent.measured import read_measured

@@ -84,7 +84,7 @@ def gcode(
         tolerance=tolerance, angle_tolerance=angle_tolerance, overcut=overcut, inverse_time=inverse_time, inch=inch,
         pricks=" ".join(prick or []),
     ).over_the_sheet()  # fmt: skip
-    from leadscrew import __version__
+    from leadscrew._version import __version__
     from leadscrew.tangent.emit import program
     from leadscrew.tangent.fillets import tight_turns
     from leadscrew.tangent.moves import moves_of

@@ -14,7 +14,7 @@ MADE_BY = "leadscrew design vud"
 
 def origin(design: VudDesign) -> dict[str, Any]:
     """The table ``[tuning]`` of the file: where the parameters come from."""
-    import leadscrew
+    from leadscrew._version import __version__
 
     learned, compared = design.rules.learned, design.rules.compared
     notes = [
@@ -24,7 +24,7 @@ def origin(design: VudDesign) -> dict[str, Any]:
     ]
     if compared is not None:
         notes.append(f"{compared.equal} of {design.rules.table.size} cells are those of the printed Table 2")
-    return {"made_by": MADE_BY, "leadscrew": leadscrew.__version__, "notes": notes}
+    return {"made_by": MADE_BY, "leadscrew": __version__, "notes": notes}
 
 
 def log_lines(log: MoveLog) -> list[str]:

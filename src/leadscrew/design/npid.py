@@ -127,7 +127,7 @@ class NpidDesign:
 
     def controller_file(self, study: str = STUDY) -> ControllerFile:
         """The controller as a file that ``simulate``, ``certify``, ``tune`` and ``export`` take."""
-        import leadscrew
+        from leadscrew._version import __version__
         from leadscrew.controller_file import ControllerFile
 
         notes = [
@@ -137,7 +137,7 @@ class NpidDesign:
             f"slope at most {self.best.slope:.4g}; proved under command and load up to {self.limits.driven:.4g}",
             f"what binds: {', '.join(self.binding) or 'nothing, the optimum lies inside'}",
         ]
-        tuning = {"made_by": "leadscrew design npid", "leadscrew": leadscrew.__version__, "notes": notes}
+        tuning = {"made_by": "leadscrew design npid", "leadscrew": __version__, "notes": notes}
         return ControllerFile(study, self.block_name, self.parameters, tuning)
 
     def report(self) -> str:

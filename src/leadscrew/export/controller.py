@@ -243,7 +243,7 @@ def export_controller(
 
 def manifest(core: Core, loop: Loop, source: Source, record: Record, double: Record) -> dict[str, Any]:
     """What every exported folder says of itself, in ``manifest.json``."""
-    from leadscrew import __version__
+    from leadscrew._version import __version__
 
     block = loop.blocks["controller"]
     assert block is not None

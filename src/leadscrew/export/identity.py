@@ -17,7 +17,7 @@ def identity_of(loop: Loop) -> dict[str, Any]:
     ``manifest.json`` of an export of this controller. It says nothing of the parameters; ``fingerprint`` is over both
     and the period.
     """
-    from leadscrew import __version__
+    from leadscrew._version import __version__
     from leadscrew.export.source import Source
 
     block = loop.blocks["controller"]

@@ -105,12 +105,12 @@ def controller_with(fit: FrictionFit, study: str, controller: str, source: str) 
         ValueRefused: a controller that believes no LuGre friction, or whose own static friction lies below the
             Coulomb friction of the log.
     """
-    import leadscrew
-    from leadscrew import catalogue, experiment
+    from leadscrew import resolve
+    from leadscrew._version import __version__
     from leadscrew.controller_file import ControllerFile
     from leadscrew.friction.lugre import LuGre
 
-    params = experiment.controller(catalogue.study(study), controller).params
+    params = resolve.controller(resolve.study(study), controller).params
     own = getattr(params, "hat", None)
     if not isinstance(own, LuGre):
         raise ValueRefused(
@@ -126,7 +126,7 @@ def controller_with(fit: FrictionFit, study: str, controller: str, source: str) 
     values: dict[str, Any] = {f"hat.{name}": value for name, value in known.items()}
     if hasattr(params, "inertia"):
         values["inertia"] = fit.inertia
-    return ControllerFile(study, controller, values, origin(fit, source, leadscrew.__version__))
+    return ControllerFile(study, controller, values, origin(fit, source, __version__))
 
 
 def origin(fit: FrictionFit, source: str, version: str) -> dict[str, Any]:

@@ -33,7 +33,7 @@ def stamp() -> str:
     """The versions that compiled code depends on: library, Python, LLVM."""
     from importlib.metadata import version
 
-    from leadscrew import __version__
+    from leadscrew._version import __version__
 
     return f"{__version__}-py{sys.version_info.major}.{sys.version_info.minor}-llvmlite{version('llvmlite')}"
 

@@ -431,7 +431,7 @@ class Loop:
         """Everything needed to know what ran."""
         from importlib.metadata import version
 
-        from leadscrew import __version__
+        from leadscrew._version import __version__
 
         return {
             "schema_version": 1,

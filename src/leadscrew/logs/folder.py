@@ -77,6 +77,7 @@ def _of_block(name: Any, slot: str) -> str | None:
     if not isinstance(name, str) or name not in catalogue.block_names():  # a name of a file would run its Python
         return None
     try:
-        return catalogue.block(name, slot).unit
+        block = catalogue.block(name)
+        return block.unit if block.kind == slot else None
     except LeadscrewError:
         return None

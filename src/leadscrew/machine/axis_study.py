@@ -17,7 +17,7 @@ from leadscrew.machine.file import MachineFile, read
 from leadscrew.machine.log import Played
 from leadscrew.machine.log import command as played
 from leadscrew.machine.scenarios import Load, Move, StepMove, command, load, position_of, scenarios
-from leadscrew.studies.study import Scenario, Study
+from leadscrew.study_data import Scenario, Study
 
 if TYPE_CHECKING:
     from leadscrew.kernel.loop import Loop
@@ -88,7 +88,7 @@ def plant_of(machine: MachineFile) -> Block:
                 raise DataError(f"set.{key} is missing: expected a list of numbers, highest power first")
         block = transfer_function(machine.parameters["numerator"], machine.parameters["denominator"], name="linear")
         return replace(block, unit=machine.position_unit)
-    block = catalogue.block(machine.model, "plant")
+    block = catalogue.block(machine.model)
     for key in ("mass", "force_per_drive"):
         if key not in machine.parameters:
             raise DataError(f"set.{key} is missing")

@@ -48,6 +48,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+from leadscrew import toml_file
 from leadscrew.escape import checked_line
 from leadscrew.kernel.errors import DataError, ValueRefused
 from leadscrew.kernel.sheet import nearest
@@ -93,9 +94,7 @@ class MachineFile:
 
     def text(self) -> str:
         """The file."""
-        from leadscrew.controller_file import toml
-
-        return toml({
+        return toml_file.text({
             "schema_version": SCHEMA_VERSION, "kind": KIND, "name": self.name, "model": self.model,
             "position_unit": self.position_unit, "drive_unit": self.drive_unit, "period": self.period,
             "delay_s": self.delay_s, "resolution": self.resolution, "noise": self.noise,
@@ -122,17 +121,13 @@ def read(path: str | Path) -> MachineFile:
     Raises:
         DataError: no such file, bad TOML, an unknown key or a value of the wrong type or range; names file and key.
     """
-    from leadscrew.controller_file import table_of
-
     where = Path(path).expanduser()
-    return validated(table_of(where), where)
+    return validated(toml_file.read(where), where)
 
 
 def is_machine(path: str | Path) -> bool:
     """Whether a file says that it is one."""
-    from leadscrew.controller_file import table_of
-
-    return table_of(Path(path).expanduser()).get("kind") == KIND
+    return toml_file.read(path).get("kind") == KIND
 
 
 def validated(table: Mapping[str, Any], where: Path) -> MachineFile:
@@ -141,8 +136,6 @@ def validated(table: Mapping[str, Any], where: Path) -> MachineFile:
     Raises:
         DataError: names file and key of what is wrong.
     """
-    from leadscrew.controller_file import flat
-
     door = _Door(where)
     if table.get("kind") != KIND:
         raise DataError(f"{where}: is not a machine file: kind = {table.get('kind')!r}, expected {KIND!r}")
@@ -168,11 +161,11 @@ def validated(table: Mapping[str, Any], where: Path) -> MachineFile:
     door.known(limits, (*LIMITS, "travel"), "limits.")
     bounds = {key: door.number(limits, key, 1e-12, 1e12, prefix="limits.") for key in LIMITS}
     travel = door.pair(limits, "travel", "limits.")
-    parameters = dict(flat(door.table(table, "set")))
+    parameters = dict(toml_file.flat(door.table(table, "set")))
     door.force(said, parameters)
     cascade = door.table(table, "cascade")
     door.known(cascade, CASCADE, "cascade.")
-    intervals = dict(flat(door.table(table, "interval")))
+    intervals = dict(toml_file.flat(door.table(table, "interval")))
     return MachineFile(
         name=said["name"], model=said["model"], position_unit=said["position_unit"], drive_unit=said["drive_unit"],
         period=numbers["period"], delay_s=numbers["delay_s"], resolution=numbers["resolution"],

@@ -14,7 +14,7 @@ from leadscrew.machine.gains import cascade
 from leadscrew.references._eased_sine import eased_sine_motion
 from leadscrew.references._quintic import quintic
 from leadscrew.references._s_curve import s_curve
-from leadscrew.studies.study import Scenario
+from leadscrew.study_data import Scenario
 
 Start = Annotated[float, Doc("where it starts, in the machine's unit")]
 

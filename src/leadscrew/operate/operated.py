@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from leadscrew import userfile
+from leadscrew import names, resolve
 from leadscrew.kernel.errors import ValueRefused
 from leadscrew.operate import change, settable, switching
 from leadscrew.operate.axes import Later, split
@@ -175,9 +175,9 @@ class Operated(Running):
             for b, now in zip(self._base, new.values(), strict=True)
         ]
         self._install(new, base, prepared.controller)
-        self._files |= userfile.digests(prepared.controller, self.start.study)
+        self._files |= resolve.digests(prepared.controller, self.start.study)
         how = "aligned" if all(live.bumpless for live in new.lives) else "not bumpless"
-        named = userfile.absolute(prepared.controller)
+        named = names.absolute(prepared.controller)
         event = Event(self.period, "switch", dict(changes), named, how=how, why=why)
         self._note(event)
         if remember:

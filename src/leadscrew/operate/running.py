@@ -9,7 +9,7 @@ from typing import Any, Self
 
 import numpy as np
 
-from leadscrew import userfile
+from leadscrew import names
 from leadscrew.kernel import door
 from leadscrew.kernel.errors import ValueRefused
 from leadscrew.kernel.live import Live
@@ -220,8 +220,8 @@ class Running:
         """All that was done so far, with a checksum of all signals."""
         start = replace(
             self.start,
-            study=userfile.absolute(self.start.study),
-            controller=None if self.start.controller is None else userfile.absolute(self.start.controller),
+            study=names.absolute(self.start.study),
+            controller=None if self.start.controller is None else names.absolute(self.start.controller),
             files=self._files,
         )
         return Session(start, tuple(self._events), self.period, self.digest, dict(self._marks))

@@ -6,7 +6,7 @@ from dataclasses import MISSING, fields
 from pathlib import Path
 from typing import Any
 
-from leadscrew import __version__
+from leadscrew._version import __version__
 from leadscrew.escape import python_docstring
 from leadscrew.newfile import save
 from leadscrew.operate.session import MARK, Event, Session, Start

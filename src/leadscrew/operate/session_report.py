@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from leadscrew import catalogue
+from leadscrew import resolve
 from leadscrew.kernel.errors import LeadscrewError
 from leadscrew.kernel.sheet import Entry
 from leadscrew.newfile import save
@@ -124,7 +124,7 @@ def _opening(session: Session, rerun: Rerun) -> list[str]:
 def _machine(operated: Operated) -> str:
     """The study's title, or what a loop of one's own is called."""
     try:
-        return catalogue.study(operated.start.study).title
+        return resolve.study(operated.start.study).title
     except LeadscrewError:
         return operated.loop.name
 

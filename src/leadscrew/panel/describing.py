@@ -9,7 +9,7 @@ from pathlib import PurePath
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
-from leadscrew import catalogue
+from leadscrew import catalogue, resolve
 from leadscrew.kernel.errors import CodeNotTrusted, LeadscrewError, NameUnknown
 from leadscrew.kernel.sheet import nearest
 from leadscrew.operate.profile import Profile
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from leadscrew.kernel.sheet import Entry
     from leadscrew.operate.operated import Operated
     from leadscrew.panel.whys import Whys
-    from leadscrew.studies.study import Study
+    from leadscrew.study_data import Study
 
 NOTICE = "Simulated machine: nothing moves."
 
@@ -34,7 +34,7 @@ def study_of(name: str) -> Study | None:
         CodeNotTrusted: a file names it, and it may not run.
     """
     try:
-        return catalogue.study(name)
+        return resolve.study(name)
     except CodeNotTrusted:
         raise
     except LeadscrewError:
@@ -100,7 +100,7 @@ def _title(name: str) -> str:
 @lru_cache(maxsize=8)
 def _bumpless(study: str, controller: str) -> bool:
     """Whether a controller that the command line named can take over without a jump of the output."""
-    from leadscrew.experiment import controller as found
+    from leadscrew.resolve import controller as found
 
     known = study_of(study)
     try:

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from leadscrew.report.report import Report
-    from leadscrew.studies.study import Study
+    from leadscrew.study_data import Study
 
 MOST_COPIES = 3
 """Copies of this process; each measures anew what its figures show."""

@@ -42,7 +42,7 @@ def _is_report(folder: Path) -> bool:
 
 def manifest(wall_s: float) -> dict[str, Any]:
     """What the report was made with."""
-    from leadscrew import __version__
+    from leadscrew._version import __version__
 
     return {
         "leadscrew": __version__,
@@ -99,7 +99,7 @@ def put(
 
 def data(report: Report, wall_s: float, page: Path) -> dict[str, Any]:
     """The report as the one JSON object that a command prints."""
-    from leadscrew import __version__
+    from leadscrew._version import __version__
     from leadscrew.studies import claims
 
     whole = {

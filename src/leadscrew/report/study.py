@@ -198,7 +198,7 @@ def runs_table(results: Results, saved: Iterable[tuple[str, str]]) -> TextTable:
 
 def data_of(results: Results) -> dict[str, Any]:
     """The results as plain values for JSON; a number that is not finite is ``None``."""
-    from leadscrew import __version__
+    from leadscrew._version import __version__
 
     data: dict[str, Any] = strict(
         {

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from leadscrew.kernel.block import Block
     from leadscrew.kernel.loop import Loop
     from leadscrew.kernel.run import Run
-    from leadscrew.studies.study import Study
+    from leadscrew.study_data import Study
 
 NOTHING = "–"
 

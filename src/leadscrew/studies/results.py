@@ -26,7 +26,7 @@ from leadscrew.kernel.one_thread import one_thread
 from leadscrew.studies.claims import Claim, ClaimOf, Value
 from leadscrew.studies.exhibits import Experiment, ExperimentOf, FigureOf
 from leadscrew.studies.lab import Lab
-from leadscrew.studies.study import Study
+from leadscrew.study_data import Study
 
 EXPECTED = "expected.csv"
 RELATIVE, ABSOLUTE = 1e-6, 1e-9

@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from leadscrew import controller_file, userfile
+from leadscrew import controller_file, names, toml_file
 from leadscrew.controller_file import ControllerFile
 from leadscrew.experiment import Experiment
 from leadscrew.tune.job import Job
@@ -27,20 +27,20 @@ def controller_of(job: Job, tuned: Tuned, values: Mapping[str, float] | None = N
     """The controller with the setting that was found, or with another one of its front."""
     experiment = job.experiment
     base, parameters = experiment.controller or "", {}
-    if userfile.is_controller_file(base):
+    if names.is_toml(base):
         start = controller_file.read(base)
         base, parameters = start.controller, dict(start.parameters)
     changes = {**experiment.changes, **typed(job, tuned.values if values is None else values)}
     parameters |= {k.removeprefix(PREFIX): v for k, v in changes.items() if k.startswith(PREFIX)}
     rest = {k: v for k, v in changes.items() if not k.startswith(PREFIX)}
     return ControllerFile(
-        userfile.absolute(experiment.study), userfile.absolute(base), parameters, tuning(job, tuned) | {"also": rest}
+        names.absolute(experiment.study), names.absolute(base), parameters, tuning(job, tuned) | {"also": rest}
     )
 
 
 def tuning(job: Job, tuned: Tuned) -> dict[str, Any]:
     """Where a setting comes from; the same for the same question on the same day."""
-    from leadscrew import __version__
+    from leadscrew._version import __version__
 
     return {
         "verdict": tuned.verdict(), "notes": list(tuned.notes) or None, "feasible": tuned.feasible,
@@ -58,7 +58,7 @@ def tuning(job: Job, tuned: Tuned) -> dict[str, Any]:
 
 def command(job: Job, tuned: Tuned) -> str:
     """The command that finds the setting again; empty where a change is no single value."""
-    experiment, words = job.experiment, ["leadscrew", "tune", userfile.absolute(job.experiment.study)]
+    experiment, words = job.experiment, ["leadscrew", "tune", names.absolute(job.experiment.study)]
     if any(not isinstance(value, bool | int | float | str) for value in experiment.changes.values()):
         return ""
     given: list[tuple[str, Any]] = [
@@ -88,7 +88,7 @@ def experiment_table(job: Job, tuned: Tuned) -> dict[str, Any]:
         file = controller_of(job, tuned)
         controller, changes = file.controller, {**changes, **file.changes}
     return {
-        "study": userfile.absolute(experiment.study), "controller": controller, "scenario": job.where[0] or None,
+        "study": names.absolute(experiment.study), "controller": controller, "scenario": job.where[0] or None,
         "duration": job.seconds(job.where[0]), "seed": experiment.seed, "engine": experiment.engine, "set": changes,
     }  # fmt: skip
 
@@ -110,10 +110,10 @@ def save(job: Job, tuned: Tuned, path: Path) -> list[Path]:
         DataError: one cannot be written.
     """
     if job.experiment.controller is None:
-        controller_file.write_experiment(path, experiment_table(job, tuned))
+        toml_file.write(path, {"schema_version": 1, **experiment_table(job, tuned)})
         return [path]
     controller_file.write(path, controller_of(job, tuned))
     if not needs_experiment(job.experiment, tuned.vary):
         return [path]
-    controller_file.write_experiment(beside(path), experiment_table(job, tuned))
+    toml_file.write(beside(path), {"schema_version": 1, **experiment_table(job, tuned)})
     return [path, beside(path)]

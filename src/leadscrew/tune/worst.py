@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from leadscrew import controller_file, userfile
+from leadscrew import names, toml_file
 from leadscrew.escape import file_name, one_line
 from leadscrew.experiment import SCHEMA_VERSION, Experiment
 from leadscrew.newfile import save
@@ -99,8 +99,8 @@ def toml(asked: Experiment, comment: str = "") -> str:
     """The experiment as the text of its file."""
     head: dict[str, Any] = {
         "schema_version": SCHEMA_VERSION,
-        "study": userfile.absolute(asked.study),
-        "controller": None if asked.controller is None else userfile.absolute(asked.controller),
+        "study": names.absolute(asked.study),
+        "controller": None if asked.controller is None else names.absolute(asked.controller),
         "scenario": asked.scenario or None,
         "duration": asked.duration_s,
         "engine": asked.engine,
@@ -108,4 +108,4 @@ def toml(asked: Experiment, comment: str = "") -> str:
         "run": asked.run,
     }
     table = {**head, "set": dict(asked.changes), "files": dict(asked.files)}
-    return (f"# {one_line(comment)}\n" if comment else "") + controller_file.toml(table)
+    return (f"# {one_line(comment)}\n" if comment else "") + toml_file.text(table)

@@ -77,7 +77,7 @@ def _force_noise(machine: MachineFile) -> float:
 
 def _missing(machine: MachineFile, values: dict[str, float], symmetric: bool, speed: float) -> tuple[str, ...]:
     """Keys that its log fixed or told too widely, in the order of :data:`KEYS`; not those that no motion tells."""
-    from leadscrew.controller_file import flat
+    from leadscrew.toml_file import flat
 
     fixed = machine.identified.get("fixed", {})
     reasons = dict(flat(fixed)) if isinstance(fixed, dict) else {}

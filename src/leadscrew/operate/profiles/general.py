@@ -48,11 +48,11 @@ def profile(name: str) -> Profile:
     Raises:
         NameUnknown, DataError: there is no such study; the file cannot be read.
     """
-    from leadscrew import catalogue, userfile
+    from leadscrew import resolve
     from leadscrew.experiment import Experiment
-    from leadscrew.studies.study import Study
+    from leadscrew.study_data import Study
 
-    found = userfile.load(name) if userfile.is_reference(name) else catalogue.study(name)
+    found = resolve.subject(name)
     if not isinstance(found, Study):
         return of_loop(name, None, None, Experiment(name).loop(), "A loop of one's own; its command says when it ends.")
     controller, scenario = next(iter(found.controllers)), next(iter(found.scenarios))

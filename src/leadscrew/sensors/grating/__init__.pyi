@@ -14,7 +14,6 @@ from ._counting import (
 from ._counting import (
     sectors as sectors,
 )
-from ._heydemann import fit_log as fit_log
 from ._moire import GRATING as GRATING
 from ._moire import fringe_width as fringe_width
 from ._moire import small_angle_error as small_angle_error

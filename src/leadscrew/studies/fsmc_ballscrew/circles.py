@@ -28,7 +28,7 @@ from leadscrew.plants._ballscrew_stage import TRAVEL_MM_PER_RAD
 from leadscrew.studies.fsmc_ballscrew.controllers import CONTROLLERS
 from leadscrew.studies.fsmc_ballscrew.scenarios import PERIOD_S, SineMove
 from leadscrew.studies.lab import Lab, measure
-from leadscrew.studies.study import Scenario
+from leadscrew.study_data import Scenario
 
 if TYPE_CHECKING:
     from leadscrew.kernel.loop import Loop

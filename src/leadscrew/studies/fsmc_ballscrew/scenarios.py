@@ -29,7 +29,7 @@ from leadscrew.references._quintic import quintic
 from leadscrew.references._ramp import ramp_motion
 from leadscrew.references._sine import sine_motion
 from leadscrew.sensors._ruler import ruler
-from leadscrew.studies.study import Scenario
+from leadscrew.study_data import Scenario
 
 if TYPE_CHECKING:
     from leadscrew.kernel.loop import Loop

@@ -18,7 +18,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from leadscrew import controller_file
+from leadscrew import controller_file, toml_file
 from leadscrew.studies.grey_turning.scenarios import FORCE_N
 from leadscrew.studies.lab import Lab, measure
 from leadscrew.studies.tuned import FOLDER
@@ -55,7 +55,7 @@ ANSWER = (PAPERS, "ours.pid_tuned", "ours.constant_force_tuned")
 def lathes(count: int = PLANTS) -> dict[str, np.ndarray]:
     """Random lathes of the ranges that the searches had, by dotted key; others than theirs."""
     tuning = controller_file.read(Path(__file__).parent / FOLDER / "pi.toml").tuning
-    return held_out_plants(Space.of(dict(controller_file.flat(tuning["over"]))), count, SEED, PART)
+    return held_out_plants(Space.of(dict(toml_file.flat(tuning["over"]))), count, SEED, PART)
 
 
 class Verdict(NamedTuple):

@@ -31,7 +31,7 @@ from leadscrew.plants._turning import turning
 from leadscrew.plants._turning.chip import IRON
 from leadscrew.references._cutting_program import DepthProgram, cutting_force, cutting_program
 from leadscrew.sensors._load_cell import lathe_reading, load_cell
-from leadscrew.studies.study import Scenario
+from leadscrew.study_data import Scenario
 
 if TYPE_CHECKING:
     from leadscrew.kernel.loop import Loop

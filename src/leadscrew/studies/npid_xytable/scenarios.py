@@ -30,7 +30,7 @@ from leadscrew.references._step import step
 from leadscrew.sensors._noisy_ruler import noisy_ruler
 from leadscrew.studies.npid_xytable.calibration import DEAD_TIME_S, PERIOD_S, volts
 from leadscrew.studies.npid_xytable.table2 import BASE_HZ, LINES_HZ, PID_UM, SPEEDS
-from leadscrew.studies.study import Scenario
+from leadscrew.study_data import Scenario
 
 if TYPE_CHECKING:
     from leadscrew.kernel.loop import Loop

@@ -31,7 +31,7 @@ from leadscrew.sensors._cut_camera import (
     plan,
     watched,
 )
-from leadscrew.studies.study import Scenario
+from leadscrew.study_data import Scenario
 
 if TYPE_CHECKING:
     from leadscrew.kernel.loop import Loop

@@ -206,6 +206,6 @@ def less(lab: Lab, law: str, other: str) -> Interval:
 
 
 if __name__ == "__main__":
-    from leadscrew.catalogue import study
+    from leadscrew.resolve import study
 
     write(Lab(study("sofnn_tangent")))

@@ -12,9 +12,9 @@ from leadscrew.controllers._vud.family import BETA_E, ERROR, MAXIMUM, MEAN, UNIT
 from leadscrew.controllers._vud.universe import TABLE_2
 from leadscrew.figures.table import Table
 from leadscrew.identify.gain import HOLDS
+from leadscrew.identify.heydemann import fit_ellipse
 from leadscrew.kernel.block import Block
 from leadscrew.kernel.sheet import entries
-from leadscrew.sensors.grating._heydemann import fit_ellipse
 from leadscrew.sensors.grating._moire import GRATING
 from leadscrew.sensors.grating._quadrature import first_order_error, interpolation_error, quadrature
 from leadscrew.studies.claims import finite

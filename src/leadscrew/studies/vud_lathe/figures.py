@@ -10,6 +10,7 @@ import numpy as np
 from leadscrew.controllers._vud import universe
 from leadscrew.controllers._vud.power_law import power_law
 from leadscrew.figures.panels import grid, with_legend
+from leadscrew.identify.heydemann import fit_ellipse
 from leadscrew.report.positioning import draw as draw_positioning
 from leadscrew.report.style import (
     BLACK,
@@ -23,7 +24,6 @@ from leadscrew.report.style import (
     pen,
 )
 from leadscrew.sensors.grating import _counting as counting
-from leadscrew.sensors.grating._heydemann import fit_ellipse
 from leadscrew.sensors.grating._moire import GRATING
 from leadscrew.sensors.grating._quadrature import first_order_error, interpolation_error, quadrature
 from leadscrew.studies.exhibits import figure

@@ -27,7 +27,7 @@ from leadscrew.sensors._encoder_count import encoder_count
 from leadscrew.sensors._grating_count import grating_count
 from leadscrew.sensors._screw_encoder import screw_encoder
 from leadscrew.sensors.grating._ruler import grating_ruler
-from leadscrew.studies.study import Scenario
+from leadscrew.study_data import Scenario
 
 if TYPE_CHECKING:
     from leadscrew.kernel.loop import Loop
