@@ -62,7 +62,7 @@ def converted(p, output):
     return min(max(step if p.per_volt > 0.0 else asked, p.lower), p.upper)
 
 
-@actuator(DacParams(), prepare=plan_dac, unit="V")
+@actuator(DacParams, prepare=plan_dac, unit="V")
 def dac(p, output):
     """The nearest step of the converter."""
     return converted(p, output)
@@ -93,7 +93,7 @@ def plan_lathe_dac(params: LatheDacParams, dt: float) -> LatheDacPlan:
     return LatheDacPlan(plan_dac(params.spindle, dt), plan_dac(params.feed, dt), plan_dac(params.radial, dt))
 
 
-@actuator(LatheDacParams(), prepare=plan_lathe_dac, unit="V")
+@actuator(LatheDacParams, prepare=plan_lathe_dac, unit="V")
 def lathe_dac(p, output):
     """Three voltages, each in the steps of its converter."""
     return LatheDrive(

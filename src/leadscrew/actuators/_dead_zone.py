@@ -23,7 +23,7 @@ class DeadZoneParams(NamedTuple):
     subtract: Annotated[bool, Doc("whether the threshold is taken off every output above it")] = False
 
 
-@actuator(DeadZoneParams())
+@actuator(DeadZoneParams)
 def dead_zone(p, output):
     """What is left of the output."""
     size = abs(output)

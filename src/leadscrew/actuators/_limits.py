@@ -43,7 +43,7 @@ def plan_limits(params: LimitsParams, dt: float) -> LimitsPlan:
     return LimitsPlan(params.lower, params.upper, params.rate * dt)
 
 
-@actuator(LimitsParams(), LimitsState(), prepare=plan_limits)
+@actuator(LimitsParams, LimitsState, prepare=plan_limits)
 def limits(p, s, output):
     """The output, first limited in rate, then in size."""
     followed = min(max(output, s.last - p.change), s.last + p.change)

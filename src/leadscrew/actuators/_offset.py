@@ -18,7 +18,7 @@ class OffsetParams(NamedTuple):
     bias: Annotated[float, Doc("added to every output; 0.1/289: 0.1 mm/s of drift on the lathe axis")] = 0.1 / 289.0
 
 
-@actuator(OffsetParams())
+@actuator(OffsetParams)
 def offset(p, output):
     """The output and the bias."""
     return output + p.bias

@@ -38,7 +38,7 @@ class PwmState(NamedTuple):
     left: Annotated[float, Doc("duty asked for and not given so far; 0 without carry")] = 0.0
 
 
-@actuator(PwmParams(), PwmState(), unit="1")
+@actuator(PwmParams, PwmState, unit="1")
 def pwm(p, s, output):
     """The duty that the timer makes of the one asked for."""
     wanted = min(1.0, max(-1.0, output + s.left))

@@ -27,7 +27,7 @@ def check_order(params: SaturationParams, dt: float) -> SaturationParams:
     return params
 
 
-@actuator(SaturationParams(), prepare=check_order)
+@actuator(SaturationParams, prepare=check_order)
 def saturation(p, output):
     """The output inside the limits."""
     return min(max(output, p.lower), p.upper)

@@ -20,7 +20,7 @@ class StictionParams(NamedTuple):
     threshold: Annotated[float, Ge(0), Doc("d: least size of the output that does anything")] = 0.0
 
 
-@actuator(StictionParams())
+@actuator(StictionParams)
 def stiction(p, output):
     """The output, or 0 below the threshold."""
     return 0.0 if abs(output) < p.threshold else output

@@ -59,7 +59,7 @@ def plan_torque_drive(params: TorqueDriveParams, dt: float) -> TorqueDrivePlan:
     return TorqueDrivePlan(params.max_torque, 1.0 - gone, gone * params.lag_s / dt)
 
 
-@actuator(TorqueDriveParams(), TorqueDriveState(), prepare=plan_torque_drive, unit="N m")
+@actuator(TorqueDriveParams, TorqueDriveState, prepare=plan_torque_drive, unit="N m")
 def torque_drive(p, s, output):
     """Mean torque of the coming period."""
     wanted = min(max(output, -p.max_torque), p.max_torque)

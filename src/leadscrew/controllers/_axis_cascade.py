@@ -82,7 +82,7 @@ def align(params, command, feedback, output):
     return AxisCascadeState(integral, command.position, feedback, 0.0, 2.0)
 
 
-@controller(AxisCascadeParams(), AxisCascadeState(), align=align, full_scale=10.0)
+@controller(AxisCascadeParams, AxisCascadeState, align=align, full_scale=10.0)
 def axis_cascade(p, s, command, feedback, dt):
     """Position loop P around a speed loop PI, with feed-forward of an identified axis; in units of its drive."""
     going = 1.0 if s.fresh == 0.0 else 0.0

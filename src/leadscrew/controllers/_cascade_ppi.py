@@ -60,7 +60,7 @@ def align(params, command, feedback, output):
     return CascadeState(integral, command.position, feedback, 1.0)
 
 
-@controller(CascadeParams(), CascadeState(), align=align, unit="V", drive="voltage", full_scale=10.0)
+@controller(CascadeParams, CascadeState, align=align, unit="V", drive="voltage", full_scale=10.0)
 def cascade_ppi(p, s, command, feedback, dt):
     """Position loop P around a speed loop PI, with feed-forward of speed and acceleration; a voltage."""
     position = p.kpos * (command.position - feedback)

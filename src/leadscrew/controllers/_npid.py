@@ -105,7 +105,7 @@ def align(params, command, feedback, output):
     return aligned(gains(params), scaled, scaled, output)
 
 
-@controller(NPIDParams(), PIDState(), align=align, unit="V", drive="voltage", full_scale=10.0)
+@controller(NPIDParams, PIDState, align=align, unit="V", drive="voltage", full_scale=10.0)
 def npid(p, s, command, feedback, dt):
     """Nonlinear PID of the XY table: a gain that grows with the error, in front of a PID; a voltage."""
     scaled = scaled_error(p, command - feedback)

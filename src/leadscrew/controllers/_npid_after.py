@@ -84,7 +84,7 @@ def align(params, command, feedback, output):
     return aligned(gains(params), error, error, output / gain(params, error))
 
 
-@controller(NPIDAfterParams(), PIDState(), align=align, unit="V", drive="voltage", full_scale=10.0)
+@controller(NPIDAfterParams, PIDState, align=align, unit="V", drive="voltage", full_scale=10.0)
 def npid_after(p, s, command, feedback, dt):
     """Nonlinear PID with the gain behind the PID; a voltage."""
     error = command - feedback

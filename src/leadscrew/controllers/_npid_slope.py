@@ -78,7 +78,7 @@ def align(params, command, feedback, output):
     return aligned(gains(params), scaled, scaled, output)
 
 
-@controller(NPIDSlopeParams(), PIDState(), align=align, unit="V", drive="voltage", full_scale=10.0)
+@controller(NPIDSlopeParams, PIDState, align=align, unit="V", drive="voltage", full_scale=10.0)
 def npid_slope(p, s, command, feedback, dt):
     """Slope-limited nonlinear PID: a curve of limited slope in front of a PID; a voltage."""
     scaled = curve(p, command - feedback)

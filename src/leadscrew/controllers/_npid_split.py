@@ -93,7 +93,7 @@ def align(params, command, feedback, output):
     return NPIDSplitState(integral, small, large, 0.0, 0.0, 1.0)
 
 
-@controller(NPIDSplitParams(), NPIDSplitState(), align=align, unit="V", drive="voltage", full_scale=10.0)
+@controller(NPIDSplitParams, NPIDSplitState, align=align, unit="V", drive="voltage", full_scale=10.0)
 def npid_split(p, s, command, feedback, dt):
     """Nonlinear PID in two paths: small errors to a quiet PID, what is beyond to a firm one; a voltage."""
     error = command - feedback

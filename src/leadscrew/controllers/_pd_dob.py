@@ -127,7 +127,7 @@ def align(params, command, feedback, output):
     return PdDobState(angle, target, 0.0, bristle, 0.0, left, 0.0, 0.0)
 
 
-@controller(PdDobParams(), PdDobState(), prepare=ready, align=align, unit="N m", drive="torque")
+@controller(PdDobParams, PdDobState, prepare=ready, align=align, unit="N m", drive="torque")
 def pd_dob(p, s, command, feedback, dt):
     """PD scheduled by speed, disturbance observer and friction model, for a stage with LuGre friction; a torque."""
     angle = feedback / p.travel_per_rad

@@ -185,7 +185,7 @@ def align(params, command, feedback, output):
     )  # fmt: skip
 
 
-@controller(PdLearnedParams(), initial(PdLearnedParams()), initial=initial, prepare=ready, align=align, unit="N m",
+@controller(PdLearnedParams, initial(PdLearnedParams()), initial=initial, prepare=ready, align=align, unit="N m",
             drive="torque")  # fmt: skip
 def pd_learned(p, s, command, feedback, dt):
     """PD where the bristles bear it, disturbance observer, and a friction model that is learned; a torque."""

@@ -64,7 +64,7 @@ def align(params, command, feedback, output):
     return aligned(gains(params), t.proportional, t.differentiated, output)
 
 
-@controller(PIDParams(), PIDState(), align=align, unit="V", drive="voltage", full_scale=10.0)
+@controller(PIDParams, PIDState, align=align, unit="V", drive="voltage", full_scale=10.0)
 def pid(p, s, command, feedback, dt):
     """Parallel PID with weights of the command, a filtered derivative, a limit and anti-windup; a voltage."""
     t = terms(p, command, feedback)

@@ -45,7 +45,7 @@ def align(params, command, feedback, output):
     return aligned(gains(params), e, e, output)
 
 
-@controller(TorquePidParams(), PIDState(), align=align, unit="N m", drive="torque")
+@controller(TorquePidParams, PIDState, align=align, unit="N m", drive="torque")
 def torque_pid(p, s, command, feedback, dt):
     """Parallel PID on a motion command, without a model of friction; a torque."""
     e = (command.position - feedback) / p.travel_per_rad

@@ -140,7 +140,7 @@ class TableAxis:
         from leadscrew.analysis.stability.sampled import sampled_loop
         from leadscrew.controllers._pid import pid
 
-        made = self.loop(pid(**gains.as_dict()))
+        made = self.loop(pid.using(**gains.as_dict()))
         made.__dict__["signals"] = _signals()
         return sampled_loop(made, self.name)
 

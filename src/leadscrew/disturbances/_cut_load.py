@@ -62,7 +62,7 @@ class Texture(NamedTuple):
     begun: Annotated[float, Doc("0 before the first sample, which is drawn from all textures")] = 0.0
 
 
-@disturbance(CutLoadParams(), Texture())
+@disturbance(CutLoadParams, Texture)
 def cut_load(p, s, t, dt, noise):
     """The line under the blade, with the texture of the material."""
     k = sample_of(t, dt)

@@ -40,7 +40,7 @@ def one(line, t):
     return line.amplitude * math.sin(TWO_PI * line.frequency * t + line.phase)
 
 
-@disturbance(FiveSinesParams())
+@disturbance(FiveSinesParams)
 def five_sines(p, t):
     """The sum of five sines."""
     return one(p.first, t) + one(p.second, t) + one(p.third, t) + one(p.fourth, t) + one(p.fifth, t)

@@ -27,7 +27,7 @@ class FiveSinesPulseParams(NamedTuple):
     pulse: PulseLoadParams = PulseLoadParams(size=0.0)
 
 
-@disturbance(FiveSinesPulseParams())
+@disturbance(FiveSinesPulseParams)
 def five_sines_pulse(p, t, dt):
     """The sum of five sines, and the pulse while it lasts."""
     lines = p.force * (one(p.first, t) + one(p.second, t) + one(p.third, t) + one(p.fourth, t) + one(p.fifth, t))

@@ -28,7 +28,7 @@ class HardSpotParams(NamedTuple):
     fall_s: Annotated[float, Unit("s"), Ge(0), Doc("how long the fall takes")] = 0.04
 
 
-@disturbance(HardSpotParams())
+@disturbance(HardSpotParams)
 def hard_spot(p, t, dt):
     """The relative rise of the specific force now."""
     middle = t + 0.5 * dt

@@ -28,7 +28,7 @@ class KickedLoadParams(NamedTuple):
     kick_s: Annotated[float, Unit("s"), Ge(0), Doc("end of the kick")] = 2.0
 
 
-@disturbance(KickedLoadParams())
+@disturbance(KickedLoadParams)
 def kicked_load(p, t):
     """A load that rises and falls slowly, or stays, with a sine on top at the start."""
     slow = p.size + p.rate * min(t, max(2.0 * p.turn_s - t, 0.0))

@@ -16,7 +16,7 @@ class PulseLoadParams(NamedTuple):
     duration: Annotated[float, Unit("s"), Ge(0), Doc("how long it stays, to the nearest period")] = 0.1
 
 
-@disturbance(PulseLoadParams())
+@disturbance(PulseLoadParams)
 def pulse_load(p, t, dt):
     """``size`` from the sample nearest to ``start`` until the one nearest to ``start + duration``."""
     return p.size if t > p.start - 0.5 * dt and t <= p.start + p.duration - 0.5 * dt else 0.0

@@ -20,7 +20,7 @@ class SineLoadParams(NamedTuple):
     offset: Annotated[float, Doc("mean of the load")] = 0.0
 
 
-@disturbance(SineLoadParams())
+@disturbance(SineLoadParams)
 def sine_load(p, t):
     """``offset + amplitude sin(2 pi frequency t + phase)``."""
     return p.offset + p.amplitude * math.sin(TWO_PI * p.frequency * t + p.phase)

@@ -15,7 +15,7 @@ class StepLoadParams(NamedTuple):
     time: Annotated[float, Unit("s"), Ge(0), Doc("when the load comes on, to the nearest period")] = 0.0
 
 
-@disturbance(StepLoadParams())
+@disturbance(StepLoadParams)
 def step_load(p, t, dt):
     """``size`` from the sample nearest to ``time`` on."""
     return p.size if t > p.time - 0.5 * dt else 0.0

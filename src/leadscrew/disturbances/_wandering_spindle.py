@@ -39,7 +39,7 @@ def speed_hz(p, t):
     return p.spindle_hz * (1.0 + p.drift * t + p.wander * math.sin(TWO_PI * t / p.wander_s))
 
 
-@disturbance(WanderingSpindleParams())
+@disturbance(WanderingSpindleParams)
 def wandering_spindle(p, t):
     """Five sines and two lines of a spindle whose speed drifts and wanders."""
     swung = p.wander * p.wander_s / TWO_PI * (1.0 - math.cos(TWO_PI * t / p.wander_s))

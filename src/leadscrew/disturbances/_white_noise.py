@@ -20,7 +20,7 @@ class WhiteNoiseParams(NamedTuple):
     mean: Annotated[float, Doc("mean of the load")] = 0.0
 
 
-@disturbance(WhiteNoiseParams())
+@disturbance(WhiteNoiseParams)
 def white_noise(p, noise):
     """``mean`` plus ``deviation`` times this period's normal number."""
     return p.mean + p.deviation * normal(noise, 0)

@@ -28,11 +28,20 @@ from __future__ import annotations
 import inspect
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, Generic, NamedTuple, ParamSpec, Protocol, overload
 
 from leadscrew.escape import checked_line
 from leadscrew.kernel.errors import BlockError
 from leadscrew.kernel.sheet import checked_replace
+
+if TYPE_CHECKING:
+    from typing_extensions import ParamSpec as DefaultParamSpec
+
+    P = DefaultParamSpec("P", default=...)
+else:
+    P = ParamSpec("P")
+
+Q = ParamSpec("Q")
 
 KINDS: dict[str, tuple[str, ...]] = {
     "reference": ("t", "dt", "noise"),
@@ -66,7 +75,7 @@ class InputRange(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Block:
+class Block(Generic[P]):
     """A block: its step, its parameters and its state at the start.
 
     Called with positional arguments it is its step, so that blocks compose by plain calls; called with
@@ -111,18 +120,22 @@ class Block:
     """Controller: the ranges for which its inputs are made."""
     doc: str = field(default="", repr=False)
 
+    @overload
+    def __call__(self, *args: P.args, **changes: P.kwargs) -> Block[P]: ...
+    @overload
+    def __call__(self, first: Any, /, *more: Any) -> Any: ...
     def __call__(self, *args: Any, **changes: Any) -> Any:
         if args:
             return self.step(*args, **changes)
         return self.using(**changes)
 
-    def using(self, **changes: Any) -> Block:
+    def using(self, **changes: Any) -> Block[P]:
         """The block with some parameters changed; each is checked against its data sheet."""
         if not changes:
             return self
         return replace(self, params=checked_replace(self.params, changes, where=self.name))
 
-    def starting(self, **changes: Any) -> Block:
+    def starting(self, **changes: Any) -> Block[P]:
         """The block with some fields of its state at the start changed."""
         return replace(self, state=checked_replace(self.state, changes, where=f"{self.name} state"), initial=None)
 
@@ -178,16 +191,30 @@ def make(kind: str, step: Callable[..., Any], params: Any = None, state: Any = N
     return Block(kind, name, step, params, state, _signals(kind, step, params, state), doc=doc, **more)
 
 
-def _decorator(kind: str) -> Callable[..., Callable[[Callable[..., Any]], Block]]:
-    def with_parts(params: Any = None, state: Any = None, **more: Any) -> Callable[[Callable[..., Any]], Block]:
-        def decorate(step: Callable[..., Any]) -> Block:
-            return make(kind, step, params, state, **more)
+class Decorator(Protocol):
+    """Makes a block of a step function; takes parameters and state as classes of NamedTuples, or as instances."""
+
+    @overload
+    def __call__(
+        self, params: Callable[Q, tuple[Any, ...]], state: Any = None, **more: Any
+    ) -> Callable[[Callable[..., Any]], Block[Q]]: ...
+    @overload
+    def __call__(
+        self, params: Any = None, state: Any = None, **more: Any
+    ) -> Callable[[Callable[..., Any]], Block[...]]: ...
+
+
+def _decorator(kind: str) -> Decorator:
+    def with_parts(params: Any = None, state: Any = None, **more: Any) -> Callable[[Callable[..., Any]], Block[...]]:
+        def decorate(step: Callable[..., Any]) -> Block[...]:
+            parts = (value() if isinstance(value, type) else value for value in (params, state))
+            return make(kind, step, *parts, **more)
 
         return decorate
 
     with_parts.__name__ = kind
     with_parts.__doc__ = f"Decorator: makes a {kind} block of a step function. See the module's table."
-    return with_parts
+    return with_parts  # type: ignore[return-value]
 
 
 reference = _decorator("reference")

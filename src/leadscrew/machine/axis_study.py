@@ -133,7 +133,7 @@ def controllers_of(machine: MachineFile) -> dict[str, Block]:
     if machine.cascade:
         logged = {"kpos": machine.cascade.get("kp", 0.0), "kvp": machine.cascade.get("kv", 0.0)}
         logged["kvi"] = machine.cascade.get("ki", 0.0)
-        logged_law = axis_cascade(**logged, **common)
+        logged_law = axis_cascade.using(**logged, **common)
         found["logged.cascade"] = replace(
             logged_law, doc="The controller that made the log, its speed over one period."
         )

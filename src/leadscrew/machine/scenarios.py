@@ -104,6 +104,7 @@ def _rounded(seconds: float) -> float:
 
 def command(params: Any, motion: bool, unit: str = "") -> Block:
     """The reference of a scenario: a :class:`~leadscrew.references.Motion`, or its position alone."""
+    block: Block
     if isinstance(params, Move):
         block = s_curve(
             distance=params.distance, max_velocity=params.max_speed, max_acceleration=params.max_acceleration,

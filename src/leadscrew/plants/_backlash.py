@@ -124,7 +124,7 @@ def shown(p, s):
     return AxisPosition(s.table, s.drive)
 
 
-@plant(BacklashAxisParams(), BacklashAxisState(), output=shown, prepare=backlash_axis_hold, unit="m")
+@plant(BacklashAxisParams, BacklashAxisState, output=shown, prepare=backlash_axis_hold, unit="m")
 def backlash_axis(p, s, u, dt):
     """An axis whose table follows the drive through a classic dead band: state after ``dt`` under a force.
 

@@ -161,7 +161,7 @@ def shown(p, s):
     )  # fmt: skip
 
 
-@plant(TurningLatheParams(), TurningLatheState(), output=shown, prepare=planned, initial=begun, unit="N")
+@plant(TurningLatheParams, TurningLatheState, output=shown, prepare=planned, initial=begun, unit="N")
 def turning_lathe(p, s, u, load, dt):
     """Spindle, carriage, cross slide and cutting force of a lathe under three voltages: state one step later."""
     s.sent[s.at] = u.feed_v

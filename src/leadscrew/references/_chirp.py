@@ -32,7 +32,7 @@ class ChirpParams(NamedTuple):
     offset: Annotated[float, Doc("mean of the command")] = 0.0
 
 
-@reference(ChirpParams())
+@reference(ChirpParams)
 def chirp(p, t):
     """Frequency linear in time."""
     swept = min(t, p.duration)
@@ -58,7 +58,7 @@ def log_plan(params: ChirpParams, dt: float) -> LogChirpPlan:
     return LogChirpPlan(*params, math.log(params.end_frequency / params.start_frequency) / params.duration)
 
 
-@reference(ChirpParams(), prepare=log_plan)
+@reference(ChirpParams, prepare=log_plan)
 def log_chirp(p, t):
     """The same number of seconds for every octave."""
     swept = min(t, p.duration)

@@ -78,7 +78,7 @@ def sample_of(t, dt):
     return math.floor(t / dt + 0.5)
 
 
-@reference(CutLineParams())
+@reference(CutLineParams)
 def cut_line(p, t, dt):
     """The programmed line, here and ``preview`` samples ahead."""
     k = sample_of(t, dt)

@@ -74,7 +74,7 @@ class CuttingProgramParams(NamedTuple):
     depth: DepthProgram = DepthProgram()
 
 
-@reference(CuttingProgramParams())
+@reference(CuttingProgramParams)
 def cutting_program(p, t):
     """The force to hold, the depth of cut and its next change."""
     return cut_command(p.force, p.depth, t)
@@ -86,7 +86,7 @@ class CuttingForceParams(NamedTuple):
     force: Annotated[float, Unit("N"), Ge(0), Doc("main cutting force to hold")] = 150.0
 
 
-@reference(CuttingForceParams(), unit="N")
+@reference(CuttingForceParams, unit="N")
 def cutting_force(p):
     """A constant force, from the start."""
     return p.force

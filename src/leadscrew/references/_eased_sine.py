@@ -41,13 +41,13 @@ def eased(p, t):
     return Motion(w * wave, dw * wave + w * slope, ddw * wave + 2.0 * dw * slope - w * omega * omega * wave)
 
 
-@reference(EasedSineParams())
+@reference(EasedSineParams)
 def eased_sine(p, t):
     """The growing sine as a number."""
     return eased(p, t).position
 
 
-@reference(EasedSineParams())
+@reference(EasedSineParams)
 def eased_sine_motion(p, t):
     """The growing sine as a :class:`~leadscrew.references.Motion`."""
     return eased(p, t)

@@ -29,7 +29,7 @@ class FilteredStepParams(NamedTuple):
     initial: Annotated[float, Doc("command before it")] = 0.0
 
 
-@reference(FilteredStepParams())
+@reference(FilteredStepParams)
 def filtered_step(p, t):
     """The step as a :class:`~leadscrew.references.Motion`: position, velocity, acceleration."""
     a = p.rate * max(t - p.start, 0.0)

@@ -47,7 +47,7 @@ class LatheProgramParams(NamedTuple):
     idle_force: Annotated[float, Unit("N"), Ge(0), Doc("force asked for until then")] = 0.0
 
 
-@reference(LatheProgramParams())
+@reference(LatheProgramParams)
 def lathe_program(p, t, dt):
     """Spindle speed, force and depth of cut, with the next change of the depth."""
     told = cut_command(p.force if t + 0.5 * dt >= p.force_from_s else p.idle_force, p.depth, t)

@@ -31,7 +31,7 @@ class QuinticParams(NamedTuple):
     initial: Annotated[float, Doc("command before it")] = 0.0
 
 
-@reference(QuinticParams())
+@reference(QuinticParams)
 def quintic(p, t):
     """The move as a :class:`~leadscrew.references.Motion`: position, velocity, acceleration."""
     since = t - p.start

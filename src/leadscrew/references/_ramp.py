@@ -21,13 +21,13 @@ class RampParams(NamedTuple):
     duration: Annotated[float, Unit("s"), Ge(0), Doc("how long the command changes; it holds from then on")] = 1.0
 
 
-@reference(RampParams())
+@reference(RampParams)
 def ramp(p, t):
     """``initial + rate`` times the time spent on the ramp."""
     return p.initial + p.rate * min(max(t - p.start, 0.0), p.duration)
 
 
-@reference(RampParams())
+@reference(RampParams)
 def ramp_motion(p, t):
     """The same ramp as a :class:`~leadscrew.references.Motion`; acceleration 0, at the corners too."""
     since = t - p.start

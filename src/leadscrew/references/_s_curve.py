@@ -36,7 +36,7 @@ def plan_s_curve(params: SCurveParams, dt: float) -> Move:
     return Move(params.start, -1.0 if params.distance < 0.0 else 1.0, params.start_time, profile)
 
 
-@reference(SCurveParams(), prepare=plan_s_curve, unit="mm")
+@reference(SCurveParams, prepare=plan_s_curve, unit="mm")
 def s_curve(p, t):
     """Position, velocity and acceleration of the move as a :class:`~leadscrew.references.Motion`."""
     return move_at(p, t)

@@ -21,13 +21,13 @@ class SineParams(NamedTuple):
     offset: Annotated[float, Doc("mean of the command")] = 0.0
 
 
-@reference(SineParams())
+@reference(SineParams)
 def sine(p, t):
     """``offset + amplitude sin(2 pi frequency t + phase)``."""
     return p.offset + p.amplitude * math.sin(TWO_PI * p.frequency * t + p.phase)
 
 
-@reference(SineParams())
+@reference(SineParams)
 def sine_motion(p, t):
     """The same sine as a :class:`Motion`: position, velocity, acceleration."""
     omega = TWO_PI * p.frequency

@@ -16,7 +16,7 @@ class StepParams(NamedTuple):
     time: Annotated[float, Unit("s"), Ge(0), Doc("when the command steps, to the nearest period")] = 0.0
 
 
-@reference(StepParams())
+@reference(StepParams)
 def step(p, t, dt):
     """``target`` from the sample nearest to ``time`` on, ``initial`` before."""
     return p.target if t > p.time - 0.5 * dt else p.initial

@@ -29,7 +29,7 @@ def plan_trapezoid(params: TrapezoidParams, dt: float) -> Move:
     return Move(params.start, -1.0 if params.distance < 0.0 else 1.0, params.start_time, profile)
 
 
-@reference(TrapezoidParams(), prepare=plan_trapezoid, unit="mm")
+@reference(TrapezoidParams, prepare=plan_trapezoid, unit="mm")
 def trapezoid(p, t):
     """Position, velocity and acceleration of the move as a :class:`~leadscrew.references.Motion`."""
     return move_at(p, t)

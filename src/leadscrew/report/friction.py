@@ -14,6 +14,7 @@ from leadscrew.friction.asymmetric import LuGreSlide
 from leadscrew.friction.dahl import Dahl
 from leadscrew.friction.maxwell_slip import MaxwellSlip
 from leadscrew.friction.static_map import Sliding, TwoSided
+from leadscrew.kernel.block import Block
 from leadscrew.plants._mass_dahl import mass_dahl
 from leadscrew.plants._mass_lugre import mass_lugre
 from leadscrew.plants._mass_maxwell_slip import mass_maxwell_slip
@@ -27,7 +28,12 @@ PENS: dict[str, dict[str, Any]] = {
     "Maxwell slip": {"color": VERMILION, "linestyle": "--"},
 }
 """How each model is drawn, here and on the page."""
-PLANTS = {"static map": mass_stribeck, "Dahl": mass_dahl, "LuGre": mass_lugre, "Maxwell slip": mass_maxwell_slip}
+PLANTS: dict[str, Block] = {
+    "static map": mass_stribeck,
+    "Dahl": mass_dahl,
+    "LuGre": mass_lugre,
+    "Maxwell slip": mass_maxwell_slip,
+}
 
 
 def _panels(rows: int, columns: int, height: float) -> tuple[Figure, np.ndarray]:

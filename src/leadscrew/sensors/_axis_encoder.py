@@ -22,7 +22,7 @@ class AxisEncoderParams(NamedTuple):
     resolution: Annotated[float, Ge(0), Doc("one count, in the unit of the plant; 0 for none")] = 1e-5
 
 
-@sensor(AxisEncoderParams())
+@sensor(AxisEncoderParams)
 def axis_encoder(p, actual):
     """The nearest count of the table or of the motor."""
     place = actual.position if p.on_table else actual.motor

@@ -24,7 +24,7 @@ class AxisReadingParams(NamedTuple):
     noise: Annotated[float, Ge(0), Doc("standard deviation of a reading before it is rounded, same unit")] = 0.0
 
 
-@sensor(AxisReadingParams())
+@sensor(AxisReadingParams)
 def axis_reading(p, actual, noise):
     """The count nearest to the table, or the motor, plus its noise."""
     place = (actual.position if p.on_table else actual.motor) + p.noise * normal(noise, 0)

@@ -90,14 +90,14 @@ def watched(p, s, deviation, t, dt, noise):
     return CutCameraState(s.ring, s.at + 1 if s.at + 1 < ROOM else 0, reading), SeenCut(reading, 0.0 if lost else 1.0)
 
 
-@sensor(CutCameraParams(), CutCameraState(), prepare=plan, unit="deg")
+@sensor(CutCameraParams, CutCameraState, prepare=plan, unit="deg")
 def cut_camera(p, s, actual, t, dt, noise):
     """The deviation of the cut, as a number; a lost cut cannot be told from one that stands still."""
     after, reading = watched(p, s, actual.deviation, t, dt, noise)
     return after, reading.deviation
 
 
-@sensor(CutCameraParams(), CutCameraState(), prepare=plan)
+@sensor(CutCameraParams, CutCameraState, prepare=plan)
 def cut_reading(p, s, actual, t, dt, noise):
     """The deviation of the cut, and whether it is seen."""
     return watched(p, s, actual.deviation, t, dt, noise)

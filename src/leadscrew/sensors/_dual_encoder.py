@@ -49,7 +49,7 @@ def plan_dual_encoder(params: DualEncoderParams, dt: float) -> DualEncoderPlan:
     return DualEncoderPlan(-math.expm1(-dt / params.lag) if params.lag > 0.0 else 1.0, params.resolution)
 
 
-@sensor(DualEncoderParams(), DualEncoderState(), prepare=plan_dual_encoder)
+@sensor(DualEncoderParams, DualEncoderState, prepare=plan_dual_encoder)
 def dual_encoder(p, s, actual):
     """The motor's count, corrected slowly by the table's."""
     motor = rounded(actual.motor, p.resolution) if p.resolution > 0.0 else actual.motor

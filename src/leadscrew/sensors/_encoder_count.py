@@ -22,7 +22,7 @@ class EncoderCountParams(NamedTuple):
     resolution_mm: Annotated[float, Unit("mm"), Gt(0), Doc("length of one count; assumed, not in the paper")] = 0.001
 
 
-@sensor(EncoderCountParams(), unit="mm")
+@sensor(EncoderCountParams, unit="mm")
 def encoder_count(p, actual):
     """The position as a whole number of counts."""
     return p.resolution_mm * math.floor(actual.position / p.resolution_mm + 0.5)

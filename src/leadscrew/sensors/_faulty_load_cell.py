@@ -53,7 +53,7 @@ class FaultyLoadCellState(NamedTuple):
     raw: Annotated[float, Unit("N"), Doc("raw, as shown")] = 0.0
 
 
-@sensor(FaultyLoadCellParams(), FaultyLoadCellState())
+@sensor(FaultyLoadCellParams, FaultyLoadCellState)
 def faulty_load_cell(p, s, actual, t, dt, noise):
     """Filtered and raw force of a load cell that breaks, carriage and spindle."""
     sound, reading = lathe_reading(p.lathe, s.lathe, actual, noise)

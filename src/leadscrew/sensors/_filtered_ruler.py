@@ -60,7 +60,7 @@ def plan_filtered_ruler(params: FilteredRulerParams, dt: float) -> FilteredRuler
     return FilteredRulerPlan(params.resolution_mm, kept, mean - kept, 1.0 - mean)
 
 
-@sensor(FilteredRulerParams(), FilteredRulerState(), prepare=plan_filtered_ruler, unit="mm")
+@sensor(FilteredRulerParams, FilteredRulerState, prepare=plan_filtered_ruler, unit="mm")
 def filtered_ruler(p, s, actual):
     """The mark nearest to the filtered position."""
     moved = p.kept * s.x + p.last * s.last + p.now * actual

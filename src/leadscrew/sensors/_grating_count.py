@@ -20,7 +20,7 @@ class GratingCountParams(NamedTuple):
     resolution_mm: Annotated[float, Unit("mm"), Gt(0), Doc("length of one count: pitch over subdivision")] = 0.000625
 
 
-@sensor(GratingCountParams(), unit="mm")
+@sensor(GratingCountParams, unit="mm")
 def grating_count(p, actual):
     """The reading as a whole number of counts."""
     return p.resolution_mm * math.floor(actual.reading / p.resolution_mm + 0.5)

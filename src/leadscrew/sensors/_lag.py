@@ -40,7 +40,7 @@ def plan_lag(params: LagParams, dt: float) -> LagPlan:
     return LagPlan(-math.expm1(-dt / params.time_constant) if params.time_constant > 0.0 else 1.0)
 
 
-@sensor(LagParams(), LagState(), prepare=plan_lag)
+@sensor(LagParams, LagState, prepare=plan_lag)
 def lag(p, s, actual):
     """The reading at the end of a period in which the plant showed ``actual``."""
     reading = s.reading + p.gain * (actual - s.reading)

@@ -58,7 +58,7 @@ class LatheReading(NamedTuple):
     """Revolutions of the spindle."""
 
 
-@sensor(LatheSensorsParams(), LatheSensorsState())
+@sensor(LatheSensorsParams, LatheSensorsState)
 def lathe_sensors(p, s, actual, dt, noise):
     """Speed, force and depth, with what the force controllers may need besides."""
     cell = weighed(p.cell, s.cell, actual.force, noise)

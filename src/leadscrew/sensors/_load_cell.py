@@ -53,7 +53,7 @@ def weighed(p, s, force, noise):
     return LoadCellState(kept if abs(kept) > TINY else 0.0, raw)
 
 
-@sensor(LoadCellParams(), LoadCellState(), unit="N")
+@sensor(LoadCellParams, LoadCellState, unit="N")
 def load_cell(p, s, actual, noise):
     """The main cutting force after the digital filter."""
     now = weighed(p, s, actual.force, noise)
@@ -79,7 +79,7 @@ class CutReading(NamedTuple):
     turns: Annotated[float, Unit("rev"), Doc("angle of the spindle")] = 0.0
 
 
-@sensor(LatheReadingParams(), LoadCellState())
+@sensor(LatheReadingParams, LoadCellState)
 def lathe_reading(p, s, actual, noise):
     """Filtered and raw force, carriage and spindle."""
     now = weighed(p, s, actual.force, noise)

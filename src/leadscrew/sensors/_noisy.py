@@ -19,7 +19,7 @@ class NoisyParams(NamedTuple):
     deviation: Annotated[float, Ge(0), Doc("standard deviation of one reading, in the unit of the plant")] = 0.0
 
 
-@sensor(NoisyParams())
+@sensor(NoisyParams)
 def noisy(p, actual, noise):
     """What the plant shows, and noise."""
     return with_noise(actual, p.deviation, noise)
@@ -31,7 +31,7 @@ class NoisyPositionParams(NamedTuple):
     noise_mm: Noise = 0.0
 
 
-@sensor(NoisyPositionParams(), unit="mm")
+@sensor(NoisyPositionParams, unit="mm")
 def noisy_position(p, actual, noise):
     """The position, and noise."""
     return with_noise(actual, p.noise_mm, noise)

@@ -36,13 +36,13 @@ def with_noise(x, size, noise):
     return x + size * normal(noise, 0) if size > 0.0 else x
 
 
-@sensor(NoisyGratingParams(), unit="mm")
+@sensor(NoisyGratingParams, unit="mm")
 def noisy_grating(p, actual, noise):
     """The lagged reading and its noise as a whole number of counts."""
     return rounded(with_noise(actual.reading, p.noise_mm, noise), p.resolution_mm)
 
 
-@sensor(NoisyEncoderParams(), unit="mm")
+@sensor(NoisyEncoderParams, unit="mm")
 def noisy_encoder(p, actual, noise):
     """The position and its noise as a whole number of counts."""
     return rounded(with_noise(actual.position, p.noise_mm, noise), p.resolution_mm)

@@ -23,7 +23,7 @@ class NoisyRulerParams(NamedTuple):
     noise_mm: Annotated[float, Unit("mm"), Ge(0), Doc("standard deviation of the noise of one reading")] = 0.0005
 
 
-@sensor(NoisyRulerParams(), unit="mm")
+@sensor(NoisyRulerParams, unit="mm")
 def noisy_ruler(p, actual, noise):
     """The mark nearest to the position plus its noise."""
     return rounded(actual + p.noise_mm * normal(noise, 0), p.resolution_mm)

@@ -25,7 +25,7 @@ def rounded(x, quantum):
     return quantum * math.floor(x / quantum + 0.5)
 
 
-@sensor(RulerParams(), unit="mm")
+@sensor(RulerParams, unit="mm")
 def ruler(p, actual):
     """The nearest mark."""
     return rounded(actual, p.resolution_mm)

@@ -34,7 +34,7 @@ def plan_screw_encoder(params: ScrewEncoderParams, dt: float) -> ScrewEncoderPla
     return ScrewEncoderPlan(params.lead_mm / params.counts_per_turn)
 
 
-@sensor(ScrewEncoderParams(), prepare=plan_screw_encoder, unit="mm")
+@sensor(ScrewEncoderParams, prepare=plan_screw_encoder, unit="mm")
 def screw_encoder(p, actual):
     """The nut's nominal position as a whole number of counts."""
     return p.resolution * math.floor(actual.motor / p.resolution + 0.5)

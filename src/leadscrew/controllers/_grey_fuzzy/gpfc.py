@@ -103,7 +103,7 @@ def align(params, command, feedback, output):
     return GpfcState(window, seen, command - seen, change, before, 1.0)
 
 
-@controller(GpfcParams(), GpfcState(), prepare=ready, align=align, unit="V", drive="voltage", full_scale=1.0)
+@controller(GpfcParams, GpfcState, prepare=ready, align=align, unit="V", drive="voltage", full_scale=1.0)
 def gpfc(p, s, command, feedback, dt):
     """Fuzzy controller with 49 rules on the error that a grey model predicts, and its change; a voltage."""
     window = pushed(s.window, feedback)

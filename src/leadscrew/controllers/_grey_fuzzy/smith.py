@@ -135,7 +135,7 @@ def align(params, command, feedback, output):
     return SmithState(output, 0.0, force, force, force, force, output, error, 0.0, before, 1.0)
 
 
-@controller(SmithParams(), SmithState(), prepare=ready, align=align, unit="V", drive="voltage", full_scale=1.0)
+@controller(SmithParams, SmithState, prepare=ready, align=align, unit="V", drive="voltage", full_scale=1.0)
 def smith(p, s, command, feedback, dt):
     """Fuzzy controller with 49 rules behind a model that takes the delay of the chip out of the loop; a voltage."""
     off = s.feed - s.sent

@@ -74,7 +74,7 @@ def align(params, command, feedback, output):
     return TfcState(error, 0.0, before_output(params, error, 0.0, output), 1.0)
 
 
-@controller(TfcParams(), TfcState(), prepare=ready, align=align, unit="V", drive="voltage", full_scale=1.0)
+@controller(TfcParams, TfcState, prepare=ready, align=align, unit="V", drive="voltage", full_scale=1.0)
 def tfc(p, s, command, feedback, dt):
     """Fuzzy controller with 49 rules on the error and its change, in scaling factors; a voltage."""
     error = command - feedback

@@ -103,7 +103,7 @@ def align(params, command, feedback, output):
     return SuperTwistingState(held.angle, held.speed, 0.0, held.bristle, 0.0, s, w, 0.0)
 
 
-@controller(SuperTwistingParams(), SuperTwistingState(), prepare=ready, align=align, unit="N m", drive="torque")
+@controller(SuperTwistingParams, SuperTwistingState, prepare=ready, align=align, unit="N m", drive="torque")
 def super_twisting(p, s, command, feedback, dt):
     """Super-twisting sliding mode with a friction model, for a stage with LuGre friction; a torque."""
     now = view(p.stage, s, command, feedback, dt)

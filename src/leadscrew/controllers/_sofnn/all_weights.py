@@ -202,7 +202,7 @@ def align(params, command, feedback, output):
     )  # fmt: skip
 
 
-@controller(AllWeightsParams(), AllWeightsState(), prepare=ready, align=align, unit="deg", drive="position")
+@controller(AllWeightsParams, AllWeightsState, prepare=ready, align=align, unit="deg", drive="position")
 def sofnn_all_weights(p, s, command, feedback, dt):
     """Self-organising network that learns consequents, certainties and membership centres; an offset angle."""
     watch = watched(p.scales, s.watch, command, feedback)

@@ -89,7 +89,7 @@ def align(params, command, feedback, output):
     return FnnState(taken_over(command, feedback), output, 1, 0.0)
 
 
-@controller(FnnParams(), FnnState(), prepare=ready, align=align, unit="deg", drive="position")
+@controller(FnnParams, FnnState, prepare=ready, align=align, unit="deg", drive="position")
 def fnn(p, s, command, feedback, dt):
     """Fixed fuzzy network of 49 rules on the deviation of the cut and its change; an offset angle."""
     watch = watched(p.scales, s.watch, command, feedback)

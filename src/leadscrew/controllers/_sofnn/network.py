@@ -214,7 +214,7 @@ def align(params, command, feedback, output):
     return SofnnState(watch, params.prior, UNSURE, NOTHING, NOTHING, NOTHING, 0, 0, output, 1, 0.0)
 
 
-@controller(SofnnParams(), SofnnState(), prepare=ready, align=align, unit="deg", drive="position")
+@controller(SofnnParams, SofnnState, prepare=ready, align=align, unit="deg", drive="position")
 def sofnn(p, s, command, feedback, dt):
     """Self-organising fuzzy neural network: 49 rules corrected by a Kalman filter as it cuts; an offset angle."""
     watch = watched(p.scales, s.watch, command, feedback)

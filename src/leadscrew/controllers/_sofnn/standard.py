@@ -149,7 +149,7 @@ def align(params, command, feedback, output):
     return SofcState(watch, params.prior, NOTHING, NOTHING, NOTHING, 0, output, 1, 0.0)
 
 
-@controller(SofcParams(), SofcState(), prepare=ready, align=align, unit="deg", drive="position")
+@controller(SofcParams, SofcState, prepare=ready, align=align, unit="deg", drive="position")
 def sofc(p, s, command, feedback, dt):
     """Standard self-organising fuzzy controller: a table corrects its 49 rules as it cuts; an offset angle."""
     watch = watched(p.scales, s.watch, command, feedback)

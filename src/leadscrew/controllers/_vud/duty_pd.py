@@ -47,7 +47,7 @@ def ready(params: DutyPDParams, dt: float) -> DutyPD:
     return DutyPD(params.kp, params.t_d, kept)
 
 
-@controller(DutyPDParams(), DutyPDState(), prepare=ready, unit="1", drive="duty", full_scale=1.0, sense=-1)
+@controller(DutyPDParams, DutyPDState, prepare=ready, unit="1", drive="duty", full_scale=1.0, sense=-1)
 def duty_pd(p, s, command, feedback, dt):
     """The duty against the error and its filtered derivative."""
     error = command - feedback

@@ -59,7 +59,7 @@ def align(params, command, feedback, output):
     return DutyPIDState(aligned(gains(params), error, error, -output), output, 1.0)
 
 
-@controller(DutyPIDParams(), DutyPIDState(), align=align, unit="1", drive="duty", full_scale=1.0, sense=-1)
+@controller(DutyPIDParams, DutyPIDState, align=align, unit="1", drive="duty", full_scale=1.0, sense=-1)
 def duty_pid(p, s, command, feedback, dt):
     """The duty against the error, its integral and its filtered derivative."""
     error = command - feedback

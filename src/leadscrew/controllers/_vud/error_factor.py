@@ -64,7 +64,7 @@ def ready(params: VudBetaEParams, dt: float) -> VudBetaE:
     return VudBetaE(ready_inputs(params), params.output_tau, params.output_gain)
 
 
-@controller(VudBetaEParams(), VudState(), prepare=ready, unit="1", drive="duty", full_scale=1.0, sense=-1)
+@controller(VudBetaEParams, VudState, prepare=ready, unit="1", drive="duty", full_scale=1.0, sense=-1)
 def vud_beta_e(p, s, command, feedback, dt):
     """The duty by (21) with a factor that follows the error."""
     now = view(p.inputs, s, command, feedback, dt)

@@ -152,7 +152,7 @@ def output_factor(p, rho, xe, xec):
     return 1.0 if p.output_from == 0 else z + p.output_floor
 
 
-@controller(VudFamilyParams(), VudFamilyState(), prepare=ready, unit="1", drive="duty", full_scale=1.0, sense=-1)
+@controller(VudFamilyParams, VudFamilyState, prepare=ready, unit="1", drive="duty", full_scale=1.0, sense=-1)
 def vud_family(p, s, command, feedback, dt):
     """The duty by (21) with the factors that the parameters choose."""
     g = p.settings

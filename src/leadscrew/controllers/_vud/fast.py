@@ -123,7 +123,7 @@ def predicted(p, now):
     return Ahead(stop, speed * p.chain.slow_share * now.slow)
 
 
-@controller(VudFastParams(), VudFastState(), prepare=ready, unit="1", drive="duty", full_scale=1.0, sense=-1)
+@controller(VudFastParams, VudFastState, prepare=ready, unit="1", drive="duty", full_scale=1.0, sense=-1)
 def vud_fast(p, s, command, feedback, dt):
     """The duty by the 36 rules, on the error of the predicted stop and the slow part of the speed."""
     now = corrected(p.chain, s.chain, feedback, s.started)

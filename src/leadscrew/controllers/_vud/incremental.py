@@ -55,7 +55,7 @@ def ready(params: VudIncrementalParams, dt: float) -> VudIncremental:
     return VudIncremental(ready_inputs(params), params.gain)
 
 
-@controller(VudIncrementalParams(), VudState(), prepare=ready, unit="1", drive="duty", full_scale=1.0, sense=-1)
+@controller(VudIncrementalParams, VudState, prepare=ready, unit="1", drive="duty", full_scale=1.0, sense=-1)
 def vud_incremental(p, s, command, feedback, dt):
     """The duty of the last period and what the rules add to it."""
     now = view(p.inputs, s, command, feedback, dt)

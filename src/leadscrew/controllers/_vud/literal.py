@@ -49,7 +49,7 @@ def ready(params: VudParams, dt: float) -> VudInputs:
     return ready_inputs(params)
 
 
-@controller(VudParams(), VudState(), prepare=ready, unit="1", drive="duty", full_scale=1.0, sense=-1)
+@controller(VudParams, VudState, prepare=ready, unit="1", drive="duty", full_scale=1.0, sense=-1)
 def vud(p, s, command, feedback, dt):
     """The duty by (21): the last duty's factor times what the rules say on the contracted universes."""
     now = view(p, s, command, feedback, dt)

@@ -23,7 +23,7 @@ class PowerLawParams(NamedTuple):
     exponent: Annotated[float, Ge(0), Doc("exponent of the error")] = 0.618
 
 
-@controller(PowerLawParams(), unit="1", drive="duty", full_scale=1.0, sense=-1)
+@controller(PowerLawParams, unit="1", drive="duty", full_scale=1.0, sense=-1)
 def power_law(p, command, feedback):
     """The duty against the error."""
     e = (command - feedback) / p.error_full_scale_mm

@@ -119,7 +119,7 @@ def integrated(p, s, error, dt):
     return s.integral - p.integral_gain * error * dt if inside else 0.0
 
 
-@controller(VudScaledParams(), VudScaledState(), prepare=ready, unit="1", drive="duty", full_scale=1.0, sense=-1)
+@controller(VudScaledParams, VudScaledState, prepare=ready, unit="1", drive="duty", full_scale=1.0, sense=-1)
 def vud_scaled(p, s, command, feedback, dt):
     """The duty by the rules on the contracted universes, with the options against friction."""
     g = p.settings

@@ -6,6 +6,7 @@ import math
 from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
+from leadscrew.kernel.block import Block
 from leadscrew.operate.profile import Band, Changes, Disturbance, Field, Plot, Profile, Readout, Trace
 from leadscrew.operate.profiles.parts import (
     Values,
@@ -149,7 +150,8 @@ def operated(loop: Loop) -> Loop:
     from leadscrew.disturbances._five_sines_pulse import five_sines_pulse
     from leadscrew.sensors._noisy import noisy_position
 
-    found, blocks = loop.blocks["disturbance"], {}
+    blocks: dict[str, Block] = {}
+    found = loop.blocks["disturbance"]
     if found is not None and found.step is five_sines.step:
         lines = found.params._asdict()
         blocks["disturbance"] = five_sines_pulse(

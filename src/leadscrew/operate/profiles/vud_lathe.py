@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
+from leadscrew.kernel.block import Block
 from leadscrew.operate.profile import Band, Changes, Disturbance, Field, Plot, Profile, Readout, Trace
 from leadscrew.operate.profiles.parts import (
     Values,
@@ -115,7 +116,7 @@ def operated(loop: Loop) -> Loop:
     from leadscrew.sensors._grating_count import grating_count
     from leadscrew.sensors._noisy_count import noisy_encoder, noisy_grating
 
-    blocks = {}
+    blocks: dict[str, Block] = {}
     found = loop.blocks["sensor"]
     for plain, noisy in ((grating_count, noisy_grating), (encoder_count, noisy_encoder)):
         if found is not None and found.step is plain.step:

@@ -86,7 +86,7 @@ def sector_of(u, v):
     return ones if u * COMPARE_U[0] - v * COMPARE_V[0] >= 0.0 else (16 - ones) & 15
 
 
-@sensor(GratingCounterParams(), GratingCounterState(), prepare=plan_counter, unit="mm")
+@sensor(GratingCounterParams, GratingCounterState, prepare=plan_counter, unit="mm")
 def grating_counter(p, s, actual, noise):
     """The counter after one more sample, as a length."""
     turns = actual.reading / p.pitch

@@ -95,7 +95,7 @@ def plan_ruler(params: GratingRulerParams, dt: float) -> RulerPlan:
     )  # fmt: skip
 
 
-@sensor(GratingRulerParams(), prepare=plan_ruler, unit="mm")
+@sensor(GratingRulerParams, prepare=plan_ruler, unit="mm")
 def grating_ruler(p, actual, noise):
     """The reading as a whole number of counts, errors included."""
     shown = p.scale * actual.reading

@@ -71,7 +71,7 @@ BARE_PD = pd_dob(
 
 def ahead(acts_late_s: float, seen_late_s: float, **gains: float) -> Block:
     """The scheduled PD with an observer, looking ahead."""
-    inner = pd_dob(travel_per_rad=TRAVEL_MM_PER_RAD, **gains)
+    inner = pd_dob.using(travel_per_rad=TRAVEL_MM_PER_RAD, **gains)
     return look_ahead(inner, acts_late_s=acts_late_s, seen_late_s=seen_late_s)
 
 

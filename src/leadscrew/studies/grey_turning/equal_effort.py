@@ -108,7 +108,7 @@ DATA = Path(__file__).parent / "data"
 def variant(name: str, plant: str) -> Block:
     """The controller of a variant on a plant, its factors not yet tuned."""
     if name == SMITH:
-        return smith(**(SMITH_N if plant == "plant_n" else {}))
+        return smith.using(**(SMITH_N if plant == "plant_n" else {}))
     return gpfc(**({"reading": READING_B} | VARIANTS[name]))
 
 

@@ -55,7 +55,7 @@ def whole_lathe(controller: Block, **more: Any) -> Loop:
         "controller": controller,
         "plant": turning_lathe,
         "sensor": lathe_sensors,
-        "actuator": lathe_dac(**{f"{axis}.bits": 0 for axis in AXES}),
+        "actuator": lathe_dac.using(**{f"{axis}.bits": 0 for axis in AXES}),
         "period": PERIOD_S,
         "substeps": SUBSTEPS,
         "metrics": {},

@@ -100,10 +100,10 @@ FOLLOWING = {"radial.gain": 8.57}
 
 MACHINES: dict[str, Machine] = {
     "plant_f": Machine("S45C, feed servo of 40 rad/s", turning),
-    "plant_n": Machine("S45C, feed servo of 20 rad/s with 20 ms of dead time", turning(**SLOW)),
-    "plant_f_iron": Machine("iron, feed servo of 40 rad/s", turning(**IRON_LAW)),
-    "plant_f_radial": Machine("plant F; the depth follows its programme in 0.25 s", turning(**FOLLOWING)),
-    "plant_n_radial": Machine("plant N; the depth follows its programme in 0.25 s", turning(**SLOW, **FOLLOWING)),
+    "plant_n": Machine("S45C, feed servo of 20 rad/s with 20 ms of dead time", turning.using(**SLOW)),
+    "plant_f_iron": Machine("iron, feed servo of 40 rad/s", turning.using(**IRON_LAW)),
+    "plant_f_radial": Machine("plant F; the depth follows its programme in 0.25 s", turning.using(**FOLLOWING)),
+    "plant_n_radial": Machine("plant N; the depth follows its programme in 0.25 s", turning.using(**SLOW, **FOLLOWING)),
 }
 
 

@@ -85,8 +85,8 @@ def _tunings() -> dict[str, Block]:
     found["ours.smith_f"] = at(smith, FACTORS["smith_f"])
     found["ours.smith_n"] = at(smith, FACTORS["smith_n"], **SMITH_N)
     found["paper.gpfc_printed_s9"] = at(gpfc, FACTORS["s9"], predictor=PRINTED)
-    found["ours.spindle_tfc"], found["ours.spindle_gpfc"] = tfc(**SPINDLE), gpfc(**SPINDLE)
-    found["ours.depth_tfc"], found["ours.depth_gpfc"] = tfc(**DEPTH), gpfc(**DEPTH)
+    found["ours.spindle_tfc"], found["ours.spindle_gpfc"] = tfc.using(**SPINDLE), gpfc.using(**SPINDLE)
+    found["ours.depth_tfc"], found["ours.depth_gpfc"] = tfc.using(**DEPTH), gpfc.using(**DEPTH)
     return found
 
 

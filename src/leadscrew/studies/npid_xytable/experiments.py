@@ -21,6 +21,7 @@ from leadscrew.controllers._npid import npid
 from leadscrew.controllers._npid_after import npid_after
 from leadscrew.controllers._npid_slope import npid_slope
 from leadscrew.controllers._pid import TUNINGS as PIDS
+from leadscrew.kernel.block import Block
 from leadscrew.studies.exhibits import Table, experiment
 from leadscrew.studies.lab import Lab, measure
 from leadscrew.studies.npid_xytable import chatter, friction, spindle, two_mass
@@ -241,7 +242,7 @@ def other_laws(lab: Lab) -> tuple[Table, str]:
     def reach(bound: float) -> float:
         return float(brentq(lambda x: math.cosh(x) + x * math.sinh(x) - bound, 0.0, 3.0)) / GAINS.alpha
 
-    tries = {
+    tries: dict[str, Block] = {
         "Table I, gain before the PID": npid,
         **{f"cosh with slopes to {b:g}": npid(e_max=reach(b)) for b in (2.5, 2.27, 2.0)},
         "gain behind the PID": npid_after,

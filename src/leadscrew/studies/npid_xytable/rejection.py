@@ -44,7 +44,7 @@ def opened(controller: Block, changes: Mapping[str, float] | None = None) -> Lin
     from leadscrew.references._sine import sine, sine_motion
 
     command = sine_motion if takes_motion(controller) else sine
-    plant = xy_table_cutting(**{key.removeprefix("plant."): value for key, value in (changes or {}).items()})
+    plant = xy_table_cutting.using(**{key.removeprefix("plant."): value for key, value in (changes or {}).items()})
     loop = Loop(reference=command, controller=controller, plant=plant, period=PERIOD_S, metrics={})
     return sampled_loop(loop, name="L*")
 

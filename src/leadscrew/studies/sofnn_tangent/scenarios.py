@@ -54,7 +54,7 @@ SEED = 11
 
 MISMATCH = {"softening": 12.0, "four_fold": 0.7, "ripple": 0.5, "hysteresis": 0.3}
 """Sharp curves add less shear, the fibre acts four-fold, a wave runs along the way, and the shear has play."""
-MACHINES: dict[str, Block] = {"believed": flexible_cut, "mismatch": flexible_cut(**MISMATCH)}
+MACHINES: dict[str, Block] = {"believed": flexible_cut, "mismatch": flexible_cut.using(**MISMATCH)}
 """By name; a scenario that ends in ``_on_NAME`` runs on that one, every other on ``believed``."""
 
 

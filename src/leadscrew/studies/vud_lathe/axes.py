@@ -40,7 +40,7 @@ LEADS_UM = (12.0, 23.0, 52.0)
 LAWS: dict[str, Block] = {
     "corrected.vud_raw_rate": VARIANTS["corrected.vud_raw_rate"],
     "corrected.vud_beta_e_half": vud_family(output_from=ERROR, output_tau=0.5),
-    "corrected.vud_beta_e": vud_family(**BETA_E),
+    "corrected.vud_beta_e": vud_family.using(**BETA_E),
     "ours.vud_opt": vud_scaled,
 }
 """Laws whose axis is put off; the first three as one program."""

@@ -62,11 +62,11 @@ _SET: dict[str, tuple[Block, str]] = {
         "Output factor from the error with the printed exponent: slow at the end.",
     ),
     "ours.fuzzy_plain": (
-        vud_family(**FIXED),
+        vud_family.using(**FIXED),
         "The rules alone, no universe contracts: steady and slow.",
     ),
     "ours.fuzzy_plain_scaled": (
-        vud_family(**FIXED, error_gain=20.0, rate_gain=2.0),
+        vud_family.using(**FIXED, error_gain=20.0, rate_gain=2.0),
         "The rules alone, inputs scaled by 20 and 2: quick, overshoots.",
     ),
     "ours.vud_alpha_only": (
@@ -123,7 +123,7 @@ FAST: dict[str, Block] = {
         braking=0.8444,
     ),
     # search(linear, {"chain.gain_doubt": GAIN_DOUBT}, robust=True, seed=1, generations=60)
-    "ours.vud_fast_robust": vud_fast(
+    "ours.vud_fast_robust": vud_fast.using(
         error_full_scale_mm=0.9345,
         speed_full_scale_mm_s=40.73,
         e_tau=0.627,
@@ -135,7 +135,7 @@ FAST: dict[str, Block] = {
         **_learning(walk_mm=5.214e-4, timing_s=6.031e-5, forget=0.1338),
     ),
     # search(limited, {**LIMITS, "chain.gain_doubt": GAIN_DOUBT}, robust=True, seed=2, generations=25)
-    "ours.vud_fast_limited": vud_fast(
+    "ours.vud_fast_limited": vud_fast.using(
         error_full_scale_mm=3.066,
         speed_full_scale_mm_s=78.6,
         e_tau=0.7114,
@@ -181,7 +181,7 @@ CONTROLLERS: dict[str, Block] = {
     "paper.vud": vud,
     "corrected.vud_beta_e": vud_beta_e,
     "corrected.vud_beta_e_half": vud_beta_e(output_gain=1.0, output_tau=0.5),
-    "corrected.vud_beta_e_filtered": vud_family(**BETA_E, filter_s=0.005),
+    "corrected.vud_beta_e_filtered": vud_family.using(**BETA_E, filter_s=0.005),
     "ours.original_fit": power_law,
     "ours.original_p": power_law(exponent=1.0, gain=2.73),
     "ours.original_pid": duty_pid(kp=0.0139, ki=0.00086, kd=0.0, filter_s=0.0005, anti_windup=1),

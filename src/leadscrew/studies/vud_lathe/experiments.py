@@ -179,13 +179,13 @@ BETA_ONE = {f"beta = 1, both exponents {tau:g}": {"e_tau": tau, "ec_tau": tau} f
     f"beta = 1, both floors {floor:g}": {"e_floor": floor, "ec_floor": floor} for floor in (1e-3, 1e-2, 3e-2, 0.1)
 }
 TRIED = {
-    "corrected.vud_beta_e": vud_family(**BETA_E),
+    "corrected.vud_beta_e": vud_family.using(**BETA_E),
     "corrected.vud_beta_e_half": vud_family(output_from=ERROR, output_tau=0.5),
-    "corrected.vud_beta_e_filtered": vud_family(**BETA_E, filter_s=0.005),
+    "corrected.vud_beta_e_filtered": vud_family.using(**BETA_E, filter_s=0.005),
     **{name: block for name, block in VARIANTS.items() if name not in ("ours.vud_incremental", "ours.vud_opt_robust")},
     "beta from the mean of |e|^0.9 and |ec|^0.9": vud_family(output_from=MEAN),
     "beta from the larger of |e|^0.9 and |ec|^0.9": vud_family(output_from=MAXIMUM),
-    **{name: vud_family(output_from=UNITY, **changes) for name, changes in BETA_ONE.items()},
+    **{name: vud_family.using(output_from=UNITY, **changes) for name, changes in BETA_ONE.items()},
 }
 """The corrected law and other changes of the printed one, one at a time."""
 
