@@ -55,8 +55,8 @@ KINDS: dict[str, tuple[str, ...]] = {
 """The kinds of block and the signals that a step of each may take."""
 
 
-DRIVES = ("torque", "velocity", "voltage", "duty", "position")
-"""What a controller's output may command."""
+DRIVES = ("torque", "force", "velocity", "voltage", "duty", "position")
+"""What a controller's output may command, and a plant take."""
 
 
 class InputRange(NamedTuple):
@@ -109,7 +109,7 @@ class Block(Generic[P]):
     no_value: Callable[..., str] | None = None
     """Metric: ``no_value(params, state, end)`` -> why it has no value in a run of ``end`` seconds."""
     drive: str = ""
-    """Controller: what its output commands; one of :data:`DRIVES`."""
+    """Controller: what its output commands; plant: what its input is; one of :data:`DRIVES`."""
     full_scale: float = 0.0
     """Controller: size of the output at full drive; 0 where it has none of its own."""
     sense: int = 1

@@ -28,6 +28,7 @@ from leadscrew.kernel.probe import example_signals
 from leadscrew.kernel.program import Program, programs
 from leadscrew.kernel.sheet import Entry, entries, nearest
 from leadscrew.kernel.treework import treework
+from leadscrew.kernel.units import UnitWarning, mismatches
 
 if TYPE_CHECKING:
     from leadscrew.kernel.batch import Batch
@@ -116,6 +117,8 @@ class Loop:
         self.origin: dict[str, Any] = {}
         """How to build this loop again: study, controller, scenario and changes; goes into the manifest."""
         door.check_continuous(self, method)
+        for text in mismatches(self.blocks):
+            warnings.warn(f"{self.name}: {text}", UnitWarning, stacklevel=2)
 
     # ---- parameters
     @cached_property

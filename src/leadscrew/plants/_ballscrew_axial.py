@@ -168,6 +168,7 @@ def axial_jacobian(p, s, u, load, t):
     jacobian=axial_jacobian,
     prepare=plan_ballscrew_axial,
     stiff=True,
+    drive="torque",
 )
 def ballscrew_axial(p, s, u, load):
     """Ball-screw stage with one axial mode: derivatives under the torque ``u`` and a load at the table, in N m."""

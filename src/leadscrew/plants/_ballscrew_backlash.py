@@ -132,6 +132,7 @@ def backlash_jacobian(p, s):
     prepare=planned,
     jacobian=backlash_jacobian,
     stiff=True,
+    drive="torque",
 )
 def ballscrew_backlash(p, s, u, load):
     """Screw and table with a dead band and impacts between them: derivatives under torque and force on the table."""

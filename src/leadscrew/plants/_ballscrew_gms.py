@@ -85,7 +85,7 @@ def shown(p, s):
     return p.travel_per_rad * s.angle
 
 
-@plant(BallscrewGmsParams, BallscrewGmsState, output=shown, initial=start, prepare=cut)
+@plant(BallscrewGmsParams, BallscrewGmsState, output=shown, initial=start, prepare=cut, drive="torque")
 def ballscrew_gms(p, s, u, dt):
     """Ball-screw stage with generalised Maxwell-slip friction: state after ``dt`` under a torque, in N m."""
     f = p.friction

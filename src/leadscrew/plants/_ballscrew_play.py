@@ -100,7 +100,7 @@ def play_jacobian(p, s):
     )
 
 
-@plant(BallscrewPlayParams, BallscrewPlayState, output=shown, jacobian=play_jacobian, stiff=True)
+@plant(BallscrewPlayParams, BallscrewPlayState, output=shown, jacobian=play_jacobian, stiff=True, drive="torque")
 def ballscrew_play(p, s, u, load):
     """Ball-screw stage with LuGre friction and play to the table: derivatives under the torques, in N m."""
     rate = bristle_rate(p.friction, s.speed, s.bristle)

@@ -86,7 +86,7 @@ def stage_jacobian(p, s):
     return ((0.0, 1.0, 0.0), (0.0, speed_by_speed, speed_by_bristle), (0.0, by_speed, by_bristle))
 
 
-@plant(BallscrewStageParams, BallscrewStageState, output=shown, jacobian=stage_jacobian, stiff=True)
+@plant(BallscrewStageParams, BallscrewStageState, output=shown, jacobian=stage_jacobian, stiff=True, drive="torque")
 def ballscrew_stage(p, s, u, load):
     """Ball-screw stage with LuGre friction: derivatives under the torque ``u`` and the load torque, in N m."""
     f = p.friction

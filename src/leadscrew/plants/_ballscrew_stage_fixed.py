@@ -135,7 +135,7 @@ def flushed(x):
     return x if abs(x) > TINY else 0.0
 
 
-@plant(BallscrewStageParams, BallscrewStageState, output=shown, prepare=stage_step)
+@plant(BallscrewStageParams, BallscrewStageState, output=shown, prepare=stage_step, drive="torque")
 def ballscrew_stage_fixed(p, s, u, load, dt):
     """Ball-screw stage with LuGre friction: state after ``dt`` under torques in N m, by SDIRK3 at a fixed cost."""
     torque = u + load

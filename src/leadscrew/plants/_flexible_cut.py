@@ -123,7 +123,7 @@ def steady_shear(p, material, load):
     )
 
 
-@plant(FlexibleCutParams, FlexibleCutState, output=seen, unit="deg")
+@plant(FlexibleCutParams, FlexibleCutState, output=seen, unit="deg", drive="position")
 def flexible_cut(p, s, u, load, dt):
     """The cut after ``dt``; the load is that of the whole step."""
     late = load.travel >= p.change_at

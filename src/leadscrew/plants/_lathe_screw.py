@@ -107,7 +107,7 @@ def show(p, s):
     return LatheScrewPosition(s.nut + s.rest, s.nut_reading + s.rest_reading, s.nut)
 
 
-@plant(LatheScrewParams, LatheScrewState, output=show, prepare=lathe_screw_hold, unit="mm", sense=-1)
+@plant(LatheScrewParams, LatheScrewState, output=show, prepare=lathe_screw_hold, unit="mm", sense=-1, drive="duty")
 def lathe_screw(p, s, u, dt):
     """State one period later under the constant duty ``u``."""
     servo = lathe_servo(p.servo, LatheServoState(s.pwm, s.current, s.speed, s.nut, s.nut_reading), u, dt)

@@ -114,7 +114,7 @@ def flushed(x):
     return x if abs(x) > 1e-30 else 0.0
 
 
-@plant(LatheServoParams, LatheServoState, output=show, prepare=lathe_servo_hold, unit="mm", sense=-1)
+@plant(LatheServoParams, LatheServoState, output=show, prepare=lathe_servo_hold, unit="mm", sense=-1, drive="duty")
 def lathe_servo(p, s, u, dt):
     """State one period later under the constant duty ``u``."""
     drive = -p.full_duty_speed * min(1.0, max(-1.0, u))

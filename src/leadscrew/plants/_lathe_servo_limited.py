@@ -201,7 +201,9 @@ def part(p, s, drive):
     )
 
 
-@plant(LatheLimitedParams, LatheLimitedState, output=show, prepare=lathe_limited_hold, unit="mm", sense=-1)
+@plant(
+    LatheLimitedParams, LatheLimitedState, output=show, prepare=lathe_limited_hold, unit="mm", sense=-1, drive="duty"
+)
 def lathe_servo_limited(p, s, u, dt):
     """State one period later under the constant duty ``u``."""
     drive = -p.supply * min(1.0, max(-1.0, u))

@@ -40,7 +40,7 @@ def mass_dahl_jacobian(p, s):
     )
 
 
-@plant(MassDahlParams, MassDahlState, jacobian=mass_dahl_jacobian, stiff=True, unit="m")
+@plant(MassDahlParams, MassDahlState, jacobian=mass_dahl_jacobian, stiff=True, unit="m", drive="force")
 def mass_dahl(p, s, u):
     """A mass under Dahl friction: derivatives under a force."""
     pushed = u - s.force - p.friction.viscous * s.speed

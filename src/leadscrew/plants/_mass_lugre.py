@@ -44,7 +44,7 @@ def mass_lugre_jacobian(p, s):
     return ((0.0, 1.0, 0.0), (0.0, speed_by_speed, speed_by_bristle), (0.0, by_speed, by_bristle))
 
 
-@plant(MassLuGreParams, MassLuGreState, jacobian=mass_lugre_jacobian, stiff=True, unit="m")
+@plant(MassLuGreParams, MassLuGreState, jacobian=mass_lugre_jacobian, stiff=True, unit="m", drive="force")
 def mass_lugre(p, s, u):
     """A mass under LuGre friction with values for each direction: derivatives under a force."""
     f = one_way_lugre(p.friction, s.speed)

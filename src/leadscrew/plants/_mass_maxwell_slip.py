@@ -61,7 +61,7 @@ def sensible(params: MassMaxwellSlipParams, dt: float) -> MassMaxwellSlipParams:
     return params._replace(friction=checked(params.friction))
 
 
-@plant(MassMaxwellSlipParams, MassMaxwellSlipState, initial=start, prepare=sensible, unit="m")
+@plant(MassMaxwellSlipParams, MassMaxwellSlipState, initial=start, prepare=sensible, unit="m", drive="force")
 def mass_maxwell_slip(p, s, u, dt):
     """A mass under generalised Maxwell-slip friction: state after ``dt`` under a force."""
     f = p.friction

@@ -33,7 +33,7 @@ class MassStribeckState(NamedTuple):
     speed: Annotated[float, Unit("m/s")] = 0.0
 
 
-@plant(MassStribeckParams, MassStribeckState, unit="m")
+@plant(MassStribeckParams, MassStribeckState, unit="m", drive="force")
 def mass_stribeck(p, s, u, dt):
     """A mass that sticks and slides under Coulomb, viscous and Stribeck friction: state after ``dt`` under a force."""
     speed = speed_after(p.friction, s.speed, u, p.mass, dt)

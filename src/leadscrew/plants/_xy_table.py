@@ -62,7 +62,7 @@ def _hold(dt: float, damping: float, stiffness: float) -> tuple[float, ...]:
     return tuple(float(x) for x in (*transition.ravel(), *drive))
 
 
-@plant(XYTableParams, XYTableState, output="position", prepare=xy_table_hold, unit="mm")
+@plant(XYTableParams, XYTableState, output="position", prepare=xy_table_hold, unit="mm", drive="voltage")
 def xy_table(p, s, u, dt):
     """Ball-screw axis of an XY table, equation (1): state one period later under the constant voltage ``u``."""
     drive = p.gain * u

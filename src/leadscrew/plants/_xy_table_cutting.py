@@ -153,7 +153,7 @@ def _line(a: np.ndarray, transition: np.ndarray, size: float, phase: float, rate
     return LineResponse(rate, Response(*added.real.tolist()), Response(*added.imag.tolist()))
 
 
-@plant(XYTableCuttingParams, XYTableCuttingState, output="position", prepare=hold, unit="mm")
+@plant(XYTableCuttingParams, XYTableCuttingState, output="position", prepare=hold, unit="mm", drive="voltage")
 def xy_table_cutting(p, s, u, load, t, dt):
     """Axis of the XY table with dead time, spindle line and tooth-passing line: state one period later."""
     s1, c1 = math.sin(p.spindle.rate * t), math.cos(p.spindle.rate * t)

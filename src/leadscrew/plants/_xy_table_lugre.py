@@ -113,7 +113,9 @@ def bristle_after(p, z, v):
     return (z + moved * (1.0 + 0.5 * x)) / (1.0 + x + 0.5 * x * x)
 
 
-@plant(XYTableLuGreParams, XYTableLuGreState, output="position", prepare=xy_table_lugre_hold, unit="mm")
+@plant(
+    XYTableLuGreParams, XYTableLuGreState, output="position", prepare=xy_table_lugre_hold, unit="mm", drive="voltage"
+)
 def xy_table_lugre(p, s, u, dt):
     """Ball-screw axis of an XY table, equation (1), with LuGre friction in volt at its input; wants steps of 25 us."""
     z = bristle_after(p, s.bristle, s.velocity)

@@ -102,7 +102,7 @@ def shown(p, s):
     return s.table if p.at_table else s.motor
 
 
-@plant(XYTableTwoMassParams, XYTableTwoMassState, output=shown, prepare=hold, unit="mm")
+@plant(XYTableTwoMassParams, XYTableTwoMassState, output=shown, prepare=hold, unit="mm", drive="voltage")
 def xy_table_two_mass(p, s, u, load, dt):
     """Ball-screw axis of the XY table, equation (1) on two masses with one mode: state one step later."""
     a, b, c, d = p.motor, p.motor_velocity, p.table, p.table_velocity

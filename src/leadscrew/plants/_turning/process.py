@@ -238,7 +238,7 @@ def shown(p, s):
     return Turned(s.force, s.feed, s.chip, s.depth, s.travel, s.turns)
 
 
-@plant(TurningParams, TurningState, output=shown, prepare=planned, initial=begun, unit="N")
+@plant(TurningParams, TurningState, output=shown, prepare=planned, initial=begun, unit="N", drive="voltage")
 def turning(p, s, u, load, t, dt):
     """Feed servo, chip and cutting force of a lathe at a given spindle speed: state one step later."""
     s.sent[s.at] = u
