@@ -31,6 +31,6 @@ def test_a_number_out_of_range_is_refused_by_file_and_key(key, good, bad):
 
 def test_tables_of_changes_become_dotted_keys_and_an_unknown_key_gets_a_suggestion():
     found = validated({**HEAD, "set": {"plant": {"motor": {"r": 1.0}}, "seed": 2}}, "e.toml")
-    assert found.changes == {"plant.motor.r": 1.0, "seed": 2}
+    assert found["changes"] == {"plant.motor.r": 1.0, "seed": 2}
     with pytest.raises(DataError, match=r"e\.toml: there is no key 'scenari'; did you mean scenario"):
         validated({**HEAD, "scenari": "x"}, "e.toml")

@@ -4,8 +4,7 @@ The public names stand in ``__init__.pyi``. Each loads what it needs when it is 
 itself stays light.
 """
 
-import lazy_loader
-
 from leadscrew._version import __version__ as __version__
+from leadscrew.lazy_exports import exports
 
-__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
+__getattr__, __dir__, __all__ = exports(__name__, __file__)

@@ -40,7 +40,7 @@ def parts(reference: str) -> tuple[Path, str | None]:
     match = _REFERENCE.fullmatch(reference)
     if match is None:
         raise DataError(f"{reference!r}: expected path/file.py:name")
-    return Path(match["path"]).expanduser(), match["name"]
+    return Path(match["path"]), match["name"]
 
 
 def is_reference(text: str) -> bool:

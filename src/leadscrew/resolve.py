@@ -143,6 +143,7 @@ def fuzzy_controller(reference: str, command: str = "", feedback: str = "") -> A
     from leadscrew.fuzzy.block import from_file
 
     path, output = names.parts(reference)
+    path = path.expanduser()
     key = (path.resolve(), userfile.digest(path), output, command, feedback)
     if key not in _fuzzy:
         _fuzzy[key] = from_file(path, output, command=command, feedback=feedback)

@@ -128,7 +128,7 @@ def targets() -> tuple[Target, ...]:
         Target("fuzzy fcl", seeds("fuzzy/*.fcl"), "fuzzy show @ --json", 6),
         Target("fuzzy xml", seeds("*.xml"), "fuzzy show @ --json", 6),
         Target("experiment", seeds("*_experiment.toml"), _loop, 2),
-        Target("controller", seeds("controllers/*.toml"), _of("leadscrew.controller_file:block")),
+        Target("controller", seeds("controllers/*.toml"), _of("leadscrew.resolve:from_controller_file")),
         Target("machine", seeds("machines/*.toml", "axis_report/axis.toml"), _machine, 3),
         Target("hal file", seeds("*_hal.toml"), _of("leadscrew.panel.hal.file:read")),
         Target("preset", seeds("operate/presets/*.json"), _preset),

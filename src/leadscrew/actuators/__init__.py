@@ -3,6 +3,6 @@
 The public names stand in ``__init__.pyi``; each loads its own module when it is first used.
 """
 
-import lazy_loader
+from leadscrew.lazy_exports import exports
 
-__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
+__getattr__, __dir__, __all__ = exports(__name__, __file__)
