@@ -21,7 +21,7 @@ from leadscrew.export.single import replay
 from leadscrew.kernel import compiler, native
 from leadscrew.kernel.c99.entry import entry_text
 from leadscrew.kernel.native import Entry
-from leadscrew.kernel.treework import treework
+from leadscrew.kernel.trees import treework
 from tests.kernel import printed
 from tests.kernel.generated import module_of, module_text
 from tests.kernel.printed import rows, same

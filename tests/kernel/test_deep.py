@@ -6,7 +6,7 @@ import pytest
 
 from leadscrew.experiment import Experiment
 from leadscrew.kernel.errors import SubsetError
-from leadscrew.kernel.treework import treework
+from leadscrew.kernel.trees import treework
 
 STEP = '''"""A step of one long expression."""
 

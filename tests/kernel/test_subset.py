@@ -11,10 +11,9 @@ import pytest
 from leadscrew.kernel import ieee
 from leadscrew.kernel.block import make
 from leadscrew.kernel.errors import BlockError, SubsetError
-from leadscrew.kernel.fuse import Fuser
+from leadscrew.kernel.fuse import Fuser, single_exit
 from leadscrew.kernel.loop import Loop
 from leadscrew.kernel.module import Module
-from leadscrew.kernel.returns import single_exit
 from leadscrew.kernel.source import tree_of
 from tests.kernel import zoo
 
@@ -388,14 +387,14 @@ def test_names_of_the_module_are_its_own():
     module = Module()
     assert module.callable(helper) == "helper" and module.callable(helper) == "helper"
     with pytest.raises(SubsetError, match="not linked"):
-        from leadscrew.kernel.drivers import holes
+        from leadscrew.kernel.drivers import hooks
 
-        module.function(holes.sensor)
+        module.function(hooks.sensor)
     with pytest.raises(SubsetError, match="no portable counterpart"):
         module.callable(len)
     assert module.callable(math.sin) == "sin"
     with pytest.raises(NotImplementedError, match="before it was linked"):
-        holes.sensor(1, 2, 3, 4, 5, 6)
+        hooks.sensor(1, 2, 3, 4, 5, 6)
 
 
 def half_set(command):

@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING
 from leadscrew.kernel import cache
 from leadscrew.kernel.errors import EngineError
 from leadscrew.kernel.native import Entry
-from leadscrew.kernel.treework import treework
+from leadscrew.kernel.trees import treework
 
 if TYPE_CHECKING:
     from leadscrew.kernel.module import Module

@@ -15,10 +15,9 @@ from leadscrew.kernel import door, ieee
 from leadscrew.kernel.block import Block
 from leadscrew.kernel.errors import NameUnknown, ValueRefused
 from leadscrew.kernel.frame import SLOTS
-from leadscrew.kernel.linker import LARGEST
+from leadscrew.kernel.linker import LARGEST, LIMITS
 from leadscrew.kernel.loop import DivergenceWarning, warn_diverged
 from leadscrew.kernel.native import Entry
-from leadscrew.kernel.plan import LIMITS
 from leadscrew.kernel.run import Divergence, Metrics, Run
 
 if TYPE_CHECKING:

@@ -27,7 +27,7 @@ from leadscrew.kernel.notes import RunWarning, notes
 from leadscrew.kernel.probe import example_signals
 from leadscrew.kernel.program import Program, programs
 from leadscrew.kernel.sheet import Entry, entries, nearest
-from leadscrew.kernel.treework import treework
+from leadscrew.kernel.trees import treework
 
 if TYPE_CHECKING:
     from leadscrew.kernel.batch import Batch

@@ -21,7 +21,7 @@ from leadscrew.kernel import bits, guards
 from leadscrew.kernel.asked import Asked, same, source_of, trees
 from leadscrew.kernel.block import Block
 from leadscrew.kernel.branchless import branchless
-from leadscrew.kernel.drivers import holes
+from leadscrew.kernel.drivers import hooks
 from leadscrew.kernel.errors import SubsetError
 from leadscrew.kernel.flow import Flow
 from leadscrew.kernel.fuse import Fuser
@@ -31,8 +31,7 @@ from leadscrew.kernel.scalarise import Scalariser, fields_of, without_copies, wi
 from leadscrew.kernel.sheet import SILENT, leaf_type, notes
 from leadscrew.kernel.source import MISSING, lookup
 from leadscrew.kernel.subset import MATHS, call, is_named_tuple_type
-from leadscrew.kernel.trees import code_of, copied, each, expression, fingerprint
-from leadscrew.kernel.treework import treework
+from leadscrew.kernel.trees import code_of, copied, each, expression, fingerprint, treework
 
 _RESERVED = {
     "ieee_select", "np", "math", "NamedTuple", "float", "int", "bool", "abs", "len", "range", *bits.INTRINSICS,
@@ -97,7 +96,7 @@ class Module:
         self.names: dict[int, str] = {}
         self.kept: list[Any] = []
         self.constants: dict[str, float | int | bool] = {}
-        """Values of the named holes of the drivers that are plain numbers."""
+        """Values of the named hooks of the drivers that are plain numbers."""
         self.arguments: dict[tuple[int, str], type] = {}
         self._reads: dict[tuple[int, str], tuple[Any, str, Any, bytes]] = {}
         self._space: dict[str, Any] = {}
@@ -123,10 +122,10 @@ class Module:
         self.items[item.name] = item
         return item.name
 
-    def link(self, hole: Callable[..., Any], name: str) -> None:
-        """Makes the driver's ``hole`` stand for the definition ``name``."""
-        self.names[id(hole)] = name
-        self.kept.append(hole)
+    def link(self, hook: Callable[..., Any], name: str) -> None:
+        """Makes the driver's ``hook`` stand for the definition ``name``."""
+        self.names[id(hook)] = name
+        self.kept.append(hook)
 
     def is_current(self) -> bool:
         """Whether every function and every global, closure variable and table that was compiled in is unchanged."""
@@ -143,7 +142,7 @@ class Module:
         return self.arguments.get((id(function), argument))
 
     def constant(self, name: str) -> float | int | bool | None:
-        """The number that a named hole of the drivers stands for."""
+        """The number that a named hook of the drivers stands for."""
         return self.constants.get(name)
 
     def outside(self, holder: Any, name: str, free: bool) -> Any:
@@ -196,8 +195,8 @@ class Module:
         home = function.__module__ or ""
         if function.__name__ in bits.INTRINSICS and home == bits.__name__:
             return str(function.__name__)
-        if home == holes.__name__:
-            raise SubsetError(f"the driver's hole {function.__name__!r} is not linked")
+        if home == hooks.__name__:
+            raise SubsetError(f"the driver's hook {function.__name__!r} is not linked")
         if trusted is None:
             trusted = home.startswith("leadscrew.kernel.")
         name = self.fresh(function.__name__)

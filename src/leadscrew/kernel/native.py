@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from leadscrew.kernel import cache
-from leadscrew.kernel.treework import treework
+from leadscrew.kernel.trees import treework
 
 if TYPE_CHECKING:
     from leadscrew.kernel.module import Module

@@ -20,7 +20,7 @@ import numpy as np
 from leadscrew.kernel import definite, guards, portable
 from leadscrew.kernel.block import Block
 from leadscrew.kernel.branchless import is_condition
-from leadscrew.kernel.drivers.holes import Constant
+from leadscrew.kernel.drivers.hooks import Constant
 from leadscrew.kernel.errors import SubsetError
 from leadscrew.kernel.normalise_calls import Calls
 from leadscrew.kernel.sheet import hints

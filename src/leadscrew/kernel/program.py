@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 from leadscrew.kernel.engines import ENGINES, by_python, check_engine, native
 from leadscrew.kernel.linker import Linker, Plan
 from leadscrew.kernel.module import Module
-from leadscrew.kernel.treework import treework
+from leadscrew.kernel.trees import treework
 
 if TYPE_CHECKING:
     from leadscrew.kernel.native import Entry

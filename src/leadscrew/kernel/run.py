@@ -14,8 +14,8 @@ import numpy as np
 from leadscrew.escape import html
 from leadscrew.kernel.errors import DataError, Diverged, NameUnknown
 from leadscrew.kernel.layout import is_branch
+from leadscrew.kernel.linker import LIMITS
 from leadscrew.kernel.notes import Note
-from leadscrew.kernel.plan import LIMITS
 from leadscrew.kernel.sheet import nearest
 from leadscrew.newfolder import appearing
 

@@ -11,7 +11,7 @@ class Constant(NamedTuple):
     name: str
 
     def __index__(self) -> int:
-        raise TypeError(f"the hole {self.name} is not linked")
+        raise TypeError(f"the hook {self.name} is not linked")
 
 
 PARAMS: Any = Constant("PARAMS")
@@ -37,7 +37,7 @@ TIMED: Any = Constant("TIMED")
 
 
 def _open(*_: Any) -> NoReturn:
-    raise NotImplementedError("a hole of a driver was called before it was linked")
+    raise NotImplementedError("a hook of a driver was called before it was linked")
 
 
 # ---- the blocks
