@@ -29,8 +29,8 @@ from leadscrew.fuzzy.formats import WRITTEN, dumps, loads
 from leadscrew.kernel.block import controller
 from leadscrew.kernel.errors import DataError, LeadscrewError, ValueRefused
 from leadscrew.machine import file as machine_file
-from leadscrew.operate import capture_formats, script, session_file
-from leadscrew.operate.session import Session, Start
+from leadscrew.operate import capture_files, script, session_file
+from leadscrew.operate.operated import Session, Start
 from leadscrew.paths.path import polyline
 from leadscrew.report import html, page
 from leadscrew.report.report import Report, Section
@@ -389,7 +389,7 @@ def test_a_capture_is_read_again_from_csv(text, tmp_path):
     if "\ud800" in text or not text.isprintable():
         text = escape.one_line(text)
     one = replace(capture(), name=text, about={"note": text}, units={"command": text})
-    rows = list(csv.reader(io.StringIO(capture_formats.csv_of(one).decode())))
+    rows = list(csv.reader(io.StringIO(capture_files.csv_of(one).decode())))
     assert sum(not r[0].startswith("#") for r in rows) == 201
     assert all(json.dumps(r) for r in rows)
 

@@ -6,7 +6,7 @@ import shutil
 import numpy as np
 import pytest
 
-from leadscrew.kernel import compiler
+from leadscrew.kernel import engines
 from tests.cli.conftest import strict_json
 from tests.tools import missing
 
@@ -67,9 +67,9 @@ def no_compiler(monkeypatch, tmp_path):
     """A machine without a C compiler."""
     monkeypatch.setenv("PATH", str(tmp_path))
     monkeypatch.delenv("CC", raising=False)
-    compiler.find.cache_clear()
+    engines.c_compiler.cache_clear()
     yield
-    compiler.find.cache_clear()
+    engines.c_compiler.cache_clear()
 
 
 @pytest.fixture

@@ -10,7 +10,7 @@ import types
 import numpy as np
 import pytest
 
-from leadscrew.kernel import bits, native
+from leadscrew.kernel import bits, engines
 from leadscrew.kernel.drivers import hooks
 from leadscrew.kernel.errors import SubsetError
 from leadscrew.kernel.lower import Lowering
@@ -30,7 +30,7 @@ def machine_code(function):
     module = types.SimpleNamespace(
         fused=lambda _: node, arrays=lambda: CONSTANTS, arguments_of=lambda _: names, identity=lambda: title
     )
-    return native.compiled(module, function.__name__, title, RANKS)  # type: ignore[arg-type]
+    return engines.by_llvm(module, function.__name__, title, RANKS)  # type: ignore[arg-type]
 
 
 def lower(text: str) -> None:

@@ -8,7 +8,8 @@ import pytest
 from leadscrew import catalogue
 from leadscrew.experiment import Experiment
 from leadscrew.kernel.errors import NameUnknown, ValueRefused
-from leadscrew.operate.profile import fitted, profile_of
+from leadscrew.operate.profile import fitted
+from leadscrew.operate.profiles import profile_of
 from leadscrew.operate.profiles.sofnn_tangent import MATERIALS
 from leadscrew.plants import flexible_cut
 from leadscrew.report.tables import signal_unit
@@ -224,7 +225,7 @@ def test_a_controller_that_reads_the_programme_is_told_of_a_programmed_depth_onl
 
 def test_a_profile_is_read_without_plotting_or_web():
     code = (
-        "import sys; from leadscrew.operate.profile import profile_of; "
+        "import sys; from leadscrew.operate.profiles import profile_of; "
         f"[profile_of(n) for n in {STUDIES!r}]; "
         "sys.exit(any(m in sys.modules for m in ('matplotlib', 'scipy', 'starlette', 'pyarrow')))"
     )

@@ -7,7 +7,8 @@ import pytest
 
 from leadscrew.experiment import Experiment
 from leadscrew.machine import write
-from leadscrew.operate.profile import fitted, profile_of
+from leadscrew.operate.profile import fitted
+from leadscrew.operate.profiles import profile_of
 from leadscrew.operate.profiles.sofnn_tangent import MATERIALS
 from tests.machine.test_machine_file import EMPS
 from tests.operate.playing import loop_of, play

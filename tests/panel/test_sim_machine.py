@@ -12,8 +12,8 @@ import pytest
 
 from leadscrew.cli.panel import _spec
 from leadscrew.kernel.errors import NameUnknown, ValueRefused
-from leadscrew.operate import capture_formats, capture_logs, captures, session_file
-from leadscrew.operate.session import Start
+from leadscrew.operate import capture_files, captures, session_file
+from leadscrew.operate.operated import Start
 from leadscrew.panel import describing, records, sim_machine
 from leadscrew.panel.frames import GHOST, LIVE
 from leadscrew.panel.machine import Later
@@ -264,8 +264,8 @@ def test_a_file_that_a_page_sends_or_opens_is_parsed_in_a_process_of_its_own(tmp
     def here(path):
         raise AssertionError(f"{path} is parsed in the machine's process")
 
-    for module in (capture_formats, capture_logs):
-        monkeypatch.setattr(module, "read", here)
+    for reader in ("read_own", "read_log"):
+        monkeypatch.setattr(capture_files, reader, here)
     taking = Taking(tmp_path / "captures")
     assert did(taking, "capture_receive", name=f"b.{form}", path=str(sent)) == {"name": "a", "rows": 9}
     did(taking, "capture_load", name=f"b.{form}")

@@ -22,9 +22,9 @@ import numpy as np
 from leadscrew.analysis import following_checks
 from leadscrew.analysis.following_lag import Told, lag_of_error, shift
 from leadscrew.analysis.following_odd import Track, faults, folded, looked_at, stretches
-from leadscrew.kernel.door import positive
 from leadscrew.kernel.errors import DataError, ValueRefused
 from leadscrew.kernel.one_thread import one_thread
+from leadscrew.kernel.validate import positive
 from leadscrew.logs.finding import Finding
 from leadscrew.logs.units import length_in
 

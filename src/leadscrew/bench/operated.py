@@ -32,8 +32,7 @@ def rows(quick: bool) -> list[dict[str, Any]]:
 
 
 def _periods() -> Callable[[], object]:
-    from leadscrew.operate.operated import Operated
-    from leadscrew.operate.session import Start
+    from leadscrew.operate.operated import Operated, Start
 
     operated = Operated(Start("vud_lathe", "corrected.vud_beta_e", "sequence"))
     operated.advance(100)

@@ -47,12 +47,12 @@ def following_error(
     from leadscrew.cli.fuzzy_files import PICTURES, save_figure, suffix_of
     from leadscrew.cli.pairs import texts
     from leadscrew.cli.tune import free
-    from leadscrew.kernel import door
+    from leadscrew.kernel import validate
     from leadscrew.report import following as report
     from leadscrew.report.following_picture import picture
 
     if period is not None:
-        door.positive("--period", period, "s")
+        validate.positive("--period", period, "s")
     if plot is not None:
         suffix_of(plot, PICTURES, "--plot")
     if csv is not None:

@@ -10,7 +10,7 @@ import typer
 from leadscrew.cli import pairs
 from leadscrew.cli.output import Json, busy, emit, print_table, progress
 from leadscrew.escape import shell
-from leadscrew.kernel import door
+from leadscrew.kernel import validate
 from leadscrew.kernel.errors import ValueRefused
 
 if TYPE_CHECKING:
@@ -91,8 +91,8 @@ def axis(
     """
     from leadscrew.cli.tune import free
 
-    door.one_of("--model", model, MODELS)
-    door.one_of("--refine", refine, REFINE)
+    validate.one_of("--model", model, MODELS)
+    validate.one_of("--refine", refine, REFINE)
     if not 0.0 <= holdout <= 0.8:
         raise ValueRefused(f"--holdout {holdout:g}: allowed range is [0, 0.8], a share of the log")
     if out is not None and out.suffix != ".toml":
@@ -144,7 +144,7 @@ def _cascade(text: str | None) -> Any:
     if not {"kp", "kv"} <= set(found) <= set(GAINS):
         raise ValueRefused(f"--cascade {text}: expected {expected}")
     if "over" in found:
-        found["over"] = door.whole("--cascade over", found["over"], 1, 8)
+        found["over"] = validate.whole("--cascade over", found["over"], 1, 8)
     return Cascade(**found)
 
 

@@ -63,10 +63,10 @@ def cutting_force(
         _write_example(file, out is not None or as_json or any((column, unit, at, beside)))
         return
     from leadscrew.identify.cutting_force_table import read_force_table
-    from leadscrew.kernel import door
+    from leadscrew.kernel import validate
 
     if spindle_rpm is not None:
-        door.positive("--spindle-rpm", spindle_rpm, "1/min")
+        validate.positive("--spindle-rpm", spindle_rpm, "1/min")
     cuts = [_pair("--at", text, "FEED,DEPTH") for text in at or []]
     low, high = _pair("--usual-kc", usual_kc, "LOW,HIGH")
     if not low < high:

@@ -12,7 +12,7 @@ from leadscrew.cli.keeping import Keeping
 from leadscrew.cli.montecarlo_progress import Report, Stage, counting
 from leadscrew.cli.subject import experiment_of, spread
 from leadscrew.cli.values import parse
-from leadscrew.kernel import door
+from leadscrew.kernel import validate
 from leadscrew.kernel.errors import ValueRefused
 from leadscrew.kernel.system import peak_memory
 from leadscrew.tune import montecarlo, sensitivity
@@ -109,8 +109,8 @@ class Work:
         self.method = check_method(asked.sampling)
         self.tolerances = montecarlo.check(self.job, self.space, asked.runs, asked.tolerances)
         self.wears = wears(asked.wears, self.job, self.space)
-        door.whole("--life", asked.life, 2, 10_000)
-        door.whole("--worst", asked.worst, 0, 10_000)
+        validate.whole("--life", asked.life, 2, 10_000)
+        validate.whole("--worst", asked.worst, 0, 10_000)
         if not 0.0 < asked.level < 100.0:
             raise ValueRefused(f"--level {asked.level:g}: allowed are percents between 0 and 100")
         if asked.sobol:

@@ -70,17 +70,17 @@ def _run(folder: Path, out: Path | None, as_json: bool) -> None:
 
 def _session(path: Path, out: Path | None, as_json: bool) -> None:
     from leadscrew import __version__
-    from leadscrew.operate import session_file, session_folder
+    from leadscrew.operate import session_file
     from leadscrew.operate.recorder import EVERYTHING
     from leadscrew.replay import versions
 
     session = session_file.read(path)
     if out is not None:
-        session_folder.check(out)
+        session_file.check_folder(out)
     with busy(f"replaying {path}"):
         found = session.run(record=() if out is None else EVERYTHING)
         if out is not None:
-            session_folder.write(session, found, out)
+            session_file.write_folder(session, found, out)
     signals = len(found.operated.columns)
     if as_json:
         emit(

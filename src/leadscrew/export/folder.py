@@ -16,7 +16,7 @@ from leadscrew.export import c99, c99_check
 from leadscrew.export.core import Core, Record
 from leadscrew.export.templates import render
 from leadscrew.export.verdict import DIFFERENT, GOLDEN, IDENTICAL, NOT_RUN, Verdict, golden_text, read_golden
-from leadscrew.kernel import compiler
+from leadscrew.kernel import engines
 from leadscrew.kernel.c99.names import is_identifier
 from leadscrew.kernel.errors import DataError, EngineError, LeadscrewError, SubsetError, ValueRefused
 from leadscrew.newfolder import appearing
@@ -110,7 +110,7 @@ def fingerprint(rows: np.ndarray) -> str:
 def compiler_path() -> str | None:
     """The C compiler of this machine, if there is one."""
     try:
-        return compiler.find()
+        return engines.c_compiler()
     except EngineError:
         return None
 

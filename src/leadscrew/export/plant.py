@@ -17,9 +17,8 @@ from leadscrew.export.core import Core
 from leadscrew.export.machine import LICENCE
 from leadscrew.export.source import argument_name
 from leadscrew.export.templates import render
-from leadscrew.kernel.c99.entry import entry_function
 from leadscrew.kernel.c99.prelude import GUARD
-from leadscrew.kernel.c99.translation import Translation
+from leadscrew.kernel.c99.translation import Translation, entry_function
 from leadscrew.kernel.linker import Linker
 from leadscrew.kernel.module import Module
 from leadscrew.kernel.program import RANKS

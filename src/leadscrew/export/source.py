@@ -11,8 +11,8 @@ import numpy as np
 
 from leadscrew.kernel.block import Block
 from leadscrew.kernel.c99 import comments
+from leadscrew.kernel.c99.comments import wrapped
 from leadscrew.kernel.c99.expressions import Expressions
-from leadscrew.kernel.c99.layout import wrapped
 from leadscrew.kernel.c99.names import safe, safe_field
 from leadscrew.kernel.c99.prelude import GUARD
 from leadscrew.kernel.c99.translation import EMPTY, Translation

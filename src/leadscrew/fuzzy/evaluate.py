@@ -21,10 +21,9 @@ import numpy as np
 from leadscrew.fuzzy.engine import Engine, engine, execute
 from leadscrew.fuzzy.entries import LANES, entries
 from leadscrew.fuzzy.system import System
-from leadscrew.kernel.engines import by_python, check_engine, native
+from leadscrew.kernel.engines import Entry, by_python, check_engine, native
 from leadscrew.kernel.errors import NameUnknown, ValueRefused
 from leadscrew.kernel.module import Module
-from leadscrew.kernel.native import Entry
 from leadscrew.kernel.sheet import nearest
 
 RANKS = {"A": (1, "f"), "V": (1, "f"), "X": (2, "f"), "Y": (2, "f"), "span": (1, "i")}

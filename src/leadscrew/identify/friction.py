@@ -37,7 +37,7 @@ import numpy as np
 from leadscrew.friction.lugre import LuGre
 from leadscrew.identify.friction_record import Piece, Record, Sliding, checked, pieces, sliding
 from leadscrew.identify.friction_replay import replay_loop
-from leadscrew.kernel import door
+from leadscrew.kernel import validate
 from leadscrew.kernel.errors import DataError
 
 KNOWN = 0.1
@@ -208,7 +208,7 @@ def fit_friction(
     """
     say = progress or (lambda what, done: None)
     if inertia is not None:
-        inertia = door.positive("inertia", inertia, "kg m^2")
+        inertia = validate.positive("inertia", inertia, "kg m^2")
     say("sliding", 0.0)
     record = checked(time_s, torque, angle, delay)
     slide = sliding(record)

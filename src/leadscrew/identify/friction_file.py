@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from leadscrew.identify.friction import FrictionFit, fit_friction
-from leadscrew.kernel import door
+from leadscrew.kernel import validate
 from leadscrew.kernel.errors import DataError, ValueRefused
 from leadscrew.logs import read_table
 from leadscrew.logs.role_units import named_unit
@@ -50,7 +50,9 @@ def identify_file(
             travel.
     """
     where = Path(path)
-    travel = door.positive("travel_per_rad", travel_of(where) if travel_per_rad is None else travel_per_rad, "per rad")
+    travel = validate.positive(
+        "travel_per_rad", travel_of(where) if travel_per_rad is None else travel_per_rad, "per rad"
+    )
     if len({time, torque, position}) < 3:
         raise ValueRefused(f"time = {time!r}, torque = {torque!r}, position = {position!r}: expected three columns")
     table = read_table(where)

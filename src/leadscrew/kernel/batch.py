@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from leadscrew.escape import html
-from leadscrew.kernel import door
+from leadscrew.kernel import validate
 from leadscrew.kernel.engines import ENGINES
 from leadscrew.kernel.errors import NameUnknown, ValueRefused
 from leadscrew.kernel.layout import numbers_of, reader_of
@@ -116,13 +116,13 @@ def _columns(varied: Mapping[str, Any], loop: Loop, runs: int | None) -> tuple[d
                 entry.check(int(x) if entry.type == "int" and x == int(x) else x, "batch")
         found[key] = array
     if runs is not None:
-        door.whole("runs", runs, 1, 2**31 - 1)
+        validate.whole("runs", runs, 1, 2**31 - 1)
     lengths = {len(a) for a in found.values() if len(a) > 1} | ({runs} if runs is not None else set())
     if len(lengths) > 1:
         held = ", ".join(f"{k} has {len(a)}" for k, a in found.items())
         wanted = f", runs = {runs}" if runs is not None else ""
         raise ValueRefused(f"a batch needs the same number of values for every key: {held}{wanted}")
-    n = door.whole("runs", lengths.pop() if lengths else 1, 1, 2**31 - 1)
+    n = validate.whole("runs", lengths.pop() if lengths else 1, 1, 2**31 - 1)
     return {k: np.ascontiguousarray(np.broadcast_to(a, (n, *a.shape[1:]))) for k, a in found.items()}, n
 
 
@@ -210,9 +210,9 @@ def run_batch(
         raise ValueRefused("a batch needs a control period; a continuous loop (period=None) runs one at a time")
     columns, n = _columns(varied, loop, runs)
     periods = loop.periods(duration)
-    every = door.whole("every", every, 1, 2**53)
-    threads = door.whole("threads", threads if threads is not None else os.cpu_count() or 1, 1, 1024)
-    first = door.whole("first", first, 0, 2**31 - 1)
+    every = validate.whole("every", every, 1, 2**53)
+    threads = validate.whole("threads", threads if threads is not None else os.cpu_count() or 1, 1, 1024)
+    first = validate.whole("first", first, 0, 2**31 - 1)
     names = loop.columns(record) if record is None or len(record) else []
     rows = -(-periods // every) if names else 0
     size = n * rows * len(names) * 8
@@ -221,7 +221,7 @@ def run_batch(
             f"recording {n} runs of {rows} rows of {len(names)} signals needs {size / 1e9:.0f} GB; "
             "record fewer, or a larger every"
         )
-    engine = door.one_of("engine", engine or loop.engine, list(ENGINES))
+    engine = validate.one_of("engine", engine or loop.engine, list(ENGINES))
     if engine == "python":
         return _one_by_one(loop, duration, columns, n, names, every, first)
     program = loop.program

@@ -2,9 +2,9 @@
 
 Machine code gives every local one type and every array one place. A value that is a whole number on one path and a
 float on another is a float there, plain Python keeps the whole number; an array that is one array on one path and
-another on another has no one place. It runs on normalised trees, once for each step, into each function with what is known of its arguments. On the way it
-marks whole-number arithmetic that may leave 64 bits, and whole numbers that meet floats in comparisons, for the Python
-engine.
+another on another has no one place. It runs on normalised trees, once for each step, into each function with what is
+known of its arguments. On the way it marks whole-number arithmetic that may leave 64 bits, and whole numbers that meet
+floats in comparisons, for the Python engine.
 """
 
 from __future__ import annotations

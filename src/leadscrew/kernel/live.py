@@ -11,13 +11,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from leadscrew.kernel import door, ieee
+from leadscrew.kernel import ieee, validate
 from leadscrew.kernel.block import Block
+from leadscrew.kernel.engines import Entry
 from leadscrew.kernel.errors import NameUnknown, ValueRefused
 from leadscrew.kernel.frame import SLOTS
 from leadscrew.kernel.linker import LARGEST, LIMITS
 from leadscrew.kernel.loop import DivergenceWarning, warn_diverged
-from leadscrew.kernel.native import Entry
 from leadscrew.kernel.run import Divergence, Metrics, Run
 
 if TYPE_CHECKING:
@@ -49,7 +49,7 @@ class Live:
         self.duration = duration
         """Seconds after which the run ends; infinite where that is not known."""
         self.engine = engine
-        self.run_number = door.whole("run", run, 0, 2**31 - 1)
+        self.run_number = validate.whole("run", run, 0, 2**31 - 1)
         self.program = loop.program
         self.entry = self.program.entry("single", engine)
         self.period = 0
@@ -78,8 +78,8 @@ class Live:
             ValueRefused: no whole positive number; a recording larger than memory allows.
             NameUnknown: no such signal.
         """
-        periods = door.whole("periods", periods, 1, 2**53)
-        every = door.whole("every", every, 0, 2**53)
+        periods = validate.whole("periods", periods, 1, 2**53)
+        every = validate.whole("every", every, 0, 2**53)
         columns = self.loop.columns(record) if every else []
         rows = 0 if every == 0 else -(-(self.period + periods) // every) - -(-self.period // every)
         if rows * len(columns) * 8 > MEMORY:

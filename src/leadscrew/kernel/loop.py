@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from leadscrew.escape import checked_line
-from leadscrew.kernel import door
+from leadscrew.kernel import validate
 from leadscrew.kernel.block import Block, takes
 from leadscrew.kernel.engines import ENGINES
 from leadscrew.kernel.errors import NameUnknown, ValueRefused
@@ -91,31 +91,31 @@ class Loop:
     ) -> None:
         given = (reference, disturbance, output_disturbance, sensor, controller, actuator, plant)
         self.blocks: dict[str, Block | None] = dict(zip(SLOTS, given, strict=True))
-        door.check_blocks(self.blocks)
+        validate.check_blocks(self.blocks)
         if metrics is None:
             from leadscrew.kernel.metrics import STANDARD
 
             metrics = STANDARD
-        self.metrics = door.check_metrics(metrics)
+        self.metrics = validate.check_metrics(metrics)
         self.continuous = period is None
-        self.period = door.positive("period", sample if period is None else period, "s")
-        self.substeps = door.whole("substeps", substeps, 1, 1_000_000)
+        self.period = validate.positive("period", sample if period is None else period, "s")
+        self.substeps = validate.whole("substeps", substeps, 1, 1_000_000)
         self.step = self.period / self.substeps
-        self.sent = door.in_steps("computation_delay", computation_delay, self.step)
-        self.seen = door.in_steps("transport_delay", transport_delay, self.step)
+        self.sent = validate.in_steps("computation_delay", computation_delay, self.step)
+        self.seen = validate.in_steps("transport_delay", transport_delay, self.step)
         if method is None:
             self.method = "rodas" if self.continuous or plant.stiff else "rk4"
         else:
-            self.method = door.one_of("method", method, list(METHODS))
-        self.bound = min(door.positive("bound", bound, "in the unit of the true output"), LARGEST)
-        self.seed = door.whole("seed", seed, 0, 2**53)
-        self.rtol = door.positive("rtol", rtol, "")
-        self.atol = door.positive("atol", atol, "")
-        self.engine = door.one_of("engine", engine, list(ENGINES))
+            self.method = validate.one_of("method", method, list(METHODS))
+        self.bound = min(validate.positive("bound", bound, "in the unit of the true output"), LARGEST)
+        self.seed = validate.whole("seed", seed, 0, 2**53)
+        self.rtol = validate.positive("rtol", rtol, "")
+        self.atol = validate.positive("atol", atol, "")
+        self.engine = validate.one_of("engine", engine, list(ENGINES))
         self.name = checked_line("name", name)
         self.origin: dict[str, Any] = {}
         """How to build this loop again: study, controller, scenario and changes; goes into the manifest."""
-        door.check_continuous(self, method)
+        validate.check_continuous(self, method)
 
     # ---- parameters
     @cached_property
@@ -150,7 +150,7 @@ class Loop:
             held: dict[str, Any] = new.metrics if slot.startswith("metrics.") else new.blocks
             name = slot.removeprefix("metrics.")
             block = held[name]
-            held[name] = replace(block, params=door.replaced(block.params, rest, value, key))
+            held[name] = replace(block, params=validate.replaced(block.params, rest, value, key))
             may_differ = may_differ or block.prepare is not None or block.initial is not None
         for option, value in options.items():
             if option not in ("seed", "engine", "bound", "name", "substeps"):
@@ -159,11 +159,11 @@ class Loop:
             if option == "substeps":
                 value, may_differ = new._stepped(value), True
             elif option == "seed":
-                value = door.whole("seed", value, 0, 2**53)
+                value = validate.whole("seed", value, 0, 2**53)
             elif option == "bound":
-                value = min(door.positive("bound", value, ""), LARGEST)
+                value = min(validate.positive("bound", value, ""), LARGEST)
             elif option == "engine":
-                value = door.one_of("engine", value, list(ENGINES))
+                value = validate.one_of("engine", value, list(ENGINES))
             else:
                 value = checked_line("name", value)
             setattr(new, option, value)
@@ -181,10 +181,10 @@ class Loop:
         if self.continuous:
             raise ValueRefused("substeps: a continuous loop (period=None) chooses its steps itself")
         delays = self.sent * self.step, self.seen * self.step
-        count = door.whole("substeps", substeps, 1, 1_000_000)
+        count = validate.whole("substeps", substeps, 1, 1_000_000)
         self.step = self.period / count
         names = ("computation_delay", "transport_delay")
-        self.sent, self.seen = (door.in_steps(name, d, self.step) for name, d in zip(names, delays, strict=True))
+        self.sent, self.seen = (validate.in_steps(name, d, self.step) for name, d in zip(names, delays, strict=True))
         return count
 
     def split(self, key: str) -> tuple[str, str]:
@@ -333,7 +333,7 @@ class Loop:
         Raises:
             ValueRefused: not positive, or shorter than one period.
         """
-        duration = door.positive("duration", duration, "s")
+        duration = validate.positive("duration", duration, "s")
         n = round(duration / self.period)
         if n < 1:
             raise ValueRefused(f"duration = {duration!r} s is shorter than one period of {self.period} s")

@@ -14,7 +14,7 @@ from leadscrew.kernel.module import Module
 from leadscrew.kernel.trees import treework
 
 if TYPE_CHECKING:
-    from leadscrew.kernel.native import Entry
+    from leadscrew.kernel.engines import Entry
 
 RANKS: dict[str, dict[str, tuple[int, str]]] = {
     "single": {"P": (1, "f"), "A": (1, "f"), "S": (1, "f"), "B": (1, "f"), "counters": (1, "i"), "select": (1, "i"),

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from leadscrew.kernel import door
+from leadscrew.kernel import validate
 from leadscrew.kernel.errors import ValueRefused
 from leadscrew.logs import units as unit_names
 from leadscrew.logs.finding import Finding
@@ -25,7 +25,7 @@ def taken_units(
         ValueRefused: a unit that is not known or does not fit its role, or is told for a role that the log has not.
     """
     for role in told:
-        door.one_of("role", role, list(ROLES))
+        validate.one_of("role", role, list(ROLES))
     taken: dict[str, str] = {}
     for role in ROLES:
         if role not in found:

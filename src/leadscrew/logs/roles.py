@@ -13,7 +13,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from leadscrew.kernel import door
+from leadscrew.kernel import validate
 from leadscrew.kernel.errors import DataError, ValueRefused
 from leadscrew.logs.header import split
 from leadscrew.logs.table import Table
@@ -86,7 +86,7 @@ def roles(table: Table, told: Mapping[str, str] | None = None, timed: bool = Tru
     """
     told = dict(told or {})
     for role in told:
-        door.one_of("role", role, list(ROLES))
+        validate.one_of("role", role, list(ROLES))
     found = {role: table.name(name) for role, name in told.items()}
     free = [name for name in table.columns if name not in found.values()]
     for role in ROLES:

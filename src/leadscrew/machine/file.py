@@ -143,17 +143,17 @@ def validated(table: Mapping[str, Any], where: Path) -> MachineFile:
     """
     from leadscrew.controller_file import flat
 
-    door = _Door(where)
+    reader = _Reader(where)
     if table.get("kind") != KIND:
         raise DataError(f"{where}: is not a machine file: kind = {table.get('kind')!r}, expected {KIND!r}")
     texts, tables = (
         ("name", "model", "position_unit", "drive_unit"),
         ("set", "interval", "cascade", "log", "identified"),
     )
-    door.known(table, ("schema_version", "kind", *texts, *NUMBERS, "limits", *tables), "")
+    reader.known(table, ("schema_version", "kind", *texts, *NUMBERS, "limits", *tables), "")
     if table.get("schema_version") != SCHEMA_VERSION:
         raise DataError(f"{where}: schema_version = {table.get('schema_version')!r}: expected {SCHEMA_VERSION}")
-    said = {key: door.text(table, key) for key in texts}
+    said = {key: reader.text(table, key) for key in texts}
     try:
         for key in ("name", "position_unit", "drive_unit"):
             checked_line(key, said[key], LONGEST_NAME)
@@ -162,29 +162,29 @@ def validated(table: Mapping[str, Any], where: Path) -> MachineFile:
     if said["model"] not in MODELS:
         raise DataError(f"{where}: model = {said['model']!r}: expected {', '.join(MODELS)}")
     numbers = {
-        key: door.number(table, key, *span, default=None if key == "period" else 0.0) for key, span in NUMBERS.items()
+        key: reader.number(table, key, *span, default=None if key == "period" else 0.0) for key, span in NUMBERS.items()
     }
-    limits = door.table(table, "limits")
-    door.known(limits, (*LIMITS, "travel"), "limits.")
-    bounds = {key: door.number(limits, key, 1e-12, 1e12, prefix="limits.") for key in LIMITS}
-    travel = door.pair(limits, "travel", "limits.")
-    parameters = dict(flat(door.table(table, "set")))
-    door.force(said, parameters)
-    cascade = door.table(table, "cascade")
-    door.known(cascade, CASCADE, "cascade.")
-    intervals = dict(flat(door.table(table, "interval")))
+    limits = reader.table(table, "limits")
+    reader.known(limits, (*LIMITS, "travel"), "limits.")
+    bounds = {key: reader.number(limits, key, 1e-12, 1e12, prefix="limits.") for key in LIMITS}
+    travel = reader.pair(limits, "travel", "limits.")
+    parameters = dict(flat(reader.table(table, "set")))
+    reader.force(said, parameters)
+    cascade = reader.table(table, "cascade")
+    reader.known(cascade, CASCADE, "cascade.")
+    intervals = dict(flat(reader.table(table, "interval")))
     return MachineFile(
         name=said["name"], model=said["model"], position_unit=said["position_unit"], drive_unit=said["drive_unit"],
         period=numbers["period"], delay_s=numbers["delay_s"], resolution=numbers["resolution"],
         noise=numbers["noise"], drive=bounds["drive"], speed=bounds["speed"], acceleration=bounds["acceleration"],
         travel=travel, parameters=parameters,
-        intervals={key: door.pair(intervals, key, "interval.") for key in intervals},
-        cascade={key: door.number(cascade, key, 0.0, 1e12, prefix="cascade.") for key in cascade},
-        identified=door.table(table, "identified"), log=door.log(table), folder=where.resolve().parent,
+        intervals={key: reader.pair(intervals, key, "interval.") for key in intervals},
+        cascade={key: reader.number(cascade, key, 0.0, 1e12, prefix="cascade.") for key in cascade},
+        identified=reader.table(table, "identified"), log=reader.log(table), folder=where.resolve().parent,
     )  # fmt: skip
 
 
-class _Door:
+class _Reader:
     """Checks of values; each names the file and the key."""
 
     def __init__(self, where: Path) -> None:

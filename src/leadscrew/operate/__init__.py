@@ -2,7 +2,7 @@
 
 :class:`Operated` is the machine of a :class:`Start`: advanced, set, disturbed and switched. ``operated.session()`` is
 all that was done, and runs again to the same bits; :mod:`leadscrew.operate.session_file` keeps it as TOML,
-:mod:`leadscrew.operate.script` as a Python script, :mod:`leadscrew.operate.session_report` as a page.
+:mod:`leadscrew.operate.script` as a Python script, :mod:`leadscrew.report.session` as a page.
 :mod:`leadscrew.operate.captures` saves what a :class:`Scope` took, and loads it again.
 """
 
@@ -13,11 +13,10 @@ __getattr__, __dir__ = doors(
     {
         "capture": "Capture",
         "change": "Change",
-        "operated": "Operated",
-        "profile": "Profile fitted profile_of",
-        "scope": "Scope",
-        "scope_trigger": "Trigger",
-        "session": "Event Rerun Session Start",
+        "operated": "Event Operated Rerun Session Start",
+        "profile": "Profile fitted",
+        "profiles": "profile_of",
+        "scope": "Scope Trigger",
         "why": "explainer",
     },
 )

@@ -12,7 +12,7 @@ from datetime import UTC, datetime
 from pathlib import Path
 
 from leadscrew import newfile
-from leadscrew.kernel import door
+from leadscrew.kernel import validate
 from leadscrew.kernel.errors import DataError, NameUnknown, ValueRefused
 from leadscrew.kernel.sheet import nearest
 from leadscrew.operate.capture import MOST_BYTES, Capture, check
@@ -62,13 +62,13 @@ def save(capture: Capture, folder: str | Path, name: str, format: str = "parquet
             or a capture of more than 50 MB.
         DataError: there is one of that name and ``replace`` is not set, the folder is full, or it cannot be written.
     """
-    from leadscrew.operate import capture_formats
+    from leadscrew.operate import capture_files
 
     name = checked_name(name)
-    door.one_of("format", format, list(FORMATS))
+    validate.one_of("format", format, list(FORMATS))
     check(capture)
     path = _place(folder, f"{name}.{format}", replace)
-    data = getattr(capture_formats, f"{format}_of")(capture)
+    data = getattr(capture_files, f"{format}_of")(capture)
     if len(data) > MOST_BYTES:
         raise ValueRefused(
             f"{name}.{format} would have {len(data) / 1e6:.0f} MB; up to {MOST_BYTES / 1e6:.0f} MB are saved: take a "
@@ -88,7 +88,7 @@ def load(path: str | Path, apart: bool = False) -> Capture:
     Raises:
         DataError: there is none, it is broken, is larger than 50 MB, or holds no rows or no sampling period.
     """
-    from leadscrew.operate import capture_apart, capture_formats, capture_logs
+    from leadscrew.operate import capture_files
 
     where = Path(path)
     try:
@@ -99,9 +99,9 @@ def load(path: str | Path, apart: bool = False) -> Capture:
         raise DataError(
             f"{where}: {size / 1e6:.0f} MB; captures up to {MOST_BYTES / 1e6:.0f} MB are read: cut it into parts"
         )
-    if size and (apart or capture_apart.is_large_text(where)):
-        return capture_apart.read(where)
-    return (capture_formats.read(where) if size else None) or capture_logs.read(where)
+    if size and (apart or capture_files.is_large_text(where)):
+        return capture_files.read_apart(where)
+    return (capture_files.read_own(where) if size else None) or capture_files.read_log(where)
 
 
 def names(folder: str | Path) -> list[Listed]:

@@ -9,7 +9,7 @@ from typing import Any
 from leadscrew import __version__
 from leadscrew.escape import python_docstring
 from leadscrew.newfile import save
-from leadscrew.operate.session import MARK, Event, Session, Start
+from leadscrew.operate.operated import MARK, Event, Session, Start
 
 WIDEST = 110
 """Characters of an event on one line."""

@@ -35,10 +35,11 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 from leadscrew import __version__, userfile
 from leadscrew.controller_file import table_of, toml
 from leadscrew.experiment_file import Engine, flat
-from leadscrew.kernel.errors import DataError
+from leadscrew.kernel.errors import DataError, ValueRefused
 from leadscrew.kernel.sheet import nearest
 from leadscrew.newfile import save
-from leadscrew.operate.session import Event, Session, Start
+from leadscrew.newfolder import appearing
+from leadscrew.operate.operated import Event, Rerun, Session, Start
 
 KIND = "session"
 Count = Annotated[int, Field(ge=0, lt=2**53)]
@@ -208,4 +209,25 @@ def _validated(table: Mapping[str, Any], where: str) -> SessionFile:
         raise DataError(f"{where}: {key} = {first['input']!r}: {first['msg']}") from None
 
 
-__all__ = ["KIND", "is_session", "read", "text", "write"]
+def check_folder(folder: Path) -> None:
+    """The folder can be written.
+
+    Raises:
+        ValueRefused: it is there and not empty.
+    """
+    if folder.exists() and (not folder.is_dir() or any(folder.iterdir())):
+        raise ValueRefused(f"--out {folder} exists already; choose another folder or remove it")
+
+
+def write_folder(session: Session, rerun: Rerun, folder: Path) -> None:
+    """Writes ``signals.parquet`` and ``session.toml``.
+
+    Raises:
+        DataError: it cannot be written.
+    """
+    import pyarrow as pa
+    import pyarrow.parquet as pq
+
+    with appearing(folder) as beside:
+        pq.write_table(pa.table({k: pa.array(v) for k, v in rerun.signals.items()}), beside / "signals.parquet")
+        write(session, beside / "session.toml")

@@ -15,8 +15,8 @@ from leadscrew.operate.axes import Axes, Later
 if TYPE_CHECKING:
     from leadscrew.kernel.block import Block
     from leadscrew.kernel.loop import Loop
+    from leadscrew.operate.operated import Start
     from leadscrew.operate.profile import Profile
-    from leadscrew.operate.session import Start
 
 
 @dataclass(frozen=True)

@@ -16,8 +16,7 @@ from leadscrew.kernel.errors import DataError, LeadscrewError
 from leadscrew.panel.machine import Later
 
 if TYPE_CHECKING:
-    from leadscrew.operate.operated import Operated
-    from leadscrew.operate.session import Session
+    from leadscrew.operate.operated import Operated, Session
 
 MOST_FILES = 500
 KEPT, KEPT_S = 50, 1.0

@@ -13,7 +13,8 @@ def main() -> int:
     The session is the panel's own: the machine has run the Python that it names already.
     """
     from leadscrew.kernel.errors import LeadscrewError
-    from leadscrew.operate import session_file, session_report
+    from leadscrew.operate import session_file
+    from leadscrew.report import session as session_report
     from leadscrew.userfile import trust
 
     with tempfile.TemporaryDirectory() as beside:

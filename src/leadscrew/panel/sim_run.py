@@ -12,9 +12,9 @@ import numpy as np
 
 from leadscrew.kernel.errors import DataError, ValueRefused
 from leadscrew.operate.axes import PREFIXES
-from leadscrew.operate.operated import Operated
-from leadscrew.operate.profile import Profile, fitted, profile_of
-from leadscrew.operate.session import Start
+from leadscrew.operate.operated import Operated, Start
+from leadscrew.operate.profile import Profile, fitted
+from leadscrew.operate.profiles import profile_of
 from leadscrew.panel import describing, taking
 from leadscrew.panel.figures import Figures
 from leadscrew.panel.frames import GHOST, LIVE, Frame, Thinner

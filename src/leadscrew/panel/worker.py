@@ -260,7 +260,7 @@ def machine_of(spec: Spec) -> Machine:
 
         found: Machine = hal.HalMachine(hal.read(spec.hal), spec.folder, spec.run)
         return found
-    from leadscrew.operate.session import Start
+    from leadscrew.operate.operated import Start
     from leadscrew.panel.sim_machine import SimMachine
 
     start = Start(spec.study, spec.controller or None, spec.scenario or None, dict(spec.changes or {}), spec.seed,

@@ -12,7 +12,7 @@ from typing import Annotated, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from leadscrew.kernel import door
+from leadscrew.kernel import validate
 from leadscrew.kernel.block import Block, reference
 from leadscrew.kernel.errors import DataError
 from leadscrew.kernel.sheet import Doc, Gt, Unit
@@ -49,7 +49,7 @@ def logged_command(position: np.ndarray, interval: float, unit: str = "") -> Blo
         DataError: fewer than three samples, or one that is no finite number.
         ValueRefused: an interval that is not above 0.
     """
-    door.positive("interval", interval, "s")
+    validate.positive("interval", interval, "s")
     x = np.array(position, dtype=np.float64)
     if x.ndim != 1 or len(x) < 3:
         raise DataError(f"a logged command of {x.size} samples; expected three or more in a row")

@@ -22,7 +22,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from leadscrew.kernel import door
+from leadscrew.kernel import validate
 from leadscrew.kernel.errors import ValueRefused
 from leadscrew.paths.curve import Array
 from leadscrew.tangent.deviation import Deviation, deviation_of, errors_along
@@ -149,7 +149,7 @@ def compensated(
 
 def _checked(learning: Learning) -> None:
     for name, low, high in RANGES:
-        value = door.number(name, getattr(learning, name), "")
+        value = validate.number(name, getattr(learning, name), "")
         if not low <= value <= high:
             raise ValueRefused(f"{name} = {value:g}: allowed range is {low:g} to {high:g}")
     if learning.cutoff_mm is not None and not 0.5 <= learning.cutoff_mm <= 200.0:

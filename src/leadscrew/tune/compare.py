@@ -22,7 +22,7 @@ from typing import Any
 
 import numpy as np
 
-from leadscrew.kernel import door
+from leadscrew.kernel import validate
 from leadscrew.kernel.errors import LeadscrewError, NameUnknown, ValueRefused
 from leadscrew.kernel.sheet import nearest
 from leadscrew.tune.compare_result import Comparison, Result
@@ -130,8 +130,8 @@ def contest(
         made.append(Contender(name, one, asked))
     planned = next((c.plan for c in made if c.plan), None)
     return Contest(
-        tuple(made), wanted, kept, other, door.whole("unseen", unseen, 2, 10**6),
-        door.whole("seed", seed, 0, 2**31 - 1), budget, planned.plants if planned else 0,
+        tuple(made), wanted, kept, other, validate.whole("unseen", unseen, 2, 10**6),
+        validate.whole("seed", seed, 0, 2**31 - 1), budget, planned.plants if planned else 0,
         planned.optimiser if planned else "",
     )  # fmt: skip
 

@@ -21,7 +21,7 @@ from typing import Any, Protocol
 import numpy as np
 
 from leadscrew import userfile
-from leadscrew.kernel import door
+from leadscrew.kernel import validate
 from leadscrew.kernel.errors import LeadscrewError, ValueRefused
 from leadscrew.tune import workers as local_workers
 from leadscrew.tune.job import Chunk, Job
@@ -55,7 +55,7 @@ class Threads:
     """The threads of this process."""
 
     def __init__(self, threads: int | None = None) -> None:
-        self.threads = door.whole("threads", threads if threads is not None else os.cpu_count() or 1, 1, 1024)
+        self.threads = validate.whole("threads", threads if threads is not None else os.cpu_count() or 1, 1, 1024)
         self.name = f"{self.threads} thread{'s' if self.threads > 1 else ''}"
 
     def results(self, job: Job, chunks: Sequence[tuple[int, Chunk]]) -> Iterator[tuple[int, Result]]:

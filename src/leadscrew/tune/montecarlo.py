@@ -15,7 +15,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from leadscrew.kernel import door
+from leadscrew.kernel import validate
 from leadscrew.tune.crew import Crew, Threads
 from leadscrew.tune.failures import Separation, separations
 from leadscrew.tune.job import Job, chunks_of, held
@@ -194,7 +194,7 @@ def opened(journal: Journal | str | Path | None, asked: dict[str, Any], resume: 
 
 def check(job: Job, space: Space, runs: int, given: Sequence[str | Tolerance] = ()) -> tuple[Tolerance, ...]:
     """The tolerances, after everything was looked at that can be refused before the first run."""
-    door.whole("runs", runs, 1, LARGEST)
+    validate.whole("runs", runs, 1, LARGEST)
     space.check(job.sheet(), "--over")
     for scenario in job.where:
         job.loop(scenario).periods(job.seconds(scenario))

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from leadscrew.kernel import door
+from leadscrew.kernel import validate
 from leadscrew.kernel.errors import ValueRefused
 from leadscrew.tune import optimisers
 from leadscrew.tune.job import Job
@@ -135,7 +135,7 @@ def plan(
     optimisers.check(name, len(wanted), budget)
     return Plan(
         job, space, wanted, kept, other,
-        door.whole("plants", plants if plants is not None else PLANTS if len(other) else 1, 1, 10**6),
-        door.whole("held_out", held_out if held_out is not None else HELD_OUT if len(other) else 1, 1, 10**6),
-        door.whole("budget", budget, 1, 10**9), name, door.whole("seed", seed, 0, 2**31 - 1),
+        validate.whole("plants", plants if plants is not None else PLANTS if len(other) else 1, 1, 10**6),
+        validate.whole("held_out", held_out if held_out is not None else HELD_OUT if len(other) else 1, 1, 10**6),
+        validate.whole("budget", budget, 1, 10**9), name, validate.whole("seed", seed, 0, 2**31 - 1),
     )  # fmt: skip

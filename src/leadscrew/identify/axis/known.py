@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from leadscrew.identify.axis.terms import SIDES, friction_key
-from leadscrew.kernel import door
+from leadscrew.kernel import validate
 from leadscrew.kernel.errors import NameUnknown, ValueRefused
 from leadscrew.kernel.sheet import nearest
 
@@ -29,7 +29,7 @@ def checked(given: Mapping[str, float]) -> dict[str, float]:
     for key, value in given.items():
         if key not in KEYS:
             raise NameUnknown(f"given: there is no parameter {key!r} of an axis{nearest(key, list(KEYS))}")
-        number = door.number(f"given.{key}", value, "")
+        number = validate.number(f"given.{key}", value, "")
         name = key.split(".")[-1]
         if name in POSITIVE and not number > 0.0:
             raise ValueRefused(f"given.{key} = {number:g}: must be above 0")

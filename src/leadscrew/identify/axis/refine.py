@@ -30,7 +30,7 @@ from leadscrew.identify.axis.refine_errors import Spread, by_force, clustered
 from leadscrew.identify.axis.refine_replay import LOST
 from leadscrew.identify.axis.refine_scales import Scales, scales
 from leadscrew.identify.axis.refine_windows import Windows, cut, whole
-from leadscrew.kernel import door
+from leadscrew.kernel import validate
 from leadscrew.kernel.errors import DataError, ValueRefused
 
 if TYPE_CHECKING:
@@ -121,7 +121,7 @@ def refine(
         NameUnknown, ValueRefused: an unknown key, mode or value; ``closed`` without a cascade.
         DataError: the simulation diverges at the start; the log is too short; no command for ``closed``.
     """
-    door.one_of("mode", mode, ["open", "windows", "closed"])
+    validate.one_of("mode", mode, ["open", "windows", "closed"])
     scale = scales(log, start, fitted, symmetric, delay_s)
     problem = _problem(log, scale, mode, cascade, window_s)
     found = _descend(log, scale, problem, mode, progress)
@@ -177,7 +177,7 @@ def _problem(
             raise ValueRefused("mode = 'closed': give the cascade that was active while the log was made")
         return Closed(log, scale, cascade)
     if window_s is not None:
-        door.positive("window_s", window_s, "s")
+        validate.positive("window_s", window_s, "s")
     if mode == "open":
         return Windows(log, scale, whole(log), held=True)
     return Windows(log, scale, cut(log, scale.point(scale.origin), window_s))

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from leadscrew.identify.axis.refine_replay import LOST, Starts, as_logged, play, played
-from leadscrew.kernel import door
+from leadscrew.kernel import validate
 from leadscrew.kernel.errors import DataError, NameUnknown, ValueRefused
 
 if TYPE_CHECKING:
@@ -104,7 +104,9 @@ def simulate_open(
         DataError: the simulation diverges.
     """
     if delay_s < 0.0:
-        raise ValueRefused(f"delay_s = {door.number('delay_s', delay_s, 's'):g}: a drive cannot act before it is given")
+        raise ValueRefused(
+            f"delay_s = {validate.number('delay_s', delay_s, 's'):g}: a drive cannot act before it is given"
+        )
     position, speed = start_state if start_state is not None else _start(log)
     starts = Starts(np.zeros(1), np.array([position]), np.array([speed]))
     point = plant_values(values, log.force_per_drive)

@@ -10,8 +10,8 @@ import numpy as np
 
 from leadscrew.identify.friction_force.checks import doubles
 from leadscrew.identify.friction_force.record import ForceRecord, force_record
-from leadscrew.kernel.door import positive
 from leadscrew.kernel.errors import DataError, ValueRefused
+from leadscrew.kernel.validate import positive
 from leadscrew.logs import Table, read_table
 from leadscrew.logs.finding import Finding
 from leadscrew.logs.header import bare

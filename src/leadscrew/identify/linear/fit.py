@@ -23,9 +23,9 @@ from leadscrew.identify.linear.projection import Problem, Solved
 from leadscrew.identify.linear.record import LEAST, LinearRecord
 from leadscrew.identify.linear.result import Candidate, LinearFit, Stretch
 from leadscrew.identify.linear.structure import Structure, candidates
-from leadscrew.kernel.door import number, whole
 from leadscrew.kernel.errors import DataError, ValueRefused
 from leadscrew.kernel.one_thread import one_thread
+from leadscrew.kernel.validate import number, whole
 
 LONGEST = 20.0
 """Sample periods up to which the delay is searched."""

@@ -153,7 +153,7 @@ def read_linear(
 
 
 def _seconds(table: Any, clock: str, unit: str | None, period: float | None) -> np.ndarray:
-    from leadscrew.kernel.door import positive
+    from leadscrew.kernel.validate import positive
 
     if clock:
         return table.seconds(clock, unit, np.zeros(table.rows, dtype=bool))

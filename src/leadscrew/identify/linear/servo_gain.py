@@ -18,8 +18,8 @@ import numpy as np
 
 from leadscrew.identify.gain import HOLDS, Record, fit_gain
 from leadscrew.identify.linear.checks import Names, doubles, odd
-from leadscrew.kernel.door import one_of
 from leadscrew.kernel.errors import DataError, ValueRefused
+from leadscrew.kernel.validate import one_of
 from leadscrew.logs.finding import refuse
 from leadscrew.logs.sampling import clock
 from leadscrew.logs.table import Table

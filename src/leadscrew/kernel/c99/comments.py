@@ -1,4 +1,4 @@
-"""What the Python source says in words, for the C that is printed from it: docstrings, units, comments."""
+"""Comments of printed C, from docstrings, units and comments of the Python source; where long lines are broken."""
 
 from __future__ import annotations
 
@@ -92,3 +92,24 @@ def lines(function: Any) -> dict[int, list[str]]:
         if at is not None:
             found.setdefault(at, []).append(c_comment(token.string.lstrip("# ").strip()))
     return found
+
+
+WIDTH = 118
+SIGNS = ("+", "-", "*", "/", "?", ":", "&&", "||")
+
+
+def wrapped(line: str) -> list[str]:
+    """A line, broken after a comma or before an operator where it is too long; its later parts are indented more."""
+    if len(line) <= WIDTH or line.lstrip().startswith(("/*", "*", "#")):
+        return [line.rstrip()]
+    indent = len(line) - len(line.lstrip()) + 4
+    found: list[str] = []
+    while len(line) > WIDTH:
+        cut = line.rfind(", ", indent + 20, WIDTH) + 1
+        if not cut:
+            cut = max(line.rfind(f" {sign} ", indent + 20, WIDTH) for sign in SIGNS)
+        if cut <= 0:
+            break
+        found.append(line[:cut].rstrip())
+        line = " " * indent + line[cut:].lstrip()
+    return [*found, line.rstrip()]

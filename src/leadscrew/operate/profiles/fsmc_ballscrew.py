@@ -6,8 +6,23 @@ import math
 from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
-from leadscrew.operate.profile import Band, Changes, Disturbance, Field, Plot, Profile, Readout, Trace
-from leadscrew.operate.profiles.parts import Values, load_pulse, moved_on, multiplied, noise, with_blocks, with_pulse
+from leadscrew.operate.profile import (
+    Band,
+    Changes,
+    Disturbance,
+    Field,
+    Plot,
+    Profile,
+    Readout,
+    Trace,
+    Values,
+    load_pulse,
+    moved_on,
+    multiplied,
+    noise,
+    with_blocks,
+    with_pulse,
+)
 
 if TYPE_CHECKING:
     from leadscrew.kernel.loop import Loop

@@ -4,8 +4,22 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 
-from leadscrew.operate.profile import Band, Changes, Disturbance, Field, Plot, Profile, Readout, Trace
-from leadscrew.operate.profiles.parts import NEVER_S, Values, for_a_while, lasting, noise, to_value
+from leadscrew.operate.profile import (
+    NEVER_S,
+    Band,
+    Changes,
+    Disturbance,
+    Field,
+    Plot,
+    Profile,
+    Readout,
+    Trace,
+    Values,
+    for_a_while,
+    lasting,
+    noise,
+    to_value,
+)
 
 SETTLED = "0.25 deg: when our steps count as settled; no tolerance in the paper"
 

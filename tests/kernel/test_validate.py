@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from leadscrew.kernel import door
+from leadscrew.kernel import validate
 from leadscrew.kernel.errors import BlockError, NameUnknown, ValueRefused
 from leadscrew.kernel.loop import Loop
 from leadscrew.kernel.metrics import STANDARD
@@ -134,20 +134,20 @@ def test_no_period_gets_through_the_door_that_is_not_a_time(value):
 
 
 def test_the_door_names_numbers():
-    assert door.number("x", 3, "mm") == 3.0
+    assert validate.number("x", 3, "mm") == 3.0
     with pytest.raises(ValueRefused, match="x = True: expected a number of mm"):
-        door.number("x", True, "mm")
+        validate.number("x", True, "mm")
 
 
 def test_a_whole_number_may_be_either_end_of_its_range_and_nothing_beyond():
-    assert [door.whole("run", x, 0, 7) for x in (0, 7, 7.0)] == [0, 7, 7]
+    assert [validate.whole("run", x, 0, 7) for x in (0, 7, 7.0)] == [0, 7, 7]
     for x in (-1, 8, 6.5):
         with pytest.raises(ValueRefused, match="allowed are whole numbers from 0 to 7"):
-            door.whole("run", x, 0, 7)
+            validate.whole("run", x, 0, 7)
 
 
 def test_ten_hours_are_a_whole_number_of_steps_although_their_product_is_rounded():
     # 360007000 * 1e-4 is 7e-12 s beside 36000.7 s: one unit in the last place of a double.
-    assert door.in_steps("duration", 36000.7, 1e-4) == 360_007_000
+    assert validate.in_steps("duration", 36000.7, 1e-4) == 360_007_000
     with pytest.raises(ValueRefused, match=r"the nearest is 0\.001 s"):
-        door.in_steps("duration", 1.0000001e-3, 1e-3)
+        validate.in_steps("duration", 1.0000001e-3, 1e-3)

@@ -1,4 +1,4 @@
-"""Checks at the door: everything refused here is named with its value, the allowed range and the place."""
+"""Checks where values enter: everything refused here is named with its value, the allowed range and the place."""
 
 from __future__ import annotations
 
