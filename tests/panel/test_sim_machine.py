@@ -14,11 +14,11 @@ from leadscrew.cli.panel import _spec
 from leadscrew.kernel.errors import NameUnknown, ValueRefused
 from leadscrew.operate import capture_files, captures, session_file
 from leadscrew.operate.operated import Start
-from leadscrew.panel import describing, records, sim_machine
+from leadscrew.panel import description, records, sim_machine
 from leadscrew.panel.frames import GHOST, LIVE
 from leadscrew.panel.machine import Later
+from leadscrew.panel.scope_commands import ScopeCommands
 from leadscrew.panel.sim_machine import SimMachine
-from leadscrew.panel.taking import Taking
 from leadscrew.panel.worker import machine_of
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
@@ -143,8 +143,8 @@ def test_a_controller_that_the_command_line_named_is_in_the_list_and_can_be_chos
 
 
 def test_a_study_is_called_by_its_title_and_a_machine_file_by_its_name():
-    assert describing._title("vud_lathe") == describing.study_of("vud_lathe").title != "vud_lathe"
-    assert describing._title("/somewhere/of mine/axis.toml") == "axis.toml"
+    assert description._title("vud_lathe") == description.study_of("vud_lathe").title != "vud_lathe"
+    assert description._title("/somewhere/of mine/axis.toml") == "axis.toml"
 
 
 @pytest.mark.slow
@@ -244,7 +244,7 @@ def test_values_of_one_axis_of_a_circle_stay_over_a_reset(tmp_path):
 
 
 def test_a_capture_says_whether_it_was_loaded(tmp_path):
-    taking = Taking(tmp_path)
+    taking = ScopeCommands(tmp_path)
     taking.watch(["time", "feedback"], {}, 1e-3)
     did(taking, "arm", **{**ARM, "level": 2.0, "length_s": 0.003})
     taking.feed(0, np.column_stack([np.arange(9) * 1e-3, np.arange(9.0)]), {})
@@ -266,7 +266,7 @@ def test_a_file_that_a_page_sends_or_opens_is_parsed_in_a_process_of_its_own(tmp
 
     for reader in ("read_own", "read_log"):
         monkeypatch.setattr(capture_files, reader, here)
-    taking = Taking(tmp_path / "captures")
+    taking = ScopeCommands(tmp_path / "captures")
     assert did(taking, "capture_receive", name=f"b.{form}", path=str(sent)) == {"name": "a", "rows": 9}
     did(taking, "capture_load", name=f"b.{form}")
     (seen,) = taking.held.values()

@@ -16,7 +16,7 @@ from leadscrew.cli.door import say
 from leadscrew.cli.subject import Trust
 
 if TYPE_CHECKING:
-    from leadscrew.panel.child import Spec
+    from leadscrew.panel.process import Spec
 
 FIRST = "fsmc_ballscrew"
 """The machine that the panel begins with unless one is named."""
@@ -53,7 +53,7 @@ def panel(
 
     The machine is simulated: nothing moves. With --hal it is the one that LinuxCNC runs.
     """
-    from leadscrew.panel.gate import is_loopback
+    from leadscrew.panel.http_guard import is_loopback
     from leadscrew.panel.serve import Options, serve, token_for
     from leadscrew.userfile import trusting
 
@@ -84,7 +84,7 @@ def _spec(study: str | None, controller: str | None, scenario: str | None, hal: 
     from leadscrew import catalogue, userfile
     from leadscrew.kernel.errors import DataError, NameUnknown, ValueRefused
     from leadscrew.kernel.sheet import nearest
-    from leadscrew.panel.child import Spec
+    from leadscrew.panel.process import Spec
 
     if hal is not None:
         if study or controller or scenario:

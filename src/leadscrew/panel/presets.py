@@ -13,7 +13,7 @@ from leadscrew import newfile
 from leadscrew.kernel.errors import DataError, NameUnknown
 from leadscrew.kernel.sheet import nearest
 from leadscrew.panel import strict_json
-from leadscrew.panel.plain import plain
+from leadscrew.panel.strict_json import plain
 
 MOST_BYTES = 256_000
 MOST_FILES = 500

@@ -19,11 +19,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from leadscrew.kernel.errors import LeadscrewError
-from leadscrew.panel.plain import text_of
+from leadscrew.panel.strict_json import text_of
 
 if TYPE_CHECKING:
-    from leadscrew.panel.child import Spec
     from leadscrew.panel.machine import Later, Machine
+    from leadscrew.panel.process import Spec
 
 TICK_S, STATE_S, WHY_S = 0.02, 0.25, 0.1
 SAID_S = 10.0

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from leadscrew.operate.why import Circle, explainer
-from leadscrew.panel.plain import plain
+from leadscrew.panel.strict_json import plain
 
 if TYPE_CHECKING:
     import numpy as np
@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from leadscrew.operate.operated import Operated
 
 
-class Whys:
+class Explanations:
     """The explainer of a controller, and the ball bar of two axes on a circle.
 
     Raises:
@@ -54,4 +54,4 @@ def _loops(operated: Operated) -> tuple[Any, ...]:
     return tuple(live.loop for live in operated.lives)
 
 
-__all__ = ["Whys"]
+__all__ = ["Explanations"]

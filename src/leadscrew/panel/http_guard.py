@@ -124,7 +124,7 @@ class Rate:
         return True
 
 
-class Door:
+class HttpGuard:
     """ASGI around the application: Host and cookie of everything, Origin of what acts, headers on answers."""
 
     def __init__(self, app: Any, gate: Gate, refused: Callable[[Scope, str], None]) -> None:
@@ -266,4 +266,4 @@ def _own_names() -> tuple[str, ...]:
     return name, f"{name}.local", *LOOPBACK
 
 
-__all__ = ["Door", "Gate", "Rate", "is_loopback", "new_token"]
+__all__ = ["Gate", "HttpGuard", "Rate", "is_loopback", "new_token"]

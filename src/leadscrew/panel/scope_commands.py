@@ -17,7 +17,7 @@ from leadscrew.operate import captures
 from leadscrew.operate.scope import Scope, Trigger
 from leadscrew.panel.frames import CAPTURE, Frame
 from leadscrew.panel.machine import Later
-from leadscrew.panel.plain import plain
+from leadscrew.panel.strict_json import plain
 
 if TYPE_CHECKING:
     from leadscrew.operate.captures import Capture
@@ -27,7 +27,7 @@ KEPT, MOST_BYTES = 8, 150_000_000
 COMMANDS = ("arm", "disarm", "force", "capture_save", "capture_load", "capture_receive", "captures")
 
 
-class Taking:
+class ScopeCommands:
     """One scope over a machine's rows, and the captures that it took or that were loaded."""
 
     def __init__(self, folder: Path) -> None:
@@ -147,4 +147,4 @@ class Taking:
         return number
 
 
-__all__ = ["COMMANDS", "Taking"]
+__all__ = ["COMMANDS", "ScopeCommands"]

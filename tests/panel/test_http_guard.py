@@ -4,7 +4,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from leadscrew.panel.gate import BURST, PER_S, Gate, Rate, is_loopback, new_token
+from leadscrew.panel.http_guard import BURST, PER_S, Gate, Rate, is_loopback, new_token
 
 TOKEN = "right-token-of-24-letters"
 LOCAL = Gate("127.0.0.1", 8420, TOKEN)

@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 
-class Figures:
+class ErrorSums:
     """Sums over the error column of the rows since ``restart``."""
 
     def __init__(self, column: int | None, factor: float, unit: str) -> None:
@@ -44,4 +44,4 @@ def _worst(one: float, other: float) -> float:
     return one if math.isnan(one) or one >= other else other
 
 
-__all__ = ["Figures"]
+__all__ = ["ErrorSums"]

@@ -13,14 +13,14 @@ from leadscrew import catalogue
 from leadscrew.kernel.errors import CodeNotTrusted, LeadscrewError, NameUnknown
 from leadscrew.kernel.sheet import nearest
 from leadscrew.operate.profile import Profile
-from leadscrew.panel.plain import plain
+from leadscrew.panel.strict_json import plain
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
     from leadscrew.kernel.sheet import Entry
     from leadscrew.operate.operated import Operated
-    from leadscrew.panel.whys import Whys
+    from leadscrew.panel.explanations import Explanations
     from leadscrew.studies.study import Study
 
 NOTICE = "Simulated machine: nothing moves."
@@ -42,7 +42,7 @@ def study_of(name: str) -> Study | None:
 
 
 def describe(
-    operated: Operated, profile: Profile, whys: Whys, named: Sequence[str], own: Sequence[str] = (),
+    operated: Operated, profile: Profile, whys: Explanations, named: Sequence[str], own: Sequence[str] = (),
     defaults: Mapping[str, Any] = MappingProxyType({}),
 ) -> dict[str, Any]:  # fmt: skip
     """The message, without the run's number; ``named`` and ``own``: studies and controllers of the command line;
