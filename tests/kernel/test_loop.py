@@ -14,7 +14,7 @@ from leadscrew.kernel.loop import DivergenceWarning, Loop
 from leadscrew.kernel.metrics import STANDARD
 from leadscrew.kernel.program import programs
 from tests.kernel import zoo
-from tests.kernel.test_door import GOOD
+from tests.kernel.test_validate import GOOD
 
 
 class Empty(NamedTuple):

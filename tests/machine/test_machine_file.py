@@ -15,8 +15,7 @@ from leadscrew.kernel.errors import DataError, ValueRefused
 from leadscrew.machine import MachineFile, from_axis, from_linear, read, write
 from leadscrew.machine.axis_study import controllers_of, loop_of, plant_of
 from leadscrew.machine.gains import cascade
-from leadscrew.machine.log import of_log
-from leadscrew.machine.scenarios import scenarios
+from leadscrew.machine.scenarios import of_log, scenarios
 
 SIDE = {"coulomb": 20.4, "static": 20.4, "viscous": 203.5, "stribeck_speed": 1e-3}
 EMPS = MachineFile(

@@ -77,7 +77,7 @@ def certify(
     """
     from leadscrew.analysis.stability.certifying import certify as certified
     from leadscrew.cli.tune import free
-    from leadscrew.export.identity import identity_of
+    from leadscrew.export.controller import identity_of
     from leadscrew.kernel.errors import ValueRefused
 
     if out is not None and out.suffix != ".json":

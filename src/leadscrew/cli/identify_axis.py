@@ -167,7 +167,7 @@ def _write(
 
     def found(folder: Path) -> machine.MachineFile:
         """The machine, whose file lies in ``folder``."""
-        from leadscrew.machine.log import of_log
+        from leadscrew.machine.scenarios import of_log
 
         source = Path(log.source)
         asked = of_log(source, folder, **how) if log.command is not None and source.is_file() else None

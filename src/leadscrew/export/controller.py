@@ -1,27 +1,123 @@
-"""From a loop to an exported controller: its C, its ports and knobs, and a recorded run in the loop to check it by."""
+"""From a loop to an exported controller: its C, its ports and knobs, and a recorded run in the loop to check it by.
+
+A knob is a parameter that can be changed on the machine: one that reaches the step unchanged. A block that prepares its
+parameters (works out filter coefficients, tables) hands its step other numbers than those of the data sheet: a
+parameter is a knob where changing it changes nothing but copies of itself; else it is baked in.
+"""
 
 from __future__ import annotations
 
+import hashlib
+import json
 import math
+from collections.abc import Iterator
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from leadscrew.escape import c_comment, checked_line, one_line
-from leadscrew.export.core import Core, Limits, Port, Record
-from leadscrew.export.knobs import knobs_of
+from leadscrew.export.core import Core, Knob, Limits, Port, Record
 from leadscrew.export.machine import LICENCE, machine_files
 from leadscrew.export.source import Source
 from leadscrew.kernel.block import DRIVES, Block
-from leadscrew.kernel.c99.names import is_identifier
-from leadscrew.kernel.errors import BlockError, ValueRefused
+from leadscrew.kernel.c99.names import is_identifier, safe, safe_field
+from leadscrew.kernel.errors import BlockError, LeadscrewError, ValueRefused
 from leadscrew.kernel.frame import pairs
-from leadscrew.kernel.layout import is_branch, numbers_of
-from leadscrew.kernel.sheet import Entry, entries
+from leadscrew.kernel.layout import Layout, is_branch, numbers_of
+from leadscrew.kernel.loop import Loop
+from leadscrew.kernel.sheet import Entry, entries, put
 
 if TYPE_CHECKING:
     from leadscrew.kernel.loop import Loop
+
+
+def _others(entry: Entry) -> Iterator[Any]:
+    """Other values that a parameter may have, near its own."""
+    value = entry.default
+    if entry.type == "bool":
+        yield not value
+        return
+    steps = (1, -1, 2, -2) if entry.type == "int" else (0.01, -0.01, 1e-3, -1e-3, 1e-6, -1e-6)
+    scale = 1 if entry.type == "int" else max(abs(value), 1e-3)
+    for step in steps:
+        try:
+            yield entry.check(value + step * scale)
+        except LeadscrewError:
+            continue
+
+
+def _prepared(block: Block, params: Any, period: float) -> list[float]:
+    made = params if block.prepare is None else block.prepare(params, period)
+    return list(numbers_of(made))
+
+
+def _places(prepared: Any) -> list[str]:
+    """The C place of every number of the prepared parameters, in their order; empty for elements of arrays."""
+    found: list[str] = []
+    for leaf in _in_order(Layout(prepared).tree):
+        if leaf.kind == "array":
+            found += [""] * leaf.size
+        else:
+            found.append(".".join(safe_field(part) for part in leaf.key.split(".")))
+    return found
+
+
+def _in_order(node: Any) -> Iterator[Any]:
+    for part in getattr(node, "parts", ()):
+        if hasattr(part, "parts"):
+            yield from _in_order(part)
+        else:
+            yield part
+
+
+def _carried(block: Block, entry: Entry, period: float, places: list[str]) -> tuple[str, ...]:
+    """Where a parameter's own value lies among the prepared ones; empty where it is worked into others."""
+    base = _prepared(block, block.params, period)
+    found: set[int] | None = None
+    tried = 0
+    for value in _others(entry):
+        try:
+            moved = _prepared(block, put(block.params, entry.key.split("."), value), period)
+        except LeadscrewError:
+            continue
+        if len(moved) != len(base):
+            return ()
+        changed = {i for i, (a, b) in enumerate(zip(base, moved, strict=True)) if a != b}
+        if not changed or any(moved[i] != value or base[i] != entry.default or not places[i] for i in changed):
+            return ()
+        found = changed if found is None else found
+        if changed != found:
+            return ()
+        tried += 1
+        if tried == 2:
+            break
+    return tuple(places[i] for i in sorted(found or ()))
+
+
+def knobs_of(block: Block, prepared: Any, period: float) -> tuple[tuple[Knob, ...], tuple[str, ...]]:
+    """The knobs of a block, and the keys of the parameters that are none (arrays among them)."""
+    if block.params is None:
+        return (), ()
+    places = _places(prepared)
+    knobs: list[Knob] = []
+    baked: list[str] = []
+    taken: set[str] = set()
+    for entry in entries(block.params):
+        where = () if entry.type == "array" else _carried(block, entry, period, places)
+        if not where:
+            baked.append(entry.key)
+            continue
+        name = safe(entry.key.replace(".", "_"), taken)
+        taken.add(name)
+        low = -math.inf if entry.above == -math.inf else entry.above
+        knobs.append(
+            Knob(
+                entry.key, name, entry.type, entry.default, where, entry.unit, entry.doc, low, entry.below, entry.range
+            )
+        )
+    return tuple(knobs), tuple(baked)
+
 
 REALS = ("double", "float")
 ROLES = {"velocity": "command-deriv", "acceleration": "command-accel"}
@@ -281,3 +377,33 @@ def manifest(core: Core, loop: Loop, source: Source, record: Record, double: Rec
             "said": "same inputs, output in single precision against output in double precision",
         }
     return found
+
+
+def identity_of(loop: Loop) -> dict[str, Any]:
+    """The controller of a loop: block, parameters, period, hashes.
+
+    ``source_hash`` is that of the steps from which C, HAL component and FMU are printed: the same as in the
+    ``manifest.json`` of an export of this controller. It says nothing of the parameters; ``fingerprint`` is over both
+    and the period.
+    """
+    from leadscrew import __version__
+    from leadscrew.export.source import Source
+
+    block = loop.blocks["controller"]
+    assert block is not None
+    prepared = None if block.params is None else loop.prepared(block, "controller")
+    state = None if block.state is None else loop.start_state(block)
+    source = Source(block, prepared, state, loop.signals, name="certified", period=loop.period, real="double", head="")
+    source.files()
+    steps = source.module.identity()
+    sheet = entries(block.params) if block.params is not None else ()
+    parameters = {e.key: e.default.tolist() if hasattr(e.default, "tolist") else e.default for e in sheet}
+    said = json.dumps([steps, parameters, loop.period], sort_keys=True)
+    return {
+        "block": block.name,
+        "parameters": parameters,
+        "period_s": loop.period,
+        "source_hash": steps,
+        "fingerprint": hashlib.sha256(said.encode()).hexdigest()[:24],
+        "leadscrew": __version__,
+    }

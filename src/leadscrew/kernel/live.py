@@ -17,7 +17,7 @@ from leadscrew.kernel.engines import Entry
 from leadscrew.kernel.errors import NameUnknown, ValueRefused
 from leadscrew.kernel.frame import SLOTS
 from leadscrew.kernel.linker import LARGEST, LIMITS
-from leadscrew.kernel.loop import DivergenceWarning, warn_diverged
+from leadscrew.kernel.notes import DivergenceWarning, warn_diverged
 from leadscrew.kernel.run import Divergence, Metrics, Run
 
 if TYPE_CHECKING:

@@ -23,7 +23,7 @@ from leadscrew.kernel.frame import SLOTS, Clock, as_floats, bundle
 from leadscrew.kernel.layout import Layout
 from leadscrew.kernel.linker import LARGEST, METHODS, Plan
 from leadscrew.kernel.module import Module
-from leadscrew.kernel.notes import RunWarning, notes
+from leadscrew.kernel.notes import DivergenceWarning, RunWarning, notes
 from leadscrew.kernel.probe import example_signals
 from leadscrew.kernel.program import Program, programs
 from leadscrew.kernel.sheet import Entry, entries, nearest
@@ -456,13 +456,4 @@ class Loop:
         }
 
 
-class DivergenceWarning(UserWarning):
-    """A loop diverged and was stopped."""
-
-
-def warn_diverged(text: str) -> None:
-    """Says once, in words, that a loop diverged."""
-    warnings.warn(text, DivergenceWarning, stacklevel=4)
-
-
-__all__ = ["RECORDED", "DivergenceWarning", "Loop", "RunWarning", "warn_diverged"]
+__all__ = ["RECORDED", "DivergenceWarning", "Loop", "RunWarning"]

@@ -5,6 +5,7 @@ Both are judged from recorded signals and need the whole run: a live loop and a 
 
 from __future__ import annotations
 
+import warnings
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -31,6 +32,15 @@ class Note(NamedTuple):
 
 class RunWarning(UserWarning):
     """A run has a note."""
+
+
+class DivergenceWarning(UserWarning):
+    """A loop diverged and was stopped."""
+
+
+def warn_diverged(text: str) -> None:
+    """Says once, in words, that a loop diverged."""
+    warnings.warn(text, DivergenceWarning, stacklevel=4)
 
 
 def needed(loop: Loop) -> list[str]:

@@ -14,9 +14,7 @@ from leadscrew.kernel.metrics import max_error, overshoot, rms_error, settling_t
 from leadscrew.kernel.sheet import checked_replace
 from leadscrew.machine import gains
 from leadscrew.machine.file import MachineFile, read
-from leadscrew.machine.log import Played
-from leadscrew.machine.log import command as played
-from leadscrew.machine.scenarios import Load, Move, StepMove, command, load, position_of, scenarios
+from leadscrew.machine.scenarios import Load, Move, Played, StepMove, command, load, logged, position_of, scenarios
 from leadscrew.studies.study import Scenario, Study
 
 if TYPE_CHECKING:
@@ -184,7 +182,7 @@ def loop_of(machine: MachineFile, axis: Block, controller: Block, scenario: Scen
     options: dict[str, Any] = {"method": "sdirk3"} if machine.model == "servo_axis_lugre" else {}
     motion = takes_motion(controller, machine.period)
     if isinstance(scenario.params, Played):
-        reference = played(machine) if motion else position_of(played(machine))
+        reference = logged(machine) if motion else position_of(logged(machine))
     else:
         reference = command(scenario.params, motion, machine.position_unit)
     return Loop(

@@ -20,7 +20,7 @@ def from_axis(
     fit: AxisFit, name: str, cascade: dict[str, float] | None = None, log: dict[str, Any] | None = None
 ) -> MachineFile:
     """The machine of a fit; ``cascade``: gains ``kp`` (1/s) and ``kv`` (drive s/m) of the controller of the log;
-    ``log``: how its command is read again, :func:`leadscrew.machine.log.of_log`.
+    ``log``: how its command is read again, :func:`leadscrew.machine.scenarios.of_log`.
 
     Where the log does not tell static friction it is Coulomb friction: no stick-slip is invented.
 
