@@ -18,7 +18,6 @@ from typing import Any, cast
 import numpy as np
 
 from leadscrew.kernel import bits, guards
-from leadscrew.kernel.asked import Asked, same, source_of, trees
 from leadscrew.kernel.block import Block
 from leadscrew.kernel.branchless import branchless
 from leadscrew.kernel.drivers import hooks
@@ -27,6 +26,7 @@ from leadscrew.kernel.flow import Flow
 from leadscrew.kernel.fuse import Fuser
 from leadscrew.kernel.ieee import OPERATORS, Ieee, Table
 from leadscrew.kernel.normalise import Normaliser
+from leadscrew.kernel.normalised_trees import Recorder, same, source_of, trees
 from leadscrew.kernel.scalarise import Scalariser, fields_of, without_copies, without_dead
 from leadscrew.kernel.sheet import SILENT, leaf_type, notes
 from leadscrew.kernel.source import MISSING, lookup
@@ -156,10 +156,10 @@ class Module:
         """Puts the tree of a function into its item."""
         tree = trees.found(self, item.value, item.trusted, item.name)
         if tree is None:
-            asked = Asked(self)
-            worker = Normaliser(cast(Module, asked), item.value, item.trusted)
+            recorder = Recorder(self)
+            worker = Normaliser(cast(Module, recorder), item.value, item.trusted)
             item.node, item.filename = worker.run(item.name), worker.filename
-            item.print = trees.add(item.node, item.filename, item.trusted, item.value, asked).print
+            item.print = trees.add(item.node, item.filename, item.trusted, item.value, recorder).print
         else:
             item.node, item.filename, item.print = copied(tree.node), tree.filename, tree.print
 

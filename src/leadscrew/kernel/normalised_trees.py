@@ -61,7 +61,7 @@ def _answer(module: Module, method: str, given: tuple[Any, ...]) -> list[Any]:
     return [getattr(module, method)(*given), *source_of(given[0])]
 
 
-class Asked:
+class Recorder:
     """A module for one normaliser: hands its questions on, and remembers each with its answer."""
 
     def __init__(self, module: Module) -> None:
@@ -101,11 +101,11 @@ class Trees:
         return None
 
     def add(
-        self, node: ast.FunctionDef, filename: str, trusted: bool, function: Callable[..., Any], asked: Asked
+        self, node: ast.FunctionDef, filename: str, trusted: bool, function: Callable[..., Any], recorder: Recorder
     ) -> Tree:
-        """Keeps a copy of a tree that was made by asking."""
+        """Keeps a copy of a tree that was made by such a recorder."""
         tree = Tree(
-            copied(node), fingerprint(node), filename, function, source_of(function), list(asked.questions.values())
+            copied(node), fingerprint(node), filename, function, source_of(function), list(recorder.questions.values())
         )
         with self._lock:
             kept = self._kept.setdefault((id(function), trusted, node.name), [])
