@@ -12,13 +12,12 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+from leadscrew.fuzzy.formats import fcl, fis, fld, fll, fml
+from leadscrew.fuzzy.formats.place import load
 from leadscrew.fuzzy.system import System
 from leadscrew.kernel.errors import DataError, NameUnknown, ValueRefused
 from leadscrew.kernel.sheet import nearest
 from leadscrew.newfile import save
-
-from . import fcl, fis, fld, fll, fml
-from .place import load
 
 __all__ = ["READ", "WRITTEN", "dumps", "fld", "loads", "read", "write"]
 

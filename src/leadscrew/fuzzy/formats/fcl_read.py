@@ -5,17 +5,16 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Any
 
+from leadscrew.fuzzy.formats.extent import extent, hull
+from leadscrew.fuzzy.formats.fcl_terms import Given, given_term, term_of
+from leadscrew.fuzzy.formats.fcl_text import tokens
+from leadscrew.fuzzy.formats.place import Source
+from leadscrew.fuzzy.formats.said import integrated, uses
+from leadscrew.fuzzy.formats.vocabulary import DUALS, FCL_METHODS, FCL_S_NORMS, FCL_T_NORMS
 from leadscrew.fuzzy.rules_text import Cursor, Names, Token, read_number, read_rule, rule_text
 from leadscrew.fuzzy.system import WEIGHTED, And, Input, Or, Output, Rule, RuleBlock, System, Term
 from leadscrew.kernel.errors import DataError
 from leadscrew.kernel.sheet import nearest
-
-from .extent import extent, hull
-from .fcl_terms import Given, given_term, term_of
-from .fcl_text import tokens
-from .place import Source
-from .said import integrated, uses
-from .vocabulary import DUALS, FCL_METHODS, FCL_S_NORMS, FCL_T_NORMS
 
 _BLOCKS = ("var_input", "var_output", "fuzzify", "defuzzify", "ruleblock", "end_function_block")
 _RULE_ITEMS = ("and", "or", "act", "accu", "enabled", "rule", "end_ruleblock")

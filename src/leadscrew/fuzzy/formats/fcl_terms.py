@@ -5,12 +5,11 @@ from __future__ import annotations
 import itertools
 from dataclasses import dataclass
 
+from leadscrew.fuzzy.formats.place import Source, plain
+from leadscrew.fuzzy.formats.vocabulary import FLL_SHAPES, NO_SHAPE, class_term, class_text
 from leadscrew.fuzzy.rules_text import Cursor, Token, read_number
 from leadscrew.fuzzy.system import Term
 from leadscrew.kernel.sheet import nearest
-
-from .place import Source, plain
-from .vocabulary import FLL_SHAPES, NO_SHAPE, class_term, class_text
 
 POINTS = "points"
 _HEIGHTS = {"ramp": (0.0, 1.0), "triangle": (0.0, 1.0, 0.0), "trapezoid": (0.0, 1.0, 1.0, 0.0)}

@@ -5,9 +5,8 @@ from __future__ import annotations
 import re
 from bisect import bisect_right
 
+from leadscrew.fuzzy.formats.place import Source
 from leadscrew.fuzzy.rules_text import Token
-
-from .place import Source
 
 _TOKEN = re.compile(
     r"(?P<space>\s+)"

@@ -4,15 +4,14 @@ from __future__ import annotations
 
 import re
 
+from leadscrew.fuzzy.formats.fcl_terms import term_text
+from leadscrew.fuzzy.formats.fcl_text import KEYWORDS
+from leadscrew.fuzzy.formats.fll_write import rules_as_fuzzylite, shapes_of_fuzzylite
+from leadscrew.fuzzy.formats.place import plain
+from leadscrew.fuzzy.formats.said import Saying
+from leadscrew.fuzzy.formats.vocabulary import FCL_METHODS, FCL_S_NORMS, FCL_T_NORMS, first_name
 from leadscrew.fuzzy.rules_text import rule_text
 from leadscrew.fuzzy.system import WEIGHTED, RuleBlock, System, Variable
-
-from .fcl_terms import term_text
-from .fcl_text import KEYWORDS
-from .fll_write import rules_as_fuzzylite, shapes_of_fuzzylite
-from .place import plain
-from .said import Saying
-from .vocabulary import FCL_METHODS, FCL_S_NORMS, FCL_T_NORMS, first_name
 
 __all__ = ["dumps"]
 

@@ -1,6 +1,6 @@
 """MATLAB ``.fis`` files: :func:`loads` and :func:`dumps`."""
 
-from .fis_read import loads
-from .fis_write import dumps
+from leadscrew.fuzzy.formats.fis_read import loads
+from leadscrew.fuzzy.formats.fis_write import dumps
 
 __all__ = ["dumps", "loads"]

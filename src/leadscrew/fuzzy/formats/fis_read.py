@@ -10,6 +10,9 @@ import re
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 
+from leadscrew.fuzzy.formats.place import Source
+from leadscrew.fuzzy.formats.said import integrated
+from leadscrew.fuzzy.formats.vocabulary import FIS_DEFUZZIFIERS, FIS_S_NORMS, FIS_SHAPES, FIS_T_NORMS
 from leadscrew.fuzzy.system import (
     WEIGHTED,
     And,
@@ -25,10 +28,6 @@ from leadscrew.fuzzy.system import (
     Variable,
 )
 from leadscrew.kernel.sheet import nearest
-
-from .place import Source
-from .said import integrated
-from .vocabulary import FIS_DEFUZZIFIERS, FIS_S_NORMS, FIS_SHAPES, FIS_T_NORMS
 
 _FUNCTION = re.compile(r"'(.*)'\s*:\s*'([^':,\s]*)'?\s*,\s*\[([^\]]*)\]")
 _RULE = re.compile(r"([^,]*),([^()]*)\(([^()]*)\)\s*:\s*(\S+)")

@@ -5,12 +5,18 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 
+from leadscrew.fuzzy.formats.fis_read import HEDGES
+from leadscrew.fuzzy.formats.place import plain
+from leadscrew.fuzzy.formats.said import Saying, uses
+from leadscrew.fuzzy.formats.vocabulary import (
+    FIS_DEFUZZIFIERS,
+    FIS_S_NORMS,
+    FIS_SHAPES,
+    FIS_T_NORMS,
+    FUZZYLITE_ONLY,
+    first_name,
+)
 from leadscrew.fuzzy.system import WEIGHTED, And, Antecedent, Is, Or, Output, Rule, RuleBlock, System, Term, Variable
-
-from .fis_read import HEDGES
-from .place import plain
-from .said import Saying, uses
-from .vocabulary import FIS_DEFUZZIFIERS, FIS_S_NORMS, FIS_SHAPES, FIS_T_NORMS, FUZZYLITE_ONLY, first_name
 
 __all__ = ["dumps"]
 

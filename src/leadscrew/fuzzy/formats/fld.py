@@ -7,11 +7,10 @@ import math
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 
+from leadscrew.fuzzy.formats.place import plain
 from leadscrew.fuzzy.system import System
 from leadscrew.kernel.errors import ValueRefused
 from leadscrew.newfile import save
-
-from .place import plain
 
 __all__ = ["dumps", "grid", "write"]
 

@@ -1,6 +1,6 @@
 """fuzzylite's ``.fll`` files: :func:`loads` and :func:`dumps`."""
 
-from .fll_read import loads
-from .fll_write import dumps
+from leadscrew.fuzzy.formats.fll_read import loads
+from leadscrew.fuzzy.formats.fll_write import dumps
 
 __all__ = ["dumps", "loads"]

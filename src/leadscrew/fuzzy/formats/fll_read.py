@@ -6,19 +6,18 @@ import re
 from dataclasses import dataclass, field
 from typing import Any
 
-from leadscrew.fuzzy.rules_text import Names, parse, read_number, rule_text
-from leadscrew.fuzzy.system import INTEGRAL, T_NORMS, Input, Output, Rule, RuleBlock, System, Term, Variable
-from leadscrew.kernel.errors import DataError
-from leadscrew.kernel.sheet import nearest
-
-from .place import Source, plain
-from .said import integrated
-from .vocabulary import (
+from leadscrew.fuzzy.formats.place import Source, plain
+from leadscrew.fuzzy.formats.said import integrated
+from leadscrew.fuzzy.formats.vocabulary import (
     FLL_ACTIVATIONS,
     FLL_DEFUZZIFIERS,
     FLL_NORMS,
     class_term,
 )
+from leadscrew.fuzzy.rules_text import Names, parse, read_number, rule_text
+from leadscrew.fuzzy.system import INTEGRAL, T_NORMS, Input, Output, Rule, RuleBlock, System, Term, Variable
+from leadscrew.kernel.errors import DataError
+from leadscrew.kernel.sheet import nearest
 
 _KEYS = {
     "Engine": ("description",),

@@ -5,12 +5,11 @@ from __future__ import annotations
 from dataclasses import replace
 
 from leadscrew.escape import one_line
+from leadscrew.fuzzy.formats.place import plain
+from leadscrew.fuzzy.formats.said import Saying, mapped
+from leadscrew.fuzzy.formats.vocabulary import class_name, class_text
 from leadscrew.fuzzy.rules_text import rule_text
 from leadscrew.fuzzy.system import INTEGRAL, Antecedent, Input, Is, Output, Rule, RuleBlock, System, Variable
-
-from .place import plain
-from .said import Saying, mapped
-from .vocabulary import class_name, class_text
 
 __all__ = ["dumps", "rules_as_fuzzylite", "shapes_of_fuzzylite"]
 

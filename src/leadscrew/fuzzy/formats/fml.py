@@ -10,6 +10,10 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Any, NoReturn
 
+from leadscrew.fuzzy.formats.extent import extent, hull
+from leadscrew.fuzzy.formats.fml_terms import SHAPES, term_of
+from leadscrew.fuzzy.formats.fml_tree import Element, tree
+from leadscrew.fuzzy.formats.place import Source
 from leadscrew.fuzzy.rules_text import Names, read_number
 from leadscrew.fuzzy.system import (
     HEDGES,
@@ -26,11 +30,6 @@ from leadscrew.fuzzy.system import (
     Variable,
 )
 from leadscrew.kernel.sheet import nearest
-
-from .extent import extent, hull
-from .fml_terms import SHAPES, term_of
-from .fml_tree import Element, tree
-from .place import Source
 
 __all__ = ["loads"]
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from typing import NoReturn
 from xml.parsers import expat
 
-from .place import Source
+from leadscrew.fuzzy.formats.place import Source
 
 DEEPEST = 50
 STANDARD = "http://www.ieee1855.org"

@@ -7,11 +7,10 @@ from collections.abc import Callable, Iterable
 from dataclasses import replace
 from typing import NoReturn, TypeVar
 
+from leadscrew.fuzzy.formats.place import Source
 from leadscrew.fuzzy.rules_text import RESERVED
 from leadscrew.fuzzy.system import INTEGRAL, And, Antecedent, Is, Or, Output, Rule, RuleBlock, System, Variable
 from leadscrew.kernel.errors import ValueRefused
-
-from .place import Source
 
 V = TypeVar("V", bound=Variable)
 _COMMENT = re.compile(

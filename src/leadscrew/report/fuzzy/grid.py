@@ -12,8 +12,7 @@ from leadscrew.fuzzy.evaluate import compiled
 from leadscrew.fuzzy.system import Input, Output, System
 from leadscrew.kernel.errors import NameUnknown, ValueRefused
 from leadscrew.kernel.sheet import nearest
-
-from .words import ends
+from leadscrew.report.fuzzy.words import ends
 
 MOST = 2001
 """Points along an axis."""

@@ -11,8 +11,20 @@ from leadscrew.fuzzy.circuit import CONSEQUENTS
 from leadscrew.fuzzy.shapes import membership_function
 from leadscrew.fuzzy.system import System, Term, Variable
 from leadscrew.fuzzy.tables import peak
-
-from .words import COLOURS, GREY, SMALL, dark, ends, formula, kind, labelled, number, pen, short, ticks
+from leadscrew.report.fuzzy.words import (
+    COLOURS,
+    GREY,
+    SMALL,
+    dark,
+    ends,
+    formula,
+    kind,
+    labelled,
+    number,
+    pen,
+    short,
+    ticks,
+)
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

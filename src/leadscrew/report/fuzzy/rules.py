@@ -13,9 +13,8 @@ from leadscrew.fuzzy.evaluate import compiled
 from leadscrew.fuzzy.rules_text import rule_text
 from leadscrew.fuzzy.system import Rule, System
 from leadscrew.kernel.errors import ValueRefused
+from leadscrew.report.fuzzy.words import GREY, HATCH, SMALL, labelled, short, ticks
 from leadscrew.report.style import BLACK, BLUE
-
-from .words import GREY, HATCH, SMALL, labelled, short, ticks
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

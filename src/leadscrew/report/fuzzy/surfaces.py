@@ -11,10 +11,9 @@ import numpy as np
 from leadscrew import escape
 from leadscrew.fuzzy.system import Output, System
 from leadscrew.kernel.errors import ValueRefused
+from leadscrew.report.fuzzy.grid import Surface, surface
+from leadscrew.report.fuzzy.words import HATCH, SMALL, labelled, measure, number, short, ticks
 from leadscrew.report.style import BLUE
-
-from .grid import Surface, surface
-from .words import HATCH, SMALL, labelled, measure, number, short, ticks
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
