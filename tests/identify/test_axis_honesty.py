@@ -13,9 +13,8 @@ import numpy as np
 import pytest
 
 from leadscrew.identify.axis.fit import identify_axis
-from leadscrew.identify.axis.judge import force_left
-from leadscrew.identify.axis.lack_of_fit import bins, sentence
 from leadscrew.identify.axis.result import AxisFit
+from leadscrew.identify.axis.verdict import bins, force_left, sentence
 from leadscrew.logs import axis_log
 from leadscrew.report.identified_axis_words import sentences
 from tests.identify.axis_oracle import Axis

@@ -9,7 +9,7 @@ import pytest
 
 from leadscrew import Loop
 from leadscrew.controllers.pd_dob import pd_dob
-from leadscrew.identify.axis.presliding import presliding
+from leadscrew.identify.axis.static_friction import presliding
 from leadscrew.logs.arrays import axis_log
 from leadscrew.plants.ballscrew_stage import INERTIA, ballscrew_stage
 from leadscrew.references.friction_test import duration, friction_test

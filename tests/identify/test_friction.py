@@ -10,8 +10,7 @@ from scipy.integrate import solve_ivp
 from leadscrew.friction.lugre import LuGre
 from leadscrew.identify.friction import FITTED, _Problem, _result, fit_friction
 from leadscrew.identify.friction_file import controller_with
-from leadscrew.identify.friction_record import Record, Sliding, checked, pieces, sliding
-from leadscrew.identify.friction_replay import replay_loop
+from leadscrew.identify.friction_record import Record, Sliding, checked, pieces, replay_loop, sliding
 from leadscrew.kernel.errors import DataError, ValueRefused
 from leadscrew.plants.ballscrew_stage import INERTIA
 from leadscrew.references.friction_test import ROWS, duration, friction_test, plan_rows

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from leadscrew.identify.gain import Record, fit_gain
+from leadscrew.identify.linear.servo_gain import Record, fit_gain
 from leadscrew.kernel.errors import DataError, ValueRefused
 from leadscrew.studies.vud_lathe.laws import gain_fits, moves
 

@@ -14,7 +14,7 @@ from leadscrew.kernel.errors import ValueRefused
 if TYPE_CHECKING:
     from leadscrew.identify.excite.belief import Belief
     from leadscrew.identify.excite.files import Machine
-    from leadscrew.identify.excite.limits import Limits
+    from leadscrew.identify.excite.move import Limits
 
 UNITS = {"mm": ("m", 1e-3), "m": ("m", 1.0), "deg": ("rad", 0.017453292519943295), "rad": ("rad", 1.0)}
 
@@ -138,7 +138,7 @@ def _asked(
     from leadscrew.cli.door import say
     from leadscrew.cli.fuzzy_files import numbers
     from leadscrew.identify.excite.belief import USUAL, Belief, belief_of, keys_of, values_of
-    from leadscrew.identify.excite.limits import Limits
+    from leadscrew.identify.excite.move import Limits
     from leadscrew.kernel import door
 
     if unit is not None:

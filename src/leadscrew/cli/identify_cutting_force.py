@@ -77,8 +77,8 @@ def cutting_force(
         spindle_rpm=spindle_rpm, usual_kc=(low, high),
     )  # fmt: skip
     with busy(f"{file}: laws"):
+        from leadscrew.identify.cutting_force import bootstrap as draw
         from leadscrew.identify.cutting_force import fit_forces
-        from leadscrew.identify.cutting_force_bootstrap import bootstrap as draw
         from leadscrew.report import cutting_force as report
 
         fit = fit_forces(table, method=method, kappa_deg=kappa, exponent=exponent)  # type: ignore[arg-type]
@@ -112,7 +112,7 @@ def cutting_force(
 
 
 def _write_example(file: Path, more: bool) -> None:
-    from leadscrew.identify.cutting_force_example import EXAMPLE
+    from leadscrew.identify.cutting_force_table import EXAMPLE
     from leadscrew.kernel.errors import DataError
     from leadscrew.newfile import save
 

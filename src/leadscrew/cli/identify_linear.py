@@ -82,10 +82,10 @@ def linear(
             max_delay=max_delay, holdout=holdout, margin=margin, progress=tell,
         )  # fmt: skip
     if out is not None:
-        from leadscrew.identify.linear import handover
+        from leadscrew.identify.linear import result
         from leadscrew.machine.file import write
 
-        made = handover.machine(fit, out.stem)
+        made = result.machine(fit, out.stem)
     if report is not None:
         words.write(fit, report)
     if out is not None:

@@ -3,7 +3,7 @@
 1. Sliding, by linear least squares: ``F_C``, ``sigma_2``, the inertia and an offset
    (:mod:`leadscrew.identify.friction_record`).
 2. Around every stand-still, by simulation: ``sigma_0, sigma_1, F_S, v_s`` minimise what the log's position differs
-   from a model that is driven by the log's torque (:mod:`leadscrew.identify.friction_replay`),
+   from a model that is driven by the log's torque (:mod:`leadscrew.identify.friction_record`),
 
         minimise  sum_k rho((y_k - y_k(theta)) / noise),      rho(r) = 18 (sqrt(1 + r^2 / 9) - 1)
 
@@ -35,8 +35,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from leadscrew.friction.lugre import LuGre
-from leadscrew.identify.friction_record import Piece, Record, Sliding, checked, pieces, sliding
-from leadscrew.identify.friction_replay import replay_loop
+from leadscrew.identify.friction_record import Piece, Record, Sliding, checked, pieces, replay_loop, sliding
 from leadscrew.kernel import door
 from leadscrew.kernel.errors import DataError
 

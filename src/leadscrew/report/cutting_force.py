@@ -11,8 +11,7 @@ import numpy as np
 
 from leadscrew.analysis.cutting_force import ChipAndEdge, Kienzle, kienzle, r_squared, specific_force
 from leadscrew.escape import one_line
-from leadscrew.identify.cutting_force import ForceFit
-from leadscrew.identify.cutting_force_fit import Interval, LawFit
+from leadscrew.identify.cutting_force import ForceFit, Interval, LawFit
 from leadscrew.newfolder import appearing
 from leadscrew.report import page as html
 from leadscrew.report.cutting_force_picture import picture

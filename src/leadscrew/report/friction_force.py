@@ -9,8 +9,15 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from leadscrew import escape
-from leadscrew.identify.friction_force.block import set_table, settings
-from leadscrew.identify.friction_force.result import MAP, FrictionForceFit, ModelFit, better_percent, judged_rms
+from leadscrew.identify.friction_force.result import (
+    MAP,
+    FrictionForceFit,
+    ModelFit,
+    better_percent,
+    judged_rms,
+    set_table,
+    settings,
+)
 from leadscrew.newfolder import appearing
 from leadscrew.report import page as html
 from leadscrew.report.friction_force_picture import picture

@@ -9,8 +9,7 @@ import numpy as np
 from leadscrew import escape
 from leadscrew.analysis.friction import friction_velocity
 from leadscrew.friction.static_map import TwoSided
-from leadscrew.identify.friction_force.block import map_of
-from leadscrew.identify.friction_force.result import DAHL, LUGRE, MAP, SLIP, STRIBECK, FrictionForceFit
+from leadscrew.identify.friction_force.result import DAHL, LUGRE, MAP, SLIP, STRIBECK, FrictionForceFit, map_of
 from leadscrew.report.style import BLACK, BLUE, GREEN, ORANGE, SKY, VERMILION
 
 if TYPE_CHECKING:

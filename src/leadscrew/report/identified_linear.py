@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 
 from leadscrew import escape
-from leadscrew.identify.linear.intervals import Interval
 from leadscrew.identify.linear.result import LinearFit
+from leadscrew.identify.linear.uncertainty import Interval
 from leadscrew.newfolder import appearing
 from leadscrew.report import page as html
 from leadscrew.report.strict import strict

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from leadscrew import escape
-from leadscrew.identify.linear.intervals import NORMAL
 from leadscrew.identify.linear.result import LinearFit
+from leadscrew.identify.linear.uncertainty import NORMAL
 from leadscrew.report.style import BLACK, BLUE, GREEN, ORANGE, VERMILION
 
 if TYPE_CHECKING:

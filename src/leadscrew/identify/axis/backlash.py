@@ -28,7 +28,7 @@ from typing import TYPE_CHECKING, Literal, NamedTuple
 
 import numpy as np
 
-from leadscrew.identify.axis.refine_errors import clustered
+from leadscrew.identify.axis.refine import clustered
 from leadscrew.kernel.errors import DataError
 
 if TYPE_CHECKING:

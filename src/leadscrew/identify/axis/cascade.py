@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING, Annotated, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from leadscrew.identify.axis.refine_replay import LOST, Held, late_axis, lengthened
+from leadscrew.identify.axis.replay import LOST, Held, late_axis, lengthened
 from leadscrew.kernel import door
 from leadscrew.kernel.block import controller, reference
 from leadscrew.kernel.errors import DataError, ValueRefused

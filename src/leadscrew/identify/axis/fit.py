@@ -20,23 +20,17 @@ from typing import TYPE_CHECKING, Literal, cast
 import numpy as np
 
 from leadscrew.identify.axis import advice as words
-from leadscrew.identify.axis.assemble import delay_parameter, parameters
-from leadscrew.identify.axis.candidates import Candidate, Model, Setting, choose, fitted, gauge_of, models
 from leadscrew.identify.axis.delay import Delay, find_delay
-from leadscrew.identify.axis.filters import corner_of
-from leadscrew.identify.axis.intervals import Estimates, units
-from leadscrew.identify.axis.intervals import given as given_parameter
+from leadscrew.identify.axis.inverse_dynamics import Terms
 from leadscrew.identify.axis.job import Job, Progress, prepared, ways
-from leadscrew.identify.axis.judge import extent
-from leadscrew.identify.axis.known import terms_known
-from leadscrew.identify.axis.lack_of_fit import bins, sentence
-from leadscrew.identify.axis.refining import refined
-from leadscrew.identify.axis.rest import at_rest, bends, play
+from leadscrew.identify.axis.linear_stage import Candidate, Line, Model, Setting, choose, fitted, gauge_of, models
+from leadscrew.identify.axis.parameters import Estimates, delay_parameter, parameters, terms_known, units
+from leadscrew.identify.axis.parameters import given as given_parameter
+from leadscrew.identify.axis.record import corner_of
+from leadscrew.identify.axis.refinement import refined
 from leadscrew.identify.axis.result import AxisFit, Judged, Parameter
-from leadscrew.identify.axis.stage import Line
-from leadscrew.identify.axis.stretches import all_judged, cascade_left
-from leadscrew.identify.axis.terms import Terms
-from leadscrew.identify.axis.worth import faults
+from leadscrew.identify.axis.static_friction import at_rest, bends, play
+from leadscrew.identify.axis.verdict import all_judged, bins, cascade_left, extent, faults, sentence
 from leadscrew.kernel.one_thread import one_thread
 
 if TYPE_CHECKING:

@@ -9,10 +9,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from leadscrew.identify.axis.filters import choose_length
-from leadscrew.identify.axis.known import checked, unlike
-from leadscrew.identify.axis.record import Record, record_of
-from leadscrew.identify.axis.stage import SHARE, two_ways
+from leadscrew.identify.axis.linear_stage import SHARE, two_ways
+from leadscrew.identify.axis.parameters import checked, unlike
+from leadscrew.identify.axis.record import Record, choose_length, record_of
 from leadscrew.kernel import door
 from leadscrew.kernel.errors import ValueRefused
 from leadscrew.logs.arrays import unlike as unlike_units

@@ -5,12 +5,10 @@ from leadscrew.lazy import doors
 __getattr__, __dir__ = doors(
     globals(),
     {
-        "limits": "Limits",
-        "move": "Move Sampled Stroke check sampled path_of",
+        "move": "Limits Move Sampled Stroke check sampled path_of",
         "belief": "Belief belief_of",
         "information": "Information information",
-        "blocks": "candidates",
-        "design": "Predicted Proposal propose",
+        "design": "candidates Predicted Proposal propose",
         "files": "write",
     },
 )

@@ -10,10 +10,8 @@ from leadscrew.lazy import doors
 __getattr__, __dir__ = doors(
     globals(),
     {
-        "record": "ForceRecord force_record",
-        "file": "read_force_record",
+        "record": "ForceRecord force_record read_force_record",
         "fit": "identify_friction_force",
-        "result": "FrictionForceFit ModelFit Bin",
-        "block": "settings set_table",
+        "result": "FrictionForceFit ModelFit Bin settings set_table",
     },
 )

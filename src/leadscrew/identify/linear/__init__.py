@@ -10,8 +10,7 @@ __getattr__, __dir__ = doors(
     {
         "record": "LinearRecord linear_record read_linear",
         "fit": "identify_linear",
-        "result": "LinearFit Candidate Interval Stretch",
-        "handover": "machine machine_values block",
+        "result": "LinearFit Candidate Interval Stretch machine machine_values block",
         "servo_gain": "servo_gain read_moves",
     },
 )

@@ -11,7 +11,7 @@ from leadscrew.analysis.single_lag import single_lag_time
 from leadscrew.controllers.vud.family import BETA_E, ERROR, MAXIMUM, MEAN, UNITY, vud_family
 from leadscrew.controllers.vud.universe import TABLE_2
 from leadscrew.figures.table import Table
-from leadscrew.identify.gain import HOLDS
+from leadscrew.identify.linear.servo_gain import HOLDS
 from leadscrew.kernel.block import Block
 from leadscrew.kernel.sheet import entries
 from leadscrew.sensors.grating.heydemann import fit_ellipse

@@ -20,7 +20,7 @@ from leadscrew.fuzzy.completion import Completion, complete_rules
 from leadscrew.fuzzy.inference import infer, rule_base
 from leadscrew.fuzzy.learning import LearnedRules, learn_rules
 from leadscrew.fuzzy.partition import Partition
-from leadscrew.identify.gain import HOLDS, GainFit, Record, fit_gain
+from leadscrew.identify.linear.servo_gain import HOLDS, GainFit, Record, fit_gain
 from leadscrew.identify.log import read_log
 from leadscrew.kernel.errors import DataError
 from leadscrew.sensors.grating.quadrature import SignalErrors
@@ -46,7 +46,7 @@ class Move(NamedTuple):
     duty: np.ndarray
 
     def record(self) -> Record:
-        """Input and travel for :func:`leadscrew.identify.gain.fit_gain`."""
+        """Input and travel for :func:`leadscrew.identify.linear.servo_gain.fit_gain`."""
         return Record(self.time_s, self.duty, FULL_SCALE_MM * (self.error[0] - self.error))
 
 

@@ -35,6 +35,7 @@ from leadscrew.plants.servo_axis import (
 if TYPE_CHECKING:
     from leadscrew.logs import AxisLog
 
+
 LOST = 1e6
 """m; stands for a run that diverged."""
 
