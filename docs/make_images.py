@@ -21,11 +21,10 @@ from leadscrew.references.waypoints import waypoints
 from leadscrew.report import backlash, friction
 from leadscrew.report import fuzzy as pictures
 from leadscrew.report.identified_axis_picture import friction_figure, position_figure
+from leadscrew.report.tuned import figures, units
 from leadscrew.sensors.axis_reading import axis_reading
 from leadscrew.studies.lab import Lab
 from leadscrew.tune.job import Job
-from leadscrew.tune.tuned_figures import figures
-from leadscrew.tune.tuned_report import units
 from leadscrew.tune.tuner import tune
 
 IMAGES = {

@@ -24,7 +24,7 @@ from leadscrew.neural.performance_file import read_net
 from leadscrew.panel.hal import file as hal_file
 from leadscrew.paths.read import read_drawing
 from leadscrew.tangent.measured import read_measured
-from leadscrew.tune.journal import Journal
+from leadscrew.tune.checkpoints import Journal
 
 CORPUS = Path(__file__).with_name("corpus") / "0.1.0"
 READERS = {

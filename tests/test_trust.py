@@ -22,9 +22,9 @@ import leadscrew
 from leadscrew import experiment, userfile
 from leadscrew.cli import COMMANDS, _command, app
 from leadscrew.kernel.errors import CodeNotTrusted, DataError, ValueRefused
-from leadscrew.tune.crew import work
+from leadscrew.tune.checkpoints import Journal
+from leadscrew.tune.executors import work
 from leadscrew.tune.job import Chunk, Job, chunks_of
-from leadscrew.tune.journal import Journal
 from tests.cli import plain_study
 
 PLAIN = f"{plain_study.__file__}:STUDY"

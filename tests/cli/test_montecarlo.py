@@ -136,7 +136,7 @@ def test_what_a_killed_process_left_is_cleared_and_nothing_else(call, asked, tmp
     dead.wait()
     kill = """
 import os, signal, sys
-from leadscrew.tune.montecarlo_folder import placed
+from leadscrew.report.montecarlo import placed
 with placed(sys.argv[1]) as beside:
     (beside / "half.txt").write_text("half")
     os.kill(os.getpid(), signal.SIGKILL)

@@ -147,7 +147,8 @@ def test_a_command_that_ends_before_a_chunk_is_done_leaves_no_journal(refused, t
 def test_a_full_disk_keeps_what_is_done_and_says_how_to_go_on(call, refused, tmp_path, monkeypatch, place):
     from leadscrew import newfile
     from leadscrew.kernel.errors import DataError
-    from leadscrew.tune import journal, tuned_files, tuned_report
+    from leadscrew.report import tuned as folder
+    from leadscrew.tune import checkpoints, tuned
 
     out, report, count = tmp_path / "t.toml", tmp_path / "report", iter(range(1000))
 
@@ -157,9 +158,7 @@ def test_a_full_disk_keeps_what_is_done_and_says_how_to_go_on(call, refused, tmp
         newfile.save(*args, **kwargs)
 
     with monkeypatch.context() as patch:
-        module, name = {"chunk": (journal, "save"), "file": (tuned_files, "save"), "report": (tuned_report, "write")}[
-            place
-        ]
+        module, name = {"chunk": (checkpoints, "save"), "file": (tuned, "save"), "report": (folder, "write")}[place]
         patch.setattr(module, name, full)
         said = refused(*SMALL, "-o", out, "--report", report)
     kept = tmp_path / "t.toml.journal"
@@ -177,7 +176,7 @@ def test_a_lost_cluster_keeps_what_is_done(refused, call, tmp_path):
     with dask(tmp_path, 1) as (address, workers):
         running = process(*LATHE, "--budget", "100000", "-o", str(out), "--cluster", address)
         waited(lambda: len(list(tmp_path.glob("t.toml.journal/chunk_*"))) > 3, 120)
-        from leadscrew.tune.crew import crew
+        from leadscrew.tune.executors import crew
 
         with crew(address) as cluster:
             os.kill(cluster.client.run_on_scheduler(os.getpid), signal.SIGKILL)

@@ -23,7 +23,7 @@ from leadscrew.fuzzy import formats
 from leadscrew.neural.performance_file import read_net
 from leadscrew.operate import captures, session_file
 from leadscrew.panel import presets
-from leadscrew.tune.journal import Journal
+from leadscrew.tune.checkpoints import Journal
 from tests.tools import missing
 
 OLD = Path(__file__).with_name("0.1.0")

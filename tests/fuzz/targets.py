@@ -53,7 +53,7 @@ def _machine(path: Path) -> None:
 
 
 def _chunk(path: Path) -> None:
-    from leadscrew.tune.journal import Journal
+    from leadscrew.tune.checkpoints import Journal
 
     journal = Journal(path.parent / "journal", {"q": 1})
     journal.folder.mkdir(exist_ok=True)

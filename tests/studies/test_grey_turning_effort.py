@@ -135,7 +135,7 @@ def test_the_search_can_be_done_again_and_ends_where_the_kept_one_did(plant):
 # ---- what an engineer would use
 def test_lathes_of_the_table_lie_in_the_ranges_of_the_searches_and_none_was_seen_by_one():
     from leadscrew.tune.space import Space
-    from leadscrew.tune.tuner_plan import held_out_plants
+    from leadscrew.tune.tuner import held_out_plants
 
     found = choice.lathes()
     space = Space.of({key: (float(v.min()), float(v.max())) for key, v in found.items()})

@@ -18,7 +18,7 @@ from leadscrew.studies.sofnn_tangent.pieces import PLACES, PLAIN, Learned, Plan,
 from leadscrew.studies.sofnn_tangent.scenarios import LINES, MATERIAL_NAMES, PERIOD_S, line
 from leadscrew.studies.tuned import FOLDER
 from leadscrew.tune.space import Space
-from leadscrew.tune.tuner_plan import at_ends, training
+from leadscrew.tune.tuner import at_ends, training
 from tests.studies.tangent_lab import lab
 
 STUDY = catalogue.study("sofnn_tangent")

@@ -13,7 +13,7 @@ from leadscrew.controller_file import ControllerFile
 from leadscrew.experiment import Experiment
 from leadscrew.kernel.errors import DataError
 from leadscrew.replay import replay
-from leadscrew.tune import tuned_files
+from leadscrew.tune import tuned
 from leadscrew.tune.job import Job
 from leadscrew.tune.tuner import tune
 
@@ -81,7 +81,7 @@ def test_a_tuning_starts_from_it_and_writes_one(file, tmp_path):
     job = Job(Experiment(PLAIN, str(file), "small", {"controller.inverted": False, "scenario.target_mm": 2.0}))
     found = tune(job, {"controller.kp": (1.0, 9.0), "plant.lag_s": (0.01, 0.1)}, ["rms_error"], budget=8)
     assert found.present["controller.kp"] == 4.5
-    made = tuned_files.save(job, found, tmp_path / "new.toml")
+    made = tuned.save(job, found, tmp_path / "new.toml")
     assert [p.name for p in made] == ["new.toml", "new_experiment.toml"]
     text = tomllib.loads(made[0].read_text())
     assert text["controller"] == "p" and text["set"]["table"] == [2.0, 0.0, 1.0] and text["set"]["stages"] == 2

@@ -10,8 +10,8 @@ import pytest
 
 from leadscrew import newfile
 from leadscrew.kernel.errors import DataError, ValueRefused
-from leadscrew.tune.crew import Threads
-from leadscrew.tune.journal import Journal
+from leadscrew.tune.checkpoints import Journal
+from leadscrew.tune.executors import Threads
 from leadscrew.tune.montecarlo import montecarlo, question
 from leadscrew.tune.space import Space
 from tests.tune.shared import job, same

@@ -11,12 +11,11 @@ from scipy import stats
 from leadscrew import experiment
 from leadscrew.kernel.errors import LeadscrewError, NameUnknown, ValueRefused
 from leadscrew.kernel.loop import DivergenceWarning
-from leadscrew.tune.crew import Threads
-from leadscrew.tune.montecarlo import montecarlo
-from leadscrew.tune.montecarlo_notes import alike, independence, without_value
-from leadscrew.tune.montecarlo_sobol import sobol_indices
+from leadscrew.report.montecarlo import alike, independence, without_value
+from leadscrew.tune.executors import Threads
+from leadscrew.tune.montecarlo import montecarlo, sobol_indices
+from leadscrew.tune.parameter_drift import envelope
 from leadscrew.tune.space import Space
-from leadscrew.tune.wear import envelope
 from leadscrew.tune.worst import worst, write
 from tests.tune.noisy_loop import DIVERGING
 from tests.tune.shared import job, same

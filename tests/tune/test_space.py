@@ -8,8 +8,7 @@ from scipy import stats
 
 from leadscrew.kernel.errors import NameUnknown, ValueRefused
 from leadscrew.kernel.sheet import Entry
-from leadscrew.tune.distributions import CUT, Choice, Normal, Range, distribution
-from leadscrew.tune.space import Space, cube
+from leadscrew.tune.space import CUT, Choice, Normal, Range, Space, cube, distribution
 
 U = np.linspace(0.0, 1.0, 1001)
 THEIRS = {

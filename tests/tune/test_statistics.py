@@ -10,7 +10,7 @@ from scipy import stats
 
 from leadscrew.kernel.errors import ValueRefused
 from leadscrew.tune import statistics
-from leadscrew.tune.montecarlo_tolerances import Tolerance, tolerance, tolerances
+from leadscrew.tune.montecarlo import Tolerance, tolerance, tolerances
 from leadscrew.tune.sensitivity import rank_correlations
 from tests.tune.shared import job
 

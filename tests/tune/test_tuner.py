@@ -11,12 +11,10 @@ import pytest
 
 from leadscrew.experiment import Experiment
 from leadscrew.kernel.errors import DataError, Diverged, LeadscrewError, NameUnknown, ValueRefused
-from leadscrew.tune.crew import crew
-from leadscrew.tune.front import compromise, front, thinned
+from leadscrew.tune.executors import crew
 from leadscrew.tune.job import Job
 from leadscrew.tune.space import Space
-from leadscrew.tune.tuner import tune
-from leadscrew.tune.tuner_plan import at_ends, held_out_plants, plan, training
+from leadscrew.tune.tuner import at_ends, compromise, front, held_out_plants, plan, thinned, training, tune
 from tests.tune.shared import on_kernels
 
 PLAIN = f"{Path(__file__).parents[1] / 'cli' / 'plain_study.py'}:STUDY"
@@ -84,7 +82,7 @@ def test_two_workers_of_a_cluster_find_the_same_as_two_threads():
 
 TUNED = """
 from leadscrew.experiment import Experiment
-from leadscrew.tune.crew import Threads
+from leadscrew.tune.executors import Threads
 from leadscrew.tune.job import Job
 from leadscrew.tune.tuner import tune
 

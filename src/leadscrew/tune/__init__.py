@@ -17,7 +17,11 @@ if TYPE_CHECKING:
 
 __all__ = ["Job", "Space", "tune"]
 
-_HOMES = {"job": "Job", "space": "Space", "tuner": "tune"}
+_HOMES = {
+    "job": "Job",
+    "space": "Space",
+    "tuner": "tune",
+}
 """The module of each public name."""
 
 

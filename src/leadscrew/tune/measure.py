@@ -10,9 +10,9 @@ import numpy as np
 
 from leadscrew.kernel.errors import NameUnknown
 from leadscrew.kernel.sheet import nearest
-from leadscrew.tune.crew import Crew, Result
+from leadscrew.tune.checkpoints import Journal
+from leadscrew.tune.executors import Crew, Result
 from leadscrew.tune.job import DIVERGED, Chunk, Job, chunks_of
-from leadscrew.tune.journal import Journal
 
 Progress = Callable[[int, int], None]
 """Takes the runs that are done and all of them."""

@@ -17,7 +17,7 @@ the last motion (:mod:`leadscrew.plants.backlash`). What tells ``b`` depends on 
   (:mod:`leadscrew.identify.axis.refine` with ``backlash`` fitted). Only as good as the model of friction at rest.
 - one encoder on the motor and none on the table tells nothing: the table has no say in what is logged.
 
-Intervals are robust to correlation within a stroke (:mod:`refine_errors`). ISO 230-1 calls what is measured here the
+Intervals are robust to correlation within a stroke (``clustered``). ISO 230-1 calls what is measured here the
 reversal value of an axis.
 """
 

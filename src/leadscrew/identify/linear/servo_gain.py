@@ -4,7 +4,8 @@
 
 The position of each move is counted from its start.
 
-The fit is output-error least squares. The input drives a chain of lags with unit dc gain and then an integrator, all known; the one unknown is the gain:
+The fit is output-error least squares. The input drives a chain of lags with unit dc gain and then an integrator, all
+known; the one unknown is the gain:
 
     position(t) = K * travel(t),    travel = 1 / (s (T_1 s + 1) (T_2 s + 1) ...) applied to the input
 

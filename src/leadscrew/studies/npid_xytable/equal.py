@@ -12,7 +12,7 @@ from leadscrew.studies.lab import Lab, measure
 from leadscrew.studies.npid_xytable.controllers import BOUNDS
 from leadscrew.studies.npid_xytable.cutting import trial
 from leadscrew.studies.npid_xytable.search import LAWS, largest_ms, rest_du_mv
-from leadscrew.tune.compare_statistics import Interval, paired, standing
+from leadscrew.tune.statistics import Interval, paired, standing
 
 JUDGED, PLANTS = 2, 12
 """Draws of the phases on the nominal plant, and of phases and plant."""

@@ -57,7 +57,7 @@ from leadscrew.studies.npid_xytable.measurement import (
 )
 from leadscrew.studies.npid_xytable.rejection import BEST, let_through, opened, peak
 from leadscrew.studies.npid_xytable.table2 import LINES_HZ, NPID_UM, ORDERS, PID_UM, SPEEDS
-from leadscrew.tune.compare_statistics import Interval
+from leadscrew.tune.statistics import Interval
 
 LINE_COLUMNS = tuple(f"{hz:.1f} Hz (%)" for hz in LINES_HZ)
 COMPARED = (

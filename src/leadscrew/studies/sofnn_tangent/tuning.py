@@ -26,10 +26,9 @@ from leadscrew.studies.lab import Lab, measure
 from leadscrew.studies.sofnn_tangent.pieces import PLACES, unknown_plant
 from leadscrew.studies.sofnn_tangent.scenarios import LINES, takes_cut_line
 from leadscrew.studies.tuned import FOLDER as TUNED_FOLDER
-from leadscrew.tune.compare_statistics import Interval, paired
 from leadscrew.tune.space import Space
-from leadscrew.tune.tuner import crossed
-from leadscrew.tune.tuner_plan import held_out_plants, training
+from leadscrew.tune.statistics import Interval, paired
+from leadscrew.tune.tuner import crossed, held_out_plants, training
 
 HERE = Path(__file__).parent
 FILE = HERE / "data" / "piece_tuning.csv"

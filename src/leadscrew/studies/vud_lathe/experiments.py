@@ -26,7 +26,7 @@ from leadscrew.studies.vud_lathe.fast_search import SENSOR_ERRORS
 from leadscrew.studies.vud_lathe.iso_230_2 import CONTROLLER, run_test
 from leadscrew.studies.vud_lathe.laws import ALONE, NOISES, POINTS, SEED, TRIAL
 from leadscrew.studies.vud_lathe.scenarios import MACHINES, METRICS, PERIOD_S, STEPS
-from leadscrew.tune.compare_statistics import difference
+from leadscrew.tune.statistics import difference
 
 if TYPE_CHECKING:
     from leadscrew.kernel.loop import Loop

@@ -4,23 +4,116 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from contextlib import AbstractContextManager
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from leadscrew import reading
 from leadscrew.escape import shell
+from leadscrew.kernel.errors import DataError
+from leadscrew.newfolder import replaceable, replacing
 from leadscrew.report.strict import strict
-from leadscrew.report.tables import first_line, metric_unit
+from leadscrew.report.tables import first_line, metric_unit, number
 from leadscrew.tune.montecarlo import MonteCarlo
-from leadscrew.tune.montecarlo_folder import KIND, SUMMARY, placed
-from leadscrew.tune.montecarlo_notes import notes, unknown
-from leadscrew.tune.sensitivity import SobolIndex
-from leadscrew.tune.wear import Crossing, Envelope
+from leadscrew.tune.parameter_drift import Crossing, Envelope
+from leadscrew.tune.sensitivity import UNKNOWN, SobolIndex
 from leadscrew.tune.worst import Worst, write
 
 if TYPE_CHECKING:
-    from leadscrew.tune.montecarlo_figures import Bar, Picture
+    from leadscrew.report.montecarlo_figures import Bar, Picture
+    from leadscrew.tune.montecarlo import MonteCarlo
+
+
+EVEN = {"lhs": "a Latin hypercube is", "sobol": "Sobol points are"}
+"""Samplings whose runs are not independent."""
+
+
+def alike(found: MonteCarlo) -> str:
+    """Says that all runs are the same run; nothing where they are not."""
+    if not found.alike:
+        return ""
+    return (
+        f"all {len(found)} runs are the same run, bit for bit: nothing is drawn and no noise reaches a metric, so "
+        "there are no intervals; name what varies with --over"
+    )
+
+
+def independence(found: MonteCarlo) -> str:
+    """On what the intervals rest; nothing where they rest on what was done."""
+    if found.alike or not len(found.space) or found.method not in EVEN:
+        return ""
+    return (
+        f"intervals are derived for independent runs; {EVEN[found.method]} more even than that, so they are as a rule "
+        "too wide (--sampling random: independent runs)"
+    )
+
+
+def unknown(findings: Findings) -> str:
+    """Which Sobol indices the runs do not tell; nothing where all are known."""
+    rows = [s for s in findings.sobol if not (s.first_known and s.total_known)]
+    if not rows:
+        return ""
+    names = ", ".join(dict.fromkeys(s.metric for s in rows))
+    return (
+        f"Sobol indices that are not known ({names}): their bootstrap interval is wider than ± {UNKNOWN:g}, as after a "
+        f"few runs far from all others; take a larger N than {findings.points}"
+    )
+
+
+def missing(findings: Findings) -> str:
+    """Which metrics have no Sobol indices because runs gave no value."""
+    lost = {s.metric: s.without for s in findings.sobol if s.without}
+    said = ", ".join(f"{metric} ({count})" for metric, count in lost.items())
+    return f"no Sobol indices where runs gave no value: {said}" if lost else ""
+
+
+def without_value(found: MonteCarlo) -> list[str]:
+    """Why runs give no value of a metric, a sentence each; the reason is that of the first such run."""
+    several = len(found.samples.scenarios) > 1
+    return [
+        f"{w.metric}{f' in {w.scenario}' if several else ''} has no value in {w.runs} of {len(found)} runs; "
+        f"run {w.first}: {w.reason}"
+        for w in found.without_value
+    ]
+
+
+def notes(findings: Findings) -> list[str]:
+    """All of them."""
+    said = (alike(findings.found), independence(findings.found), unknown(findings), missing(findings))
+    return [s for s in said if s] + without_value(findings.found)
+
+
+KIND = "leadscrew montecarlo"
+"""By this, in its ``summary.json``, a folder is known to be ours to replace."""
+SUMMARY = "summary.json"
+
+
+def claimable(folder: str | Path) -> Path:
+    """The folder, if a report may be written there: it does not exist, is empty, or holds an older report.
+
+    Raises:
+        DataError: it holds something else, or cannot be written.
+    """
+    return replaceable(folder, _ours, "a Monte Carlo report")
+
+
+def placed(folder: str | Path) -> AbstractContextManager[Path]:
+    """A place to write to, which takes the place of ``folder`` at the end.
+
+    Raises:
+        DataError: see :func:`claimable`; or the disk refuses.
+    """
+    return replacing(folder, _ours, "a Monte Carlo report")
+
+
+def _ours(folder: Path) -> bool:
+    try:
+        return reading.json_object(folder / SUMMARY).get("kind") == KIND
+    except DataError:
+        return False
+
 
 SCHEMA_VERSION = 1
 
@@ -138,8 +231,6 @@ def write_report(findings: Findings, folder: str | Path, figures: bool = True) -
     import pyarrow as pa
     import pyarrow.parquet as pq
 
-    from leadscrew.tune.montecarlo_page import render
-
     target = Path(folder)
     with placed(target) as beside:
         write(findings.found, findings.worst, beside / "worst")
@@ -148,7 +239,7 @@ def write_report(findings: Findings, folder: str | Path, figures: bool = True) -
         drawn = []
         for picture in pictures(findings) if figures else ():
             from leadscrew.report.html import embedded
-            from leadscrew.tune.montecarlo_figures import saved
+            from leadscrew.report.montecarlo_figures import saved
 
             figure = picture.draw()
             saved(figure, beside / f"{picture.name}.png")
@@ -164,8 +255,8 @@ def pictures(findings: Findings) -> list[Picture]:
     """The figures of a report."""
     from functools import partial
 
-    from leadscrew.tune import montecarlo_figures as draw
-    from leadscrew.tune.failures_figure import failure_pictures
+    from leadscrew.report import montecarlo_figures as draw
+    from leadscrew.report.montecarlo_figures import failure_pictures
 
     found, made = findings.found, []
     for m in findings.shown:
@@ -198,7 +289,7 @@ def pictures(findings: Findings) -> list[Picture]:
 def _life_pictures(findings: Findings, envelope: Envelope) -> list[Picture]:
     from functools import partial
 
-    from leadscrew.tune import montecarlo_figures as draw
+    from leadscrew.report import montecarlo_figures as draw
 
     joined = ", ".join(str(w) for w in envelope.wears)
     values = {s.metric for step in envelope.spreads for s in step if s.runs > s.diverged + s.without}
@@ -228,3 +319,43 @@ def _bars(findings: Findings, rows: Any, numbers: Any) -> dict[str, dict[str, di
         return any(not math.isnan(b[0]) for keys in by_scenario.values() for b in keys.values())
 
     return {m: found for m, found in made.items() if any_number(found)}
+
+
+def percent(part: float | None) -> str:
+    """A part of one as percents."""
+    return short(None if part is None else 100.0 * part)
+
+
+def short(value: float | None) -> str:
+    """Four digits, as many as a sample is good for."""
+    return number(value) if value is None else f"{value:.4g}"
+
+
+def render(findings: Findings, said: Mapping[str, Any], folder: Path, drawn: Sequence[tuple[str, str, str]]) -> str:
+    """The page, from what the summary says; ``drawn`` are name, caption and source of each figure."""
+    from leadscrew.report.folder import manifest
+    from leadscrew.report.html import template
+
+    made = manifest(findings.found.wall_s)
+    made.pop("wall time of the study")
+    return template("montecarlo.html.j2", number=number, percent=percent, short=short).render(
+        said=said,
+        title=f"{Path(str(said['study'])).name} under {said['controller']}" if said["controller"] else said["study"],
+        several=len(said["scenarios"]) > 1,
+        groups=[
+            ("Distributions", [d for d in drawn if d[0] in findings.shown]),
+            ("Which runs fail", [d for d in drawn if d[0].startswith("fails_")]),
+            ("Sensitivity", [d for d in drawn if d[0] in ("sensitivity", "sobol")]),
+            ("Wear", [d for d in drawn if d[0].startswith("life_") and d[0] not in findings.shown]),
+        ],
+        independence=independence(findings.found),
+        alike=alike(findings.found),
+        without=without_value(findings.found),
+        sobol_notes=[s for s in (unknown(findings), missing(findings)) if s],
+        keys=list(findings.found.space.keys),
+        folder=folder,
+        command=findings.command,
+        manifest={**findings.cost, **made},
+        level=findings.level,
+        shown=findings.shown,
+    )

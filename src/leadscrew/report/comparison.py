@@ -14,14 +14,11 @@ from leadscrew.newfolder import appearing
 from leadscrew.report import style
 from leadscrew.report.strict import strict
 from leadscrew.report.tables import metric_unit
-from leadscrew.tune import tuned_files
-from leadscrew.tune.compare import Contest
-from leadscrew.tune.compare_result import Comparison
-from leadscrew.tune.compare_statistics import per_plant
-from leadscrew.tune.compare_words import METRICS, RANKING, confidence, metric_rows, ranking_rows
+from leadscrew.report.tuned import page, parquet, save_figures, strip
+from leadscrew.tune import tuned
+from leadscrew.tune.compare import METRICS, RANKING, Comparison, Contest, confidence, metric_rows, ranking_rows
 from leadscrew.tune.objective import Goal
-from leadscrew.tune.tuned_figures import strip
-from leadscrew.tune.tuned_report import page, parquet, save_figures
+from leadscrew.tune.statistics import per_plant
 
 
 def colours(found: Comparison) -> dict[str, str]:
@@ -88,7 +85,7 @@ def write(found: Comparison, asked: Contest, folder: str | Path) -> None:
             stem = file_name(f"{i}_{Path(r.name).name}")
             parquet(r.samples, beside / f"{stem}.parquet")
             if r.tuned is not None:
-                controller_file.write(beside / f"{stem}.toml", tuned_files.controller_of(jobs[r.name], r.tuned))
+                controller_file.write(beside / f"{stem}.toml", tuned.controller_of(jobs[r.name], r.tuned))
         noted = [*filter(None, [confidence(found)]), *(f"note: {n}" for n in found.notes)]
         tables = [("Ranking", RANKING, ranking_rows(found)), ("Metrics", METRICS, metric_rows(found))]
         html = page("Comparison", [found.sentence().rstrip("."), *noted], tables, drawn)

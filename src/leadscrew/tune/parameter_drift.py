@@ -19,9 +19,9 @@ import numpy as np
 
 from leadscrew.kernel.errors import NameUnknown, ValueRefused
 from leadscrew.kernel.sheet import nearest
-from leadscrew.tune.crew import Crew, Threads
+from leadscrew.tune.checkpoints import Journal
+from leadscrew.tune.executors import Crew, Threads
 from leadscrew.tune.job import Job
-from leadscrew.tune.journal import Journal
 from leadscrew.tune.measure import Progress, identical, measure
 from leadscrew.tune.montecarlo import MonteCarlo, asked_of, drawn, opened, passes, pieces, spreads
 from leadscrew.tune.space import Space

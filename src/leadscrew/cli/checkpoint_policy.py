@@ -21,7 +21,8 @@ from leadscrew.cli.door import INTERRUPTED, say
 from leadscrew.kernel.errors import DataError, LeadscrewError, ValueRefused
 
 if TYPE_CHECKING:
-    from leadscrew.tune.journal import Journal
+    from leadscrew.tune.checkpoints import Journal
+
 
 GOES_ON = "keeps what is done: the same command with --resume goes on"
 
@@ -50,7 +51,7 @@ class Keeping:
 
     def open(self, question: dict[str, Any]) -> Journal | None:
         """The journal, if there is to be one."""
-        from leadscrew.tune.journal import Journal
+        from leadscrew.tune.checkpoints import Journal
 
         self.journal = None if self.at is None else Journal(self.at, question, self.resume)
         return self.journal
@@ -65,7 +66,7 @@ class Keeping:
             say(f"leadscrew: interrupted; {self._interrupted()}")
             raise typer.Exit(INTERRUPTED) from None
         elif isinstance(error, LeadscrewError):
-            from leadscrew.tune.crew import CrewLost
+            from leadscrew.tune.executors import CrewLost
 
             if isinstance(error, DataError | CrewLost) and self._leave(True):
                 raise type(error)(f"{error}; {self._kept()}") from None
