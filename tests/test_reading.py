@@ -14,8 +14,8 @@ import pytest
 
 from leadscrew import apart, controller_file, parquet, reading, replay
 from leadscrew.analysis.circular.file import read_circles
-from leadscrew.analysis.following_files import read_logs
-from leadscrew.analysis.positioning_file import read_positioning
+from leadscrew.analysis.following import read_logs
+from leadscrew.analysis.positioning import read_positioning
 from leadscrew.fuzzy import formats
 from leadscrew.identify.cutting_force_table import read_force_table
 from leadscrew.kernel.errors import DataError, LeadscrewError, ValueRefused

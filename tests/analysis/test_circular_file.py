@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from scipy.optimize import least_squares
 
-from leadscrew.analysis.circular import example as made
+from leadscrew.analysis.circular import synthetic as made
 from leadscrew.analysis.circular.diagnosis import diagnose
 from leadscrew.analysis.circular.file import read_circles
 from leadscrew.analysis.circular.quantities import quantities

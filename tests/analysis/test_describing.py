@@ -5,8 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from leadscrew.analysis.stability.describing import biggest, describing_function, limit_cycles
-from leadscrew.analysis.stability.harmonic_balance import harmonic_balance
+from leadscrew.analysis.stability.harmonic_balance import biggest, describing_function, harmonic_balance, limit_cycles
 from leadscrew.analysis.stability.linear import LinearLoop
 from leadscrew.analysis.stability.loop import continuous_loop, reference_loops
 from leadscrew.controllers.npid import npid, scaled_error
@@ -161,7 +160,7 @@ def simulate(loop, curve, load, periods, start):
 @pytest.fixture(scope="module")
 def l_star():
     """L* without its integral, which would take over the load in half an hour."""
-    from leadscrew.analysis.stability.sampled import sampled_loop
+    from leadscrew.analysis.stability.loop import sampled_loop
     from leadscrew.controllers.pid import pid
     from leadscrew.kernel.loop import Loop
     from leadscrew.plants.xy_table_cutting import xy_table_cutting

@@ -6,8 +6,8 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 
+from leadscrew.analysis.stability.loop import sampled_loop
 from leadscrew.analysis.stability.lure import ErrorMap, declare, lure
-from leadscrew.analysis.stability.sampled import sampled_loop
 from leadscrew.catalogue import block
 from leadscrew.controllers.feed_forward_table import feed_forward_table
 from leadscrew.controllers.learned_feed_forward import learned_feed_forward

@@ -8,8 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from leadscrew.analysis.positioning import positioning
-from leadscrew.analysis.positioning_file import example, read_positioning
+from leadscrew.analysis.positioning import example, positioning, read_positioning
 from leadscrew.kernel.errors import DataError, ValueRefused
 
 TARGETS = (10.0, 100.0)

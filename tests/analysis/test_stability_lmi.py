@@ -10,16 +10,20 @@ import pytest
 from leadscrew.analysis.stability.circle import circle
 from leadscrew.analysis.stability.driven import driven
 from leadscrew.analysis.stability.exact import positive_definite, proved, rational
-from leadscrew.analysis.stability.kyp import (
+from leadscrew.analysis.stability.linear import LinearLoop
+from leadscrew.analysis.stability.lmi import (
     ROUNDING,
     inequality,
     jury_lee_inequality,
+    largest_proved,
+    lmi_circle,
+    lmi_popov,
+    lmi_tsypkin,
+    lmi_zames_falb,
     popov_inequality,
     tsypkin_inequality,
+    zames_falb_inequality,
 )
-from leadscrew.analysis.stability.linear import LinearLoop
-from leadscrew.analysis.stability.lmi import largest_proved, lmi_circle, lmi_popov, lmi_tsypkin
-from leadscrew.analysis.stability.lmi_zames_falb import lmi_zames_falb, zames_falb_inequality
 from leadscrew.analysis.stability.loop import continuous_loop, reference_loops
 from leadscrew.analysis.stability.lure import lure
 from leadscrew.analysis.stability.tsypkin import tsypkin

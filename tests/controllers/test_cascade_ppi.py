@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from leadscrew.analysis.stability.sampled import sampled_loop
+from leadscrew.analysis.stability.loop import sampled_loop
 from leadscrew.controllers.cascade_ppi import TUNINGS, as_pid, cascade_ppi, of_pid
 from leadscrew.controllers.pid import TUNINGS as PID
 from leadscrew.controllers.pid import pid

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from scipy import signal
 
-from leadscrew.analysis.stability.sampled import sampled_loop
+from leadscrew.analysis.stability.loop import sampled_loop
 from leadscrew.controllers.inverse_feed_forward import inverse_feed_forward
 from leadscrew.controllers.npid import npid
 from leadscrew.controllers.pid import TUNINGS as PID

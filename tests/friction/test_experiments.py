@@ -8,8 +8,15 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from leadscrew.analysis.friction import friction_along, path_through
-from leadscrew.analysis.friction_runs import break_away, break_away_after_rest, force_at_speed, slip_times, stick_slip
+from leadscrew.analysis.friction import (
+    break_away,
+    break_away_after_rest,
+    force_at_speed,
+    friction_along,
+    path_through,
+    slip_times,
+    stick_slip,
+)
 from leadscrew.friction.asymmetric import LuGreSlide
 from leadscrew.friction.static_map import TwoSided
 from leadscrew.kernel.block import controller

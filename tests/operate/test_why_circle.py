@@ -7,12 +7,11 @@ import numpy as np
 import pytest
 
 from leadscrew import Loop, catalogue
-from leadscrew.analysis.circular import command
-from leadscrew.analysis.circular.drawn import Circle as Asked
-from leadscrew.analysis.circular.drawn import draw
-from leadscrew.analysis.circular.machine import Machine, with_reference
+from leadscrew.analysis.circular import simulation
 from leadscrew.analysis.circular.paths import CCW, CircularTest, Turn
 from leadscrew.analysis.circular.quantities import quantities
+from leadscrew.analysis.circular.simulation import Circle as Asked
+from leadscrew.analysis.circular.simulation import Machine, draw, with_reference
 from leadscrew.kernel.errors import ValueRefused
 from leadscrew.operate.why import Circle
 from leadscrew.references.sine import sine_motion
@@ -154,7 +153,7 @@ def test_a_turn_that_a_machine_draws_has_the_figures_of_the_ball_bar_test() -> N
     values = {"radius": 2.0, "speed": 2.0, "start": 0.0, "turning": 1.0}
     first = own.signals["actual"]
     values |= {"centre_x": first - 2.0, "centre_y": first}
-    pair = [with_reference(own, made(**values)) for made in (command.circle_x_motion, command.circle_y_motion)]
+    pair = [with_reference(own, made(**values)) for made in (simulation.circle_x_motion, simulation.circle_y_motion)]
     columns = ["time", "actual", "y.actual"]
     circle = Circle(pair, columns)
     lives = [loop.start(run=k) for k, loop in enumerate(pair)]

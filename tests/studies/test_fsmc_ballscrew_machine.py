@@ -9,7 +9,7 @@ from scipy.integrate import solve_ivp
 from leadscrew import catalogue
 from leadscrew.analysis.circular.paths import CircularTest, Turn
 from leadscrew.analysis.circular.quantities import quantities
-from leadscrew.analysis.friction_runs import break_away
+from leadscrew.analysis.friction import break_away
 from leadscrew.plants.ballscrew_stage import INERTIA, TRAVEL_MM_PER_RAD
 from leadscrew.plants.mass_lugre import mass_lugre
 from leadscrew.studies.fsmc_ballscrew import backlash, drives

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from leadscrew.analysis.stability.sampled import sampled_loop
+from leadscrew.analysis.stability.loop import sampled_loop
 from leadscrew.catalogue import study
 from leadscrew.controllers.wrapping import takes_motion
 from leadscrew.kernel.errors import LeadscrewError

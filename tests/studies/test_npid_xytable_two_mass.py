@@ -2,8 +2,8 @@
 
 import pytest
 
+from leadscrew.analysis.stability.loop import sampled_loop
 from leadscrew.analysis.stability.margins import margins
-from leadscrew.analysis.stability.sampled import sampled_loop
 from leadscrew.controllers.pid import TUNINGS, pid
 from leadscrew.kernel.loop import Loop
 from leadscrew.plants.xy_table_two_mass import XYTableTwoMassParams, xy_table_two_mass

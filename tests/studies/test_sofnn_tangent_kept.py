@@ -5,7 +5,6 @@ import pytest
 from scipy.ndimage import gaussian_filter1d
 
 from leadscrew import catalogue, controller_file
-from leadscrew.analysis.piece_learning import next_offsets
 from leadscrew.controllers.tangent.curvature_feed_forward import curvature_feed_forward
 from leadscrew.controllers.tangent.curvature_network import curvature_network
 from leadscrew.controllers.tangent.taught_offset import taught_alone
@@ -17,6 +16,7 @@ from leadscrew.studies.sofnn_tangent.delayed_pd import delayed_pd
 from leadscrew.studies.sofnn_tangent.pieces import PLACES, PLAIN, Learned, Plan, others_mean, pieces
 from leadscrew.studies.sofnn_tangent.scenarios import LINES, MATERIAL_NAMES, PERIOD_S, line
 from leadscrew.studies.tuned import FOLDER
+from leadscrew.tangent.piece_learning import next_offsets
 from leadscrew.tune.space import Space
 from leadscrew.tune.tuner import at_ends, training
 from tests.studies.tangent_lab import lab

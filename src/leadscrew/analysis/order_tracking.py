@@ -25,7 +25,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from leadscrew.analysis.harmonics.fundamental import fitted_fundamental
+from leadscrew.analysis.harmonics.lines import fitted_fundamental
 from leadscrew.analysis.harmonics.record import Array, Sampling, folded, sampling, values
 from leadscrew.kernel.errors import ValueRefused
 

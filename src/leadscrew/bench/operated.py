@@ -60,7 +60,7 @@ def _circle() -> Callable[[], object]:
     import numpy as np
 
     from leadscrew import catalogue
-    from leadscrew.analysis.circular.machine import with_reference
+    from leadscrew.analysis.circular.simulation import with_reference
     from leadscrew.operate.why import Circle
     from leadscrew.references.sine import sine_motion
 

@@ -16,8 +16,8 @@ from leadscrew.kernel.errors import DataError, ValueRefused
 
 if TYPE_CHECKING:
     from leadscrew.analysis.circular.evaluation import Evaluation
-    from leadscrew.analysis.circular.instrument import BallBar
     from leadscrew.analysis.circular.paths import CircularTest
+    from leadscrew.analysis.circular.synthetic import BallBar
 
 FILES = (".csv", ".txt")
 
@@ -112,7 +112,7 @@ def ballbar(
     found = evaluate(test, edition, leads)
     read: Evaluation | None = None
     if instrument is not None:
-        from leadscrew.analysis.circular.instrument import read_by
+        from leadscrew.analysis.circular.synthetic import read_by
 
         read = evaluate(read_by(instrument, test), edition, leads)
     from leadscrew.report import ballbar as report
@@ -172,7 +172,7 @@ def _show(found: Evaluation, read: Evaluation | None, report: Any) -> None:
 
 
 def _write_example(subject: str) -> None:
-    from leadscrew.analysis.circular.example import FEED_MM_MIN, RADIUS_MM, example
+    from leadscrew.analysis.circular.synthetic import FEED_MM_MIN, RADIUS_MM, example
     from leadscrew.newfile import save
 
     file = Path(subject)

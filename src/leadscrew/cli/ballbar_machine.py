@@ -9,8 +9,8 @@ from leadscrew.cli.output import progress
 from leadscrew.kernel.errors import ValueRefused
 
 if TYPE_CHECKING:
-    from leadscrew.analysis.circular.instrument import BallBar
     from leadscrew.analysis.circular.paths import CircularTest
+    from leadscrew.analysis.circular.synthetic import BallBar
     from leadscrew.experiment import Experiment
     from leadscrew.kernel.loop import Loop
 
@@ -21,7 +21,7 @@ def loops_of(
     names: list[str], controller: str | None, scenario: str | None, changes: list[str], bar: bool
 ) -> tuple[list[Loop], BallBar | None]:
     """The loops of the axes with their changes made, and the bar if one is wanted."""
-    from leadscrew.analysis.circular.instrument import BallBar
+    from leadscrew.analysis.circular.synthetic import BallBar
     from leadscrew.cli.values import parse
     from leadscrew.kernel.sheet import entries
 
@@ -54,7 +54,7 @@ def _experiment(name: str, controller: str | None, scenario: str | None) -> Expe
 def simulated(
     loops: list[Loop], wanted: tuple[Any, ...], encoder: bool, unit: str | None, engine: str | None
 ) -> CircularTest:
-    from leadscrew.analysis.circular.drawn import Circle, Machine, draw
+    from leadscrew.analysis.circular.simulation import Circle, Machine, draw
 
     radius, feed, direction, start, points = wanted
     circle = Circle(

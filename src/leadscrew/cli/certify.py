@@ -75,7 +75,7 @@ def certify(
 
     Exit code 0 where it is certified as asked, 1 where it is not, 2 for bad input.
     """
-    from leadscrew.analysis.stability.certifying import certify as certified
+    from leadscrew.analysis.stability.certification import certify as certified
     from leadscrew.cli.tune import free
     from leadscrew.export.identity import identity_of
     from leadscrew.kernel.errors import ValueRefused

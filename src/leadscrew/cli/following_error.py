@@ -42,8 +42,7 @@ def following_error(
 
     Says what is odd about the logs: rows out of order, rounding, counters that wrap, torn, frozen and double rows.
     """
-    from leadscrew.analysis.following import following
-    from leadscrew.analysis.following_files import pair_of, read_logs
+    from leadscrew.analysis.following import following, pair_of, read_logs
     from leadscrew.cli.fuzzy_files import PICTURES, save_figure, suffix_of
     from leadscrew.cli.pairs import texts
     from leadscrew.cli.tune import free

@@ -44,7 +44,7 @@ def positioning(
     if compensation is None and (kind is not None or unit is not None):
         given = "--type" if kind is not None else "--unit"
         raise ValueRefused(f"{given} is about the table that --compensation FILE writes")
-    from leadscrew.analysis.positioning_file import read_positioning
+    from leadscrew.analysis.positioning import read_positioning
     from leadscrew.export.screw_compensation import screw_compensation
     from leadscrew.newfile import save
     from leadscrew.report import positioning as report
@@ -84,7 +84,7 @@ def _show(test: Any, report: Any) -> None:
 
 
 def _write_example(file: Path) -> None:
-    from leadscrew.analysis.positioning_file import example
+    from leadscrew.analysis.positioning import example
     from leadscrew.kernel.errors import DataError
     from leadscrew.newfile import save
 

@@ -8,7 +8,7 @@ comes the first again. ``t_0`` is the first sample, or an align: the motion has 
 A controller with a disturbance observer need not be told. With ``d = L (q - J v)``, ``q' = T - F_hat - d`` and ``T``
 its own torque, ``J v' = T + u - F`` gives ``d' = L (F - F_hat - u - d)``: the observer treats the table as it treats
 the friction model, and what it still finds is what the table does not have yet.
-:func:`leadscrew.analysis.trial_learning.taught` makes the next table of it.
+:func:`leadscrew.controllers.trial_learning.taught` makes the next table of it.
 
 A limit of the inner controller's output does not count the table. Bumpless start as the inner controller's, less the
 first value of the table.

@@ -137,7 +137,7 @@ class TableAxis:
 
     def linear(self, gains: Gains) -> LinearLoop:
         """The sampled linear loop of a PID, from the steps that run, cut at the error."""
-        from leadscrew.analysis.stability.sampled import sampled_loop
+        from leadscrew.analysis.stability.loop import sampled_loop
         from leadscrew.controllers.pid import pid
 
         made = self.loop(pid(**gains.as_dict()))

@@ -13,8 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from leadscrew.analysis.circular.evaluation import Evaluation
-from leadscrew.analysis.circular.fit import Circle
-from leadscrew.analysis.circular.paths import SOURCES, TURN, CircularTest, Floats, Turn
+from leadscrew.analysis.circular.paths import SOURCES, TURN, Circle, CircularTest, Floats, Turn
 from leadscrew.analysis.circular.quantities import quantities
 from leadscrew.report.style import BLACK, BLUE, VERMILION
 

@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from leadscrew.analysis.following import ALL, Followed, Following
-from leadscrew.analysis.following_lag import Told
+from leadscrew.analysis.following import ALL, Followed, Following, Told
 from leadscrew.newfolder import appearing
 from leadscrew.report import page as html
 from leadscrew.report.strict import strict

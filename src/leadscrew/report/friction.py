@@ -8,8 +8,14 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 
-from leadscrew.analysis.friction import friction_along, friction_velocity, path_through
-from leadscrew.analysis.friction_runs import break_away, break_away_after_rest, stick_slip
+from leadscrew.analysis.friction import (
+    break_away,
+    break_away_after_rest,
+    friction_along,
+    friction_velocity,
+    path_through,
+    stick_slip,
+)
 from leadscrew.friction.asymmetric import LuGreSlide
 from leadscrew.friction.dahl import Dahl
 from leadscrew.friction.maxwell_slip import MaxwellSlip

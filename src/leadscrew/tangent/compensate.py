@@ -2,7 +2,7 @@
 
     d_(j+1)(s) = Q [ (1 - L) d_j(s) + L (d_j(s) - e_j(s + lead) / g) ],      held to +-15 deg
 
-is the command form of :mod:`leadscrew.analysis.piece_learning` along the arc length. ``d_j`` are the offsets with which
+is the command form of :mod:`leadscrew.tangent.piece_learning` along the arc length. ``d_j`` are the offsets with which
 piece ``j`` was cut: what its program says. ``lead`` is the lag of the axis times the feed. There is no sensor and no
 control: the machine needs an axis that turns, and the piece a scanner.
 
@@ -159,7 +159,7 @@ def _checked(learning: Learning) -> None:
 
 
 def _learned(number: int, stroke: Stroke, settings: Settings, seen: Deviation, how: Learning) -> Learned:
-    from leadscrew.analysis.piece_learning import next_offsets_along
+    from leadscrew.tangent.piece_learning import next_offsets_along
 
     s = stroke.grid(STEP_MM)
     old = stroke.offset(s)

@@ -26,8 +26,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from leadscrew.analysis.circular.fit import Circle, least_squares_circle
-from leadscrew.analysis.circular.paths import TURN, CircularTest, Floats, Turn
+from leadscrew.analysis.circular.paths import TURN, Circle, CircularTest, Floats, Turn, least_squares_circle
 from leadscrew.kernel.errors import ValueRefused
 
 EDITIONS = ("1996", "2005", "2022")

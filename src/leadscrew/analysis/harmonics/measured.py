@@ -9,9 +9,15 @@ from typing import Any
 
 import numpy as np
 
-from leadscrew.analysis.harmonics.fft import Spectrum, Window, spectrum
-from leadscrew.analysis.harmonics.fundamental import Fundamental, fitted_fundamental
-from leadscrew.analysis.harmonics.lines import Harmonics, least_squares
+from leadscrew.analysis.harmonics.lines import (
+    Fundamental,
+    Harmonics,
+    Spectrum,
+    Window,
+    fitted_fundamental,
+    least_squares,
+    spectrum,
+)
 from leadscrew.analysis.harmonics.record import Array, Sampling, folded, sampling, values
 from leadscrew.kernel.errors import DataError, ValueRefused
 

@@ -15,10 +15,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from leadscrew.analysis.stability.certificate import Certificate
-from leadscrew.analysis.stability.envelope import best
+from leadscrew.analysis.stability.criterion import ask, best, outcome
 from leadscrew.analysis.stability.linear import LinearLoop
-from leadscrew.analysis.stability.outcome import outcome
-from leadscrew.analysis.stability.question import ask
 
 if TYPE_CHECKING:
     from leadscrew.analysis.stability.lure import Lure

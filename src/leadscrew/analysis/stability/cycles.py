@@ -1,7 +1,7 @@
 """What a limit-cycle prediction returns: the cycles, the loop at rest, what to distrust, a report and a figure.
 
 A prediction is no proof: it says which oscillations a loop of a static nonlinearity sustains, up to the harmonics that
-were counted. See :mod:`leadscrew.analysis.stability.describing` and
+were counted. See :mod:`leadscrew.analysis.stability.harmonic_balance` and
 :mod:`leadscrew.analysis.stability.harmonic_balance`.
 """
 

@@ -24,10 +24,8 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 from leadscrew.analysis.stability.certificate import Certificate, Grade, interval, of_loop
-from leadscrew.analysis.stability.grid import own_grid
-from leadscrew.analysis.stability.kyp import ROUNDING, inequality, solve
-from leadscrew.analysis.stability.linear import LinearLoop
-from leadscrew.analysis.stability.lmi import grid_limit, largest_proved, refusal
+from leadscrew.analysis.stability.linear import LinearLoop, own_grid
+from leadscrew.analysis.stability.lmi import ROUNDING, grid_limit, inequality, largest_proved, refusal, solve
 from leadscrew.kernel.errors import ValueRefused
 
 if TYPE_CHECKING:

@@ -16,9 +16,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from leadscrew.analysis.stability.certificate import Certificate
+from leadscrew.analysis.stability.criterion import Question, ask, limit_of, outcome
 from leadscrew.analysis.stability.linear import LinearLoop
-from leadscrew.analysis.stability.outcome import limit_of, outcome
-from leadscrew.analysis.stability.question import Question, ask
 from leadscrew.analysis.stability.tsypkin import sided
 from leadscrew.kernel.errors import ValueRefused
 

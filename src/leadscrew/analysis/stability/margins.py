@@ -17,11 +17,15 @@ from typing import Any
 import numpy as np
 
 from leadscrew.analysis.stability.certificate import Certificate, number, of_loop
-from leadscrew.analysis.stability.crossings import Crossing, gain_crossings, phase_crossings
-from leadscrew.analysis.stability.envelope import highest
-from leadscrew.analysis.stability.grid import given_grid, own_grid
-from leadscrew.analysis.stability.linear import LinearLoop
-from leadscrew.analysis.stability.question import worst_pole
+from leadscrew.analysis.stability.criterion import highest, worst_pole
+from leadscrew.analysis.stability.linear import (
+    Crossing,
+    LinearLoop,
+    gain_crossings,
+    given_grid,
+    own_grid,
+    phase_crossings,
+)
 
 
 @dataclass(frozen=True, eq=False)

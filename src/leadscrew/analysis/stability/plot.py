@@ -11,9 +11,7 @@ from matplotlib.figure import Figure
 
 from leadscrew import escape
 from leadscrew.analysis.stability.certificate import Certificate, number
-from leadscrew.analysis.stability.crossings import phase_crossings
-from leadscrew.analysis.stability.grid import own_grid
-from leadscrew.analysis.stability.linear import LinearLoop
+from leadscrew.analysis.stability.linear import LinearLoop, own_grid, phase_crossings
 from leadscrew.report.style import BLACK, BLUE, GREEN, ORANGE, VERMILION
 
 

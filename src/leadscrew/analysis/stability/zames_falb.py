@@ -24,10 +24,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from leadscrew.analysis.stability.certificate import Certificate
-from leadscrew.analysis.stability.envelope import best
+from leadscrew.analysis.stability.criterion import Question, ask, best, limit_of, outcome
 from leadscrew.analysis.stability.linear import LinearLoop
-from leadscrew.analysis.stability.outcome import limit_of, outcome
-from leadscrew.analysis.stability.question import Question, ask
 from leadscrew.kernel.errors import ValueRefused
 
 if TYPE_CHECKING:

@@ -3,7 +3,7 @@
     d(k) = clip(inner(command, feedback) + u(k), -most, most)
 
 ``u`` is ``table``: what earlier pieces of the same path have shown to be needed
-(:func:`leadscrew.analysis.piece_learning.next_offsets` makes it). ``k`` counts samples from the first one, or from an
+(:func:`leadscrew.tangent.piece_learning.next_offsets` makes it). ``k`` counts samples from the first one, or from an
 align. Behind the last of the ``samples`` samples the last value is held, or the table starts again (``laps=1``: a
 closed path cut lap behind lap). ``samples = 0`` means the whole table. The array may be longer, so that pieces of
 different length share one compiled loop.

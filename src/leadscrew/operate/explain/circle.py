@@ -12,10 +12,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from leadscrew.analysis.circular.command import CircleParams
-from leadscrew.analysis.circular.machine import Machine, place_of
 from leadscrew.analysis.circular.paths import CCW, CW, FEWEST, TURN, CircularTest, Turn
 from leadscrew.analysis.circular.quantities import quantities
+from leadscrew.analysis.circular.simulation import CircleParams, Machine, place_of
 from leadscrew.kernel.errors import DataError, ValueRefused
 from leadscrew.kernel.loop import Loop
 from leadscrew.operate.explain.shown import rounded_up

@@ -6,8 +6,8 @@ sliding; the last turn is measured, at 1,800 points evenly spaced in the command
 turned round. Laws, friction and scale are odd, so that Y then draws its own mirror image: with ``both=False`` it is not
 run again.
 
-:mod:`leadscrew.analysis.circular.drawn` draws circles of any loop with a start as on a machine, from rest, and in both
-directions; here the loops are those of the sines, one compiled program a controller.
+:mod:`leadscrew.analysis.circular.simulation` draws circles of any loop with a start as on a machine, from rest, and in
+both directions; here the loops are those of the sines, one compiled program a controller.
 """
 
 from __future__ import annotations

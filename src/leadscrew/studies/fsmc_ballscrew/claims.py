@@ -12,7 +12,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from leadscrew.analysis.circular.instrument import BallBar
+from leadscrew.analysis.circular.synthetic import BallBar
 from leadscrew.friction.lugre import TABLE_2, LuGre
 from leadscrew.plants.ballscrew_stage import INERTIA, TRAVEL_MM_PER_RAD
 from leadscrew.studies.claims import Measured, Test, at_least, at_most, claim, within

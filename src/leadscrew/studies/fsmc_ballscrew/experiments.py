@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from leadscrew.analysis.circular.instrument import BallBar, read_by
+from leadscrew.analysis.circular.synthetic import BallBar, read_by
 from leadscrew.figures.table import Table
 from leadscrew.friction.lugre import LuGre
 from leadscrew.plants.ballscrew_stage import INERTIA, TRAVEL_MM_PER_RAD

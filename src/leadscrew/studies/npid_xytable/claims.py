@@ -12,7 +12,7 @@ import numpy as np
 
 from leadscrew.analysis.stability.certificate import Certificate
 from leadscrew.analysis.stability.driven import driven
-from leadscrew.analysis.stability.lmi_zames_falb import lmi_zames_falb
+from leadscrew.analysis.stability.lmi import lmi_zames_falb
 from leadscrew.analysis.stability.loop import reference_loops
 from leadscrew.analysis.stability.margins import margins
 from leadscrew.analysis.stability.popov import popov

@@ -2,7 +2,7 @@
 
     H = P_d / (1 + L),      S = 1 / (1 + L)
 
-``L`` is the sampled loop L* as it runs (:func:`leadscrew.analysis.stability.sampled.sampled_loop`), ``P_d`` the table
+``L`` is the sampled loop L* as it runs (:func:`leadscrew.analysis.stability.loop.sampled_loop`), ``P_d`` the table
 from a held disturbance, without dead time. :func:`best_pid` minimises the mean of ``|H|`` over the five lines of Table
 II subject to a peak of ``|S|``; nothing else is weighed, noise least of all.
 """
@@ -38,7 +38,7 @@ BEST: dict[float, Block] = {
 
 def opened(controller: Block, changes: Mapping[str, float] | None = None) -> LinearLoop:
     """The loop L* of a linear controller, cut at the error; its plant with ``changes`` by ``plant.*`` keys."""
-    from leadscrew.analysis.stability.sampled import sampled_loop
+    from leadscrew.analysis.stability.loop import sampled_loop
     from leadscrew.controllers.wrapping import takes_motion
     from leadscrew.kernel.loop import Loop
     from leadscrew.references.sine import sine, sine_motion

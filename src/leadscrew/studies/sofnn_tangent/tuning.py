@@ -20,12 +20,12 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from leadscrew import controller_file
-from leadscrew.analysis.piece_learning import next_offsets
 from leadscrew.controllers.tangent.taught_offset import taught_alone, taught_offset
 from leadscrew.studies.lab import Lab, measure
 from leadscrew.studies.sofnn_tangent.pieces import PLACES, unknown_plant
 from leadscrew.studies.sofnn_tangent.scenarios import LINES, takes_cut_line
 from leadscrew.studies.tuned import FOLDER as TUNED_FOLDER
+from leadscrew.tangent.piece_learning import next_offsets
 from leadscrew.tune.space import Space
 from leadscrew.tune.statistics import Interval, paired
 from leadscrew.tune.tuner import crossed, held_out_plants, training

@@ -7,7 +7,7 @@
 the offset that was sent in it, with the part of a feedback controller, ``e`` (deg) the deviation of the cut line from
 the drawn one, ``g`` the believed gain from offset to deviation. ``lead`` is what lies between the two, in samples: the
 lag of the axis, and the delay of the sensor if ``e`` is its reading (2 + 4 in the study), the lag alone if the piece
-was measured afterwards. ``Q`` is the Gaussian of :func:`~leadscrew.analysis.trial_learning.smoothed`, of ``width``
+was measured afterwards. ``Q`` is the Gaussian of :func:`~leadscrew.controllers.trial_learning.smoothed`, of ``width``
 samples.
 
 With the delay made up for and ``e = g d + c``, ``c`` what the material does, ``d - e / g`` is ``-c / g``: the offset
@@ -34,7 +34,7 @@ from typing import Any
 
 import numpy as np
 
-from leadscrew.analysis.trial_learning import REACH, smoothed
+from leadscrew.controllers.trial_learning import REACH, smoothed
 from leadscrew.kernel.errors import DataError, ValueRefused
 
 FINE = 4.0

@@ -2,20 +2,72 @@
 
 Nothing is repaired. Rows in which no axis can have been are left out of the tables and named; rows out of order break
 the log into stretches, within which alone anything that needs time is computed.
+
+How coarsely a column of a log was written: fixed decimals, significant digits, or both.
+
+A position that was written with three digits has a step of 1 mm at 141 mm and of 0.1 mm at 72.4 mm. An error between
+two such columns is known to that step only, whatever the encoder resolves.
+
+Units of the columns of a following error: everything of an axis in the unit of its command.
+
+A header that names a unit (``X [mm]``) is taken at its word; what the caller tells comes first. Where a column names
+none it is taken to be in the unit of the others, as logs of one control are.
 """
 
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 
-from leadscrew.analysis.following_rounding import steps
+from leadscrew.kernel.errors import DataError, ValueRefused
 from leadscrew.logs.finding import Finding
 from leadscrew.logs.jumps import excess, jumps
+from leadscrew.logs.table import Table
+from leadscrew.logs.units import length_in, speed_in, time_in
+
+MOST_DIGITS = 7
+MOST_DECIMALS = 9
+
+
+def digits(values: np.ndarray) -> int | None:
+    """The least number of significant digits, up to 7, that all values are written with; None where more are used."""
+    return next((d for d in range(1, MOST_DIGITS + 1) if _same(values, _to_digits(values, d))), None)
+
+
+def decimals(values: np.ndarray) -> int | None:
+    """The least number of decimals, up to 9, that all values are written with; None where more are used."""
+    return next((d for d in range(MOST_DECIMALS + 1) if _same(values, np.round(values, d))), None)
+
+
+def steps(values: np.ndarray) -> np.ndarray:
+    """The step of each value: the coarser of its last significant digit and the column's last decimal; 0: unknown.
+
+    Each is a grid that all values lie on, so the coarser one holds.
+    """
+    held = np.abs(np.asarray(values, float))
+    found = np.zeros(held.shape)
+    count, places = digits(held), decimals(held)
+    if count is not None:
+        found = np.where(held > 0.0, 10.0 ** (_decade(held) - count + 1), 0.0)
+    return found if places is None else np.maximum(found, 10.0**-places)
+
+
+def _decade(held: np.ndarray) -> np.ndarray:
+    return np.floor(np.log10(np.where(held > 0.0, held, 1.0)) + 1e-12)
+
+
+def _to_digits(values: np.ndarray, count: int) -> np.ndarray:
+    step = 10.0 ** (_decade(np.abs(values)) - count + 1)
+    return np.round(values / step) * step
+
+
+def _same(values: np.ndarray, rounded: np.ndarray) -> bool:
+    return bool(np.all(np.abs(values - rounded) <= 1e-9 * np.maximum(np.abs(values), 1e-30)))
+
 
 TORN = 1.5
 """An error larger than what the axis travels in so many periods and in twice its usual lag, and than two steps, is no
@@ -261,3 +313,64 @@ def _labels(phase: Sequence[str]) -> list[Finding]:
             Finding("phase", "warning", f"{100.0 * most / len(phase):.0f} % of the rows are of phase {name!r}")
         )
     return found
+
+
+ROLES = ("time", "position", "command", "actual", "velocity")
+"""What a unit is told of; ``position`` is command and actual."""
+
+
+def checked(told: Mapping[str, str]) -> dict[str, str]:
+    """The units by role, each one that is known.
+
+    Raises:
+        ValueRefused: no such role or unit.
+    """
+    for role, unit in told.items():
+        if role not in ROLES:
+            raise ValueRefused(f"--unit {role}={unit}: allowed are {', '.join(ROLES)}")
+        {"time": time_in, "velocity": speed_in}.get(role, length_in)(unit)
+    return dict(told)
+
+
+def in_one_unit(track: Track, names: Mapping[str, str], table: Table, told: Mapping[str, str]) -> Track:
+    """The track with actual position and velocities in the unit of the command; ``names``: column by role.
+
+    Raises:
+        DataError: units that do not go together.
+    """
+    units = {role: _unit(table, name, role, told) for role, name in names.items()}
+    own = units["command"] or units["actual"]
+    if not own:
+        return track
+    kind, size = length_in(own)
+    changed: dict[str, object] = {"unit": own}
+    if units["actual"] and length_in(units["actual"])[0] != kind:
+        raise DataError(
+            f"{table.source}: {names['command']!r} is in {own}, {names['actual']!r} in {units['actual']}; expected "
+            "both along or both around: name other columns with --pair, or say --unit position=UNIT"
+        )
+    scale = length_in(units["actual"])[1] / size if units["actual"] else 1.0
+    if scale != 1.0:
+        changed["actual"] = scale * track.actual
+    for role in ("command_speed", "actual_speed"):
+        speed = getattr(track, role)
+        if speed is not None and units.get(role):
+            way, rate = speed_in(units[role])
+            if way == kind and rate != size:
+                changed[role] = rate / size * speed
+    return replace(track, **changed)  # type: ignore[arg-type]
+
+
+def _unit(table: Table, name: str, role: str, told: Mapping[str, str]) -> str:
+    """As told, or as the header says, where that is a unit of such a column; else nothing."""
+    if role.endswith("_speed"):
+        return _fits(told.get("velocity") or table.units.get(name, ""), True)
+    return told.get(role) or told.get("position") or _fits(table.units.get(name, ""), False)
+
+
+def _fits(unit: str, speed: bool) -> str:
+    try:
+        (speed_in if speed else length_in)(unit)
+    except ValueRefused:
+        return ""
+    return unit

@@ -7,6 +7,16 @@ In each direction the machine starts at rest where its axes stand, on the circle
 eighth of the first turn, settles during the rest of it, and the second turn is measured. Between control periods the
 deviation from the command is interpolated linearly, at points evenly spaced in the angle of the command. Axes and
 directions are runs of their own: on a compiled engine they run side by side, with the same bits as one by one.
+
+A circle as the command of a loop: at rest, then up to speed smoothly, then turn after turn at constant feed.
+
+    phi(t) = start + d w T (q^3 - q^4 / 2),  q = t / T      up to T
+    phi(t) = start + d w (t - T / 2)                        from there
+    x = x_c + R cos phi,   y = y_c + R sin phi
+
+``d`` is 1 counter-clockwise and -1 clockwise, ``w = feed / R``. The angular speed rises as ``3 q^2 - 2 q^3``: speed and
+acceleration have no jump at either end, the jerk is finite. ``T`` is a quarter of the time of a turn, so that an eighth
+of a turn brings it up to speed. Velocities and accelerations are exact derivatives.
 """
 
 from __future__ import annotations
@@ -16,19 +26,248 @@ import os
 import warnings
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, NamedTuple
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 
 import numpy as np
 
-from leadscrew.analysis.circular import command
-from leadscrew.analysis.circular.machine import Machine, place_of, reference_of, with_reference
 from leadscrew.analysis.circular.paths import CCW, CW, FEWEST, TURN, USUAL, CircularTest, Floats, Turn, positive
+from leadscrew.kernel.block import Block, reference
 from leadscrew.kernel.errors import DataError, Diverged, ValueRefused
+from leadscrew.kernel.frame import as_floats
+from leadscrew.kernel.layout import Layout
 from leadscrew.kernel.loop import DivergenceWarning, Loop
+from leadscrew.kernel.sheet import Doc, Gt, Unit
+from leadscrew.references.motion import Motion
+from leadscrew.references.path import PathPoint, PathPoint3
 
 if TYPE_CHECKING:
     from leadscrew.kernel.live import Live
+
+
+class CircleParams(NamedTuple):
+    """The circle, in the unit of the loop's command."""
+
+    radius: Annotated[float, Gt(0), Doc("of the circle")] = 100.0
+    speed: Annotated[float, Unit("rad/s"), Gt(0), Doc("angular speed at the feed")] = 1.0
+    turning: Annotated[float, Doc("1 counter-clockwise, -1 clockwise")] = 1.0
+    start: Annotated[float, Unit("rad"), Doc("angle of the start point, from +x towards +y")] = 0.0
+    centre_x: Annotated[float, Doc("of the circle")] = 0.0
+    centre_y: Annotated[float, Doc("of the circle")] = 0.0
+
+
+class Point(NamedTuple):
+    """Positions of two axes, for controllers that take no derivatives."""
+
+    x: float = 0.0
+    y: float = 0.0
+
+
+class Point3(NamedTuple):
+    """Positions of three axes."""
+
+    x: float = 0.0
+    y: float = 0.0
+    z: float = 0.0
+
+
+QUARTER = 0.5 * math.pi
+"""Angle that the feed would turn in the time that it takes to come up to it, rad."""
+
+
+def phase(p, t):
+    """Angle, its rate and its acceleration."""
+    rise = QUARTER / p.speed
+    q = min(t / rise, 1.0)
+    ahead = p.speed * max(t - rise, 0.0)
+    turned = QUARTER * (q * q * q - 0.5 * q * q * q * q) + ahead
+    rate = p.speed * q * q * (3.0 - 2.0 * q)
+    growth = p.speed / rise * 6.0 * q * (1.0 - q)
+    return Motion(p.start + p.turning * turned, p.turning * rate, p.turning * growth)
+
+
+def along_x(p, t):
+    """Motion of X."""
+    turn = phase(p, t)
+    c = p.radius * math.cos(turn.position)
+    s = p.radius * math.sin(turn.position)
+    square = turn.velocity * turn.velocity
+    return Motion(p.centre_x + c, -s * turn.velocity, -s * turn.acceleration - c * square)
+
+
+def along_y(p, t):
+    """Motion of Y."""
+    turn = phase(p, t)
+    c = p.radius * math.cos(turn.position)
+    s = p.radius * math.sin(turn.position)
+    square = turn.velocity * turn.velocity
+    return Motion(p.centre_y + s, c * turn.velocity, c * turn.acceleration - s * square)
+
+
+@reference(CircleParams())
+def circle_motion(p, t):
+    """The circle with derivatives, for both axes."""
+    return PathPoint(along_x(p, t), along_y(p, t))
+
+
+@reference(CircleParams())
+def circle_motion_3(p, t):
+    """The same for three axes; the third rests at 0."""
+    return PathPoint3(along_x(p, t), along_y(p, t), Motion(0.0, 0.0, 0.0))
+
+
+@reference(CircleParams())
+def circle_point(p, t):
+    """Positions of both axes."""
+    return Point(along_x(p, t).position, along_y(p, t).position)
+
+
+@reference(CircleParams())
+def circle_point_3(p, t):
+    """Positions of three axes; the third rests at 0."""
+    return Point3(along_x(p, t).position, along_y(p, t).position, 0.0)
+
+
+@reference(CircleParams())
+def circle_x_motion(p, t):
+    """Motion of X alone."""
+    return along_x(p, t)
+
+
+@reference(CircleParams())
+def circle_y_motion(p, t):
+    """Motion of Y alone."""
+    return along_y(p, t)
+
+
+@reference(CircleParams())
+def circle_x(p, t):
+    """Position of X alone."""
+    return along_x(p, t).position
+
+
+@reference(CircleParams())
+def circle_y(p, t):
+    """Position of Y alone."""
+    return along_y(p, t).position
+
+
+REACHED_TURNS = 0.125
+"""Turns made when the feed is reached."""
+
+
+def time_of(turns: float, speed: float) -> float:
+    """When the circle has turned that far, past the rise, s."""
+    return (2.0 * math.pi * turns + 0.5 * QUARTER) / speed
+
+
+MM = {"mm": 1.0, "um": 1e-3, "m": 1e3, "in": 25.4, "inch": 25.4}
+"""Millimetres in the units that a block may say."""
+
+
+@dataclass(frozen=True)
+class Machine:
+    """What draws: one loop of two axes, or one loop for each."""
+
+    x: Loop
+    y: Loop | None = None
+    """The loop of Y; None: ``x`` moves both."""
+    unit: str | None = None
+    """Of the loops' positions; what their blocks say unless given."""
+
+    def mm(self) -> float:
+        """Millimetres in the unit of the loops.
+
+        Raises:
+            ValueRefused: it is not known, no length, or differs between the axes.
+        """
+        said = {self.unit} if self.unit else {_unit(loop) for loop in (self.x, self.y) if loop is not None}
+        if len(said) != 1:
+            raise ValueRefused(f"the axes have different units: {', '.join(sorted(said))}; a circle needs one")
+        unit = next(iter(said))
+        if not unit:
+            raise ValueRefused(f"{self.x.name} does not say the unit of its position; expected {', '.join(MM)}")
+        if unit not in MM:
+            raise ValueRefused(f"{self.x.name} moves in {unit}; a circle needs a length: {', '.join(MM)}")
+        return MM[unit]
+
+
+def _unit(loop: Loop) -> str:
+    said = [b.unit for s in ("plant", "sensor", "reference") if (b := loop.blocks[s]) is not None]
+    return next((u for u in said if u in MM), next((u for u in said if u), ""))
+
+
+def with_reference(loop: Loop, reference: Block) -> Loop:
+    """The loop with another reference; its metrics, which may be about the old one, left out."""
+    held: dict[str, Any] = {s: b for s, b in loop.blocks.items() if s != "reference"}
+    return Loop(
+        reference=reference,
+        metrics={},
+        period=None if loop.continuous else loop.period,
+        sample=loop.period,
+        substeps=loop.substeps,
+        method=loop.method,
+        computation_delay=loop.sent * loop.step,
+        transport_delay=loop.seen * loop.step,
+        bound=loop.bound,
+        seed=loop.seed,
+        rtol=loop.rtol,
+        atol=loop.atol,
+        engine=loop.engine,
+        name=loop.name,
+        **held,
+    )
+
+
+def _leaves(signal: Any) -> dict[str, float]:
+    """The numbers of a signal by dotted name; a lone number has none."""
+    floats = as_floats(signal)
+    layout = Layout(floats)
+    values = layout.pack(floats)[0]
+    return {leaf.key: float(values[leaf.at]) for leaf in layout.scalars}
+
+
+def place_of(loop: Loop, signal: str, field: str, which: int) -> tuple[str, float]:
+    """Column and first value of an axis's position in a signal."""
+    leaves = {f".{k}" if k else "": v for k, v in _leaves(loop.signals[signal]).items()}
+    for name in (f"{field}.position", field):
+        if name in leaves:
+            return signal + name, leaves[name]
+    if field:
+        shown = ", ".join(k.lstrip(".") for k in leaves if k) or "one number"
+        raise ValueRefused(
+            f"{loop.name} has not two axes: its {signal} is {shown}, expected x and y; give the loop of the other axis"
+        )
+    shown = ", ".join(k.lstrip(".") for k in leaves)
+    if any(k.startswith(".x") for k in leaves) and any(k.startswith(".y") for k in leaves):
+        raise ValueRefused(f"{loop.name} has both axes already; the loop of another axis is for a loop of one")
+    raise ValueRefused(f"{loop.name}: its {signal} is {shown}; expected one position for axis {'XY'[which]}")
+
+
+def reference_of(loop: Loop, which: int, both: bool) -> Block:
+    """The circle in the form of the loop's command."""
+    keys = set(_leaves(loop.signals["command"]))
+    ends = {k.rsplit(".", 1)[-1] for k in keys}
+    motion = bool(ends & {"position", "velocity", "acceleration"})
+    if not both:
+        if any(k not in ("", "position", "velocity", "acceleration") for k in keys):
+            raise ValueRefused(
+                f"{loop.name} is commanded by {', '.join(sorted(keys))}; a loop of one axis takes a position, or a "
+                "motion"
+            )
+        blocks = (circle_x_motion, circle_y_motion) if motion else (circle_x, circle_y)
+        return replace(blocks[which], unit=_unit(loop))
+    axes = {k.split(".", 1)[0] for k in keys}
+    if axes not in ({"x", "y"}, {"x", "y", "z"}):
+        shown = ", ".join(sorted(axes)) or "one number"
+        raise ValueRefused(
+            f"{loop.name} has not two axes: it is commanded by {shown}, expected x and y; give the loop of the other "
+            "axis"
+        )
+    if motion:
+        return circle_motion if len(axes) == 2 else circle_motion_3
+    return circle_point if len(axes) == 2 else circle_point_3
+
 
 MOST_ROWS = 200_000
 """Recorded control periods of a turn; of more only every n-th is kept."""
@@ -150,12 +389,12 @@ def _path(
     sign = 1.0 if direction == CCW else -1.0
     radius = circle.radius_mm / scale
     turned = TURN * np.arange(circle.points + 1) / circle.points
-    when = (TURN + turned + 0.5 * command.QUARTER) / circle.speed
+    when = (TURN + turned + 0.5 * QUARTER) / circle.speed
     here = start + sign * (TURN + turned)
     found = []
     for axis, wave in zip(axes, (np.cos, np.sin), strict=True):
         run = runs[id(axis.live)]
-        phi = start + sign * (circle.speed * run["time"] - 0.5 * command.QUARTER)
+        phi = start + sign * (circle.speed * run["time"] - 0.5 * QUARTER)
         off = run[axis.key] - (axis.centre + radius * wave(phi))
         found.append(scale * (np.interp(when, run["time"], off) + radius * wave(here)))
     _refuse_swapped(machine, circle, found, here, (scale * axes[0].centre, scale * axes[1].centre))
@@ -203,8 +442,8 @@ def _refuse_length(loop: Loop, circle: Circle) -> None:
 def _run(live: Live, circle: Circle) -> Any:
     """Signals of the second turn, and a little on both sides."""
     period = live.loop.period
-    first = max(math.floor(command.time_of(1.0, circle.speed) / period) - 2, 1)
-    last = math.ceil(command.time_of(2.0, circle.speed) / period) + 2
+    first = max(math.floor(time_of(1.0, circle.speed) / period) - 2, 1)
+    last = math.ceil(time_of(2.0, circle.speed) / period) + 2
     every = max(1, math.floor((last - first) / MOST_ROWS))
     last += every
     run = live.advance(first, record=(), every=0)
