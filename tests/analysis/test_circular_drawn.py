@@ -57,33 +57,33 @@ def axis(p, s, u):
 
 
 @controller(Gains())
-def two_gains(p, simulation, feedback):
+def two_gains(p, command, feedback):
     """A velocity for each axis, from motions."""
-    return Pair(p.x * (simulation.x.position - feedback.x), p.y * (simulation.y.position - feedback.y))
+    return Pair(p.x * (command.x.position - feedback.x), p.y * (command.y.position - feedback.y))
 
 
 @controller(Gains())
-def two_gains_of_points(p, simulation, feedback):
+def two_gains_of_points(p, command, feedback):
     """The same from positions."""
-    return Pair(p.x * (simulation.x - feedback.x), p.y * (simulation.y - feedback.y))
+    return Pair(p.x * (command.x - feedback.x), p.y * (command.y - feedback.y))
 
 
 @controller(Gains())
-def swapped(p, simulation, feedback):
+def swapped(p, command, feedback):
     """X follows the command of Y, and the other way round."""
-    return Pair(p.x * (simulation.y.position - feedback.x), p.y * (simulation.x.position - feedback.y))
+    return Pair(p.x * (command.y.position - feedback.x), p.y * (command.x.position - feedback.y))
 
 
 @controller(Gain())
-def one_gain(p, simulation, feedback):
+def one_gain(p, command, feedback):
     """A velocity from a position."""
-    return p.gain * (simulation - feedback)
+    return p.gain * (command - feedback)
 
 
 @controller(Gain())
-def one_gain_of_motion(p, simulation, feedback):
+def one_gain_of_motion(p, command, feedback):
     """A velocity from a motion."""
-    return p.gain * (simulation.position - feedback)
+    return p.gain * (command.position - feedback)
 
 
 @sensor(Gain(0.002))

@@ -18,8 +18,7 @@ from leadscrew.controllers.sliding.fuzzy import (
 )
 from leadscrew.controllers.sliding.integral import equivalent, surface
 from leadscrew.controllers.sliding.stage import View
-from leadscrew.fuzzy.inference import RuleBase, infer
-from leadscrew.fuzzy.partition import Axis
+from leadscrew.fuzzy.inference import Axis, RuleBase, infer
 from leadscrew.kernel.block import reference
 from leadscrew.kernel.errors import ValueRefused
 from leadscrew.kernel.loop import Loop

@@ -13,8 +13,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from leadscrew.fuzzy.circuit import Circuit
-from leadscrew.fuzzy.inference import infer
-from leadscrew.fuzzy.partition import inside_universe, interval_index, upper_membership
+from leadscrew.fuzzy.inference import infer, inside_universe, interval_index, upper_membership
 from leadscrew.fuzzy.system import And, Antecedent, Is, Output
 
 MOST = 3

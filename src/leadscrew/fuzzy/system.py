@@ -336,9 +336,9 @@ class System:
 
     @cached_property
     def _compiled(self) -> Compiled:
-        from leadscrew.fuzzy.evaluate import compiled
+        from leadscrew import fuzzy
 
-        return compiled(self)
+        return fuzzy.compiled(self)
 
     def __call__(self, **inputs: float) -> dict[str, float]:
         """All outputs by name at one point, inputs by name; see :mod:`leadscrew.fuzzy.evaluate`.
@@ -360,6 +360,6 @@ class System:
             ValueRefused: no value for an input.
             NameUnknown: there is no such input.
         """
-        from leadscrew.fuzzy.explain import explain
+        from leadscrew import fuzzy
 
-        return explain(self, {**(inputs or {}), **named})
+        return fuzzy.explain(self, {**(inputs or {}), **named})

@@ -9,8 +9,7 @@ import numpy as np
 from leadscrew.escape import python_docstring
 from leadscrew.fuzzy import active, exact_centroid, norms
 from leadscrew.fuzzy.defuzzifiers import INTEGRALS, INVERSES
-from leadscrew.fuzzy.inference import RuleBase
-from leadscrew.fuzzy.partition import Axis
+from leadscrew.fuzzy.inference import Axis, RuleBase
 from leadscrew.fuzzy.system import Output
 from leadscrew.fuzzy.tables import FIRST, HEIGHT, HIGH, LOW, PAD, PEAK, SECOND, is_exact, is_integral, nodes
 from leadscrew.fuzzy.text import Lines, total

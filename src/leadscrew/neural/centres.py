@@ -17,7 +17,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from leadscrew.fuzzy.partition import Axis
+from leadscrew.fuzzy.inference import Axis
 from leadscrew.kernel.errors import ValueRefused
 from leadscrew.neural.inference_net import CENTRES, RULES, SETS, Fired, fired, network_output, regressors
 from leadscrew.neural.samples import P0, R, Samples, checked, rms

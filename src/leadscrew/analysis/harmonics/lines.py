@@ -13,7 +13,8 @@ be right.
 The fundamental of a record from its own lines, by nonlinear least squares over the frequency.
 
 Model: ``y(t) = o + s (t - t_m) + sum_n A_n sin(2 pi n f_0 t + phi_n)``, n over the orders asked for. For a given
-``f_0`` the rest is linear (as above); ``f_0`` follows from Gauss-Newton steps on all unknowns, started at the highest common peak of the record's Hann spectrum at ``n f_0`` within the range asked for.
+``f_0`` the rest is linear (as above); ``f_0`` follows from Gauss-Newton steps on all unknowns, started at the highest
+common peak of the record's Hann spectrum at ``n f_0`` within the range asked for.
 
 Uncertainty: linearised, with the noise at each order as above
 (``cov = (J'J)^-1 (sum_n s_n^2 J_n'J_n) (J'J)^-1``, ``J_n`` the part of the Jacobian that belongs to order n):

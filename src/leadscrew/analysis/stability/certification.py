@@ -9,8 +9,8 @@
 4. Level 2, *driven*: under load and on the move too. The circle criterion on the sector of the slope.
 5. What chatters, by the describing function, where the slope exceeds the Nyquist limit.
 
-The verdict is about the level that was asked for. A linear controller has one level, the second: its loop is stable or not. A simulation that diverges overrules any proof:
-then something that runs is not in the proof.
+The verdict is about the level that was asked for. A linear controller has one level, the second: its loop is stable or
+not. A simulation that diverges overrules any proof: then something that runs is not in the proof.
 """
 
 from __future__ import annotations

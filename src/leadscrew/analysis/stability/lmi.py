@@ -2,8 +2,9 @@
 
 A condition that holds on a grid of frequencies says nothing about the frequencies between. The same condition as a
 matrix inequality (the Kalman-Yakubovich-Popov lemma) is a proof: a function of the loop's state that falls in every
-period. :mod:`leadscrew.analysis.stability.exact` verifies them without rounding. What is proved is about the loop whose matrices are the doubles that were computed, and about
-every loop near it: the certificate says how near, and that this is more than the rounding of the matrices.
+period. :mod:`leadscrew.analysis.stability.exact` verifies them without rounding. What is proved is about the loop whose
+matrices are the doubles that were computed, and about every loop near it: the certificate says how near, and that this
+is more than the rounding of the matrices.
 
 ========================  ==================================================================================
 :func:`lmi_circle`        circle criterion: gains that vary in time, and every map in the sector

@@ -24,8 +24,7 @@ from typing import Annotated, NamedTuple
 import numpy as np
 
 from leadscrew.controllers.grey_fuzzy.rule_tables import MOST
-from leadscrew.fuzzy.inference import RuleBase, rule_base
-from leadscrew.fuzzy.partition import inside_universe, interval_index, upper_membership
+from leadscrew.fuzzy.inference import RuleBase, inside_universe, interval_index, rule_base, upper_membership
 from leadscrew.kernel.sheet import Doc, Ge, Gt, Le, Unit
 
 CENTRES = 2.0 * np.arange(-MOST, MOST + 1)

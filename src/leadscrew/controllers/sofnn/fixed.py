@@ -41,7 +41,7 @@ from leadscrew.controllers.sofnn.levels import (
     taken_over,
     watched,
 )
-from leadscrew.fuzzy.partition import Axis
+from leadscrew.fuzzy.inference import Axis
 from leadscrew.kernel.block import controller
 from leadscrew.kernel.sheet import Doc, Ge, Le, Unit
 from leadscrew.neural.inference_net import AXIS, W0, fired, network_output

@@ -84,7 +84,7 @@ from leadscrew.controllers.sofnn.organising import (
     rectified,
 )
 from leadscrew.controllers.sofnn.rules import shifted
-from leadscrew.fuzzy.partition import Axis
+from leadscrew.fuzzy.inference import Axis
 from leadscrew.kernel.block import controller
 from leadscrew.kernel.sheet import Doc, Ge, Gt, Le, Lt, Unit
 from leadscrew.neural.inference_net import AXIS, W0, fired, network_output

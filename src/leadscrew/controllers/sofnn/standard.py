@@ -70,7 +70,7 @@ from leadscrew.controllers.sofnn.organising import (
     rectified,
 )
 from leadscrew.controllers.sofnn.rules import shifted
-from leadscrew.fuzzy.partition import Axis
+from leadscrew.fuzzy.inference import Axis
 from leadscrew.kernel.block import controller
 from leadscrew.kernel.sheet import Doc, Ge, Le, Unit
 from leadscrew.neural.inference_net import AXIS, fired, initial_rules, network_output

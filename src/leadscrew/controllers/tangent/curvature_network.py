@@ -58,7 +58,7 @@ from leadscrew.controllers.tangent.believed import (
     trusted,
     within,
 )
-from leadscrew.fuzzy.partition import Axis
+from leadscrew.fuzzy.inference import Axis
 from leadscrew.kernel.block import Block, controller
 from leadscrew.kernel.errors import ValueRefused
 from leadscrew.kernel.sheet import Doc, Ge, Gt, Le, Unit

@@ -11,7 +11,7 @@ from leadscrew.controllers.grey_fuzzy.rules_shown import set_name, surface_of
 from leadscrew.controllers.grey_fuzzy.smith import SmithParams
 from leadscrew.controllers.grey_fuzzy.surface import CENTRES, Surface, firing
 from leadscrew.controllers.grey_fuzzy.tfc import TfcParams
-from leadscrew.fuzzy.partition import inside_universe, interval_index, upper_membership
+from leadscrew.fuzzy.inference import inside_universe, interval_index, upper_membership
 from leadscrew.kernel.block import Block
 from leadscrew.operate.explain.shown import Acting, Now, Quantity, rules_view, sets_view, triangles, two_degrees
 
