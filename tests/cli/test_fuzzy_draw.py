@@ -11,8 +11,8 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
 
-from leadscrew.fuzzy.activity import activity
 from leadscrew.fuzzy.evaluate import compiled
+from leadscrew.fuzzy.explanation import activity
 from tests.cli.conftest import left, strict_json
 from tests.fuzzy.systems import sugeno
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from leadscrew.fuzzy.evaluate import compiled
-from leadscrew.fuzzy.explain import explain
+from leadscrew.fuzzy.explanation import explain
 from leadscrew.fuzzy.system import Input, Output, RuleBlock, System, Term
 from leadscrew.kernel.errors import NameUnknown, ValueRefused
 from tests.fuzzy.oracle import generator

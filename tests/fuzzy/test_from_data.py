@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 
 from leadscrew.fuzzy.evaluate import compiled
-from leadscrew.fuzzy.from_data import learn
-from leadscrew.fuzzy.score import score
+from leadscrew.fuzzy.from_data import learn, score
 from leadscrew.kernel.errors import NameUnknown, ValueRefused
 
 RNG = np.random.default_rng(11)

@@ -3,7 +3,7 @@
 import pytest
 
 from leadscrew.controllers.vud.universe import TABLE_2
-from leadscrew.fuzzy.completion import complete_rules
+from leadscrew.fuzzy.fill import complete_rules
 from leadscrew.fuzzy.learning import learn_rules
 from leadscrew.fuzzy.partition import Partition
 from leadscrew.kernel.errors import ValueRefused

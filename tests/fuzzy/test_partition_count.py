@@ -2,7 +2,7 @@
 
 import pytest
 
-from leadscrew.fuzzy.partition_count import equal_sets_for, interpolation_bound, partition_count
+from leadscrew.fuzzy.grids import equal_sets_for, interpolation_bound, partition_count
 from leadscrew.kernel.errors import ValueRefused
 
 PAPER = (1.96, 1.35)

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from leadscrew.fuzzy import formats
-from leadscrew.fuzzy.activity import activity
 from leadscrew.fuzzy.evaluate import compiled
+from leadscrew.fuzzy.explanation import activity
 from leadscrew.fuzzy.formats import fld
 from leadscrew.fuzzy.shapes import membership
 from leadscrew.fuzzy.system import And, Input, Is, Output, Rule, RuleBlock, System, Term

@@ -25,7 +25,7 @@ from leadscrew.cli.output import Json, busy, emit, print_table
 if TYPE_CHECKING:
     import numpy as np
 
-    from leadscrew.fuzzy.activity import Use
+    from leadscrew.fuzzy.explanation import Use
     from leadscrew.fuzzy.system import System
 
 
@@ -100,8 +100,8 @@ def activity(
     as_json: Json = False,
 ) -> None:
     """Which rules a recorded run used, for how long and how strongly, and which never fired."""
-    from leadscrew.fuzzy.activity import activity as strengths_of
-    from leadscrew.fuzzy.activity import usage
+    from leadscrew.fuzzy.explanation import activity as strengths_of
+    from leadscrew.fuzzy.explanation import usage
 
     if out is not None:
         suffix_of(out, (*PICTURES, ".csv"), "--out")

@@ -58,7 +58,7 @@ def eval_(
 
 def _at_point(file: Path, system: System, values: list[str], explain: bool, engine: str, as_json: bool) -> None:
     from leadscrew.fuzzy.evaluate import compiled
-    from leadscrew.fuzzy.explain import explain as explained
+    from leadscrew.fuzzy.explanation import explain as explained
 
     inputs = numbers(values, "")
     with busy(f"{system.name} on {engine}"):

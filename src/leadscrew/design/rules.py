@@ -17,8 +17,7 @@ import numpy as np
 
 from leadscrew.controllers.vud.universe import TABLE_2
 from leadscrew.fuzzy.fill import Completed, complete
-from leadscrew.fuzzy.learning import LearnedRules, learn_rules
-from leadscrew.fuzzy.learning_report import aligned
+from leadscrew.fuzzy.learning import LearnedRules, aligned, learn_rules
 from leadscrew.fuzzy.partition import Partition
 from leadscrew.kernel.errors import ValueRefused
 

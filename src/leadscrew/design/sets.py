@@ -1,6 +1,6 @@
 """Step 4 of a design: how many sets, and where.
 
-Equation (10) of Long et al. (2014) can be read in three ways (:mod:`leadscrew.fuzzy.partition_count`), and none is
+Equation (10) of Long et al. (2014) can be read in three ways (:mod:`leadscrew.fuzzy.grids`), and none is
 preferred here: the count is taken from (10) only under a reading that is named, and gives evenly spaced sets. Centres
 may be given instead, or a number of sets. With nothing given the paper's printed centres stand, and the step says that
 they follow from no count.
@@ -16,15 +16,16 @@ from typing import Any
 
 from leadscrew.controllers.vud.universe import CENTRES
 from leadscrew.design.bending import Bending
-from leadscrew.fuzzy.grids import even, partition
-from leadscrew.fuzzy.partition import Partition
-from leadscrew.fuzzy.partition_count import (
+from leadscrew.fuzzy.grids import (
     PartitionCount,
     Reading,
     equal_sets_for,
+    even,
     interpolation_bound,
+    partition,
     partition_count,
 )
+from leadscrew.fuzzy.partition import Partition
 from leadscrew.kernel.errors import ValueRefused
 
 ACCURACY = 0.05

@@ -25,7 +25,7 @@ from leadscrew.design.log import MoveLog
 from leadscrew.design.rules import Rules, find_rules
 from leadscrew.design.sets import ACCURACY, Sets, find_sets
 from leadscrew.design.universes import Universes, find_universes
-from leadscrew.fuzzy.partition_count import Reading
+from leadscrew.fuzzy.grids import Reading
 
 if TYPE_CHECKING:
     from leadscrew.controller_file import ControllerFile

@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from leadscrew.fuzzy.block import controller, from_file, function
     from leadscrew.fuzzy.build import constants, larsen, linear, mamdani, takagi_sugeno, triangles, tsukamoto
     from leadscrew.fuzzy.evaluate import Compiled, compiled
+    from leadscrew.fuzzy.explanation import explain
     from leadscrew.fuzzy.formats import read, write
     from leadscrew.fuzzy.rules_text import parse
     from leadscrew.fuzzy.system import And, Input, Is, Or, Output, Rule, RuleBlock, System, Term
@@ -38,6 +39,7 @@ __all__ = [
     "compiled",
     "constants",
     "controller",
+    "explain",
     "from_file",
     "function",
     "larsen",
@@ -55,6 +57,7 @@ _HOMES = {
     "block": "controller from_file function",
     "build": "constants larsen linear mamdani takagi_sugeno triangles tsukamoto",
     "evaluate": "Compiled compiled",
+    "explanation": "explain",
     "formats": "read write",
     "rules_text": "parse",
     "system": "And Input Is Or Output Rule RuleBlock System Term",

@@ -24,7 +24,7 @@ from leadscrew.escape import python_docstring
 from leadscrew.fuzzy.engine import Engine, engine, execute
 from leadscrew.fuzzy.system import System
 from leadscrew.fuzzy.tables import Tables
-from leadscrew.fuzzy.text import identifiers
+from leadscrew.fuzzy.writer import identifiers
 from leadscrew.kernel.block import Block, InputRange, make
 from leadscrew.kernel.errors import NameUnknown, ValueRefused
 from leadscrew.kernel.sheet import Doc, nearest

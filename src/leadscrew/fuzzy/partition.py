@@ -122,7 +122,7 @@ class Partition:
         Raises:
             ValueRefused: they are none (triangles that sum to one, a shoulder at each end); says so.
         """
-        from leadscrew.fuzzy.active import axis_numbers, is_pointed
+        from leadscrew.fuzzy.inference import axis_numbers, is_pointed
         from leadscrew.fuzzy.tables import cuts
 
         sides = cuts(list(variable.terms))

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     import numpy as np
 
     from leadscrew.fuzzy.evaluate import Compiled
-    from leadscrew.fuzzy.explain import Explanation
+    from leadscrew.fuzzy.explanation import Explanation
 
 SHAPES: dict[str, tuple[str, ...]] = {
     "bell": ("center", "width", "slope"),

@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 from leadscrew.controllers.wrapping import copied
 from leadscrew.fuzzy.block import Memory
 from leadscrew.fuzzy.engine import Engine
-from leadscrew.fuzzy.explain import explain
+from leadscrew.fuzzy.explanation import explain
 from leadscrew.fuzzy.shapes import STRAIGHT, membership_function, prepared
 from leadscrew.fuzzy.system import INTEGRAL, Term, Variable
 from leadscrew.fuzzy.tables import tuned_terms

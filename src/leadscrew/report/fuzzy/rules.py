@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from leadscrew import escape
-from leadscrew.fuzzy.activity import activity, rising
 from leadscrew.fuzzy.evaluate import compiled
+from leadscrew.fuzzy.explanation import activity, rising
 from leadscrew.fuzzy.rules_text import rule_text
 from leadscrew.fuzzy.system import Rule, System
 from leadscrew.kernel.errors import ValueRefused

@@ -12,9 +12,9 @@ import numpy as np
 
 from leadscrew.analysis.positioning import RUNS, TARGETS, Positioning
 from leadscrew.controllers.vud.universe import TABLE_2, contraction
+from leadscrew.fuzzy.grids import equal_sets_for, interpolation_bound, partition_count
 from leadscrew.fuzzy.inference import infer
 from leadscrew.fuzzy.learning import LearnedRules
-from leadscrew.fuzzy.partition_count import equal_sets_for, interpolation_bound, partition_count
 from leadscrew.plants import motor_data
 from leadscrew.sensors.grating.counting import counted
 from leadscrew.sensors.grating.moire import GRATING, fringe_width

@@ -16,7 +16,7 @@ from typing import Literal, NamedTuple
 import numpy as np
 
 from leadscrew.controllers.vud.universe import CENTRES, TABLE_2, contraction
-from leadscrew.fuzzy.completion import Completion, complete_rules
+from leadscrew.fuzzy.fill import Completion, complete_rules
 from leadscrew.fuzzy.inference import infer, rule_base
 from leadscrew.fuzzy.learning import LearnedRules, learn_rules
 from leadscrew.fuzzy.partition import Partition
@@ -96,7 +96,7 @@ def learn(found: Mapping[str, Move], ties: Literal["drop", "keep"] = "drop", rat
 
 
 def rebuild(learned: LearnedRules, add_growth_level: bool = True) -> Completion:
-    """The full table; see :mod:`leadscrew.fuzzy.completion` for what is data in it and what is not."""
+    """The full table; see :mod:`leadscrew.fuzzy.fill` for what is data in it and what is not."""
     return complete_rules(learned, add_growth_level)
 
 
