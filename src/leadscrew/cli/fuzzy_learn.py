@@ -3,17 +3,13 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any
 
 import typer
 
+from leadscrew.cli.fuzzy_files import SCHEMA_VERSION
 from leadscrew.cli.output import Json, busy, emit
 from leadscrew.kernel.errors import ValueRefused
-
-if TYPE_CHECKING:
-    pass
-
-SCHEMA_VERSION = 1
 
 
 def learn(

@@ -86,8 +86,7 @@ def gcode(
     ).over_the_sheet()  # fmt: skip
     from leadscrew import __version__
     from leadscrew.tangent.emit import program
-    from leadscrew.tangent.fillets import tight_turns
-    from leadscrew.tangent.moves import moves_of
+    from leadscrew.tangent.moves import moves_of, tight_turns
     from leadscrew.tangent.stroke import strokes_of
 
     with busy(str(file)):

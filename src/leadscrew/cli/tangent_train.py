@@ -9,12 +9,11 @@ import typer
 
 from leadscrew.cli.door import say
 from leadscrew.cli.output import Json, emit, print_table, progress
+from leadscrew.cli.tangent_files import SCHEMA_VERSION
 from leadscrew.kernel.errors import ValueRefused
 
 if TYPE_CHECKING:
     from leadscrew.neural.training import Trained
-
-SCHEMA_VERSION = 1
 
 
 def train(

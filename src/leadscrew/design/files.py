@@ -151,7 +151,7 @@ def _in_range(path: Path, output: np.ndarray) -> np.ndarray:
 def _columns(path: Path) -> list[np.ndarray]:
     """The signals in s, mm and shares of the full duty; without a unit in its header a column is in that."""
     from leadscrew.logs import read_table
-    from leadscrew.logs.role_units import named_unit, sized
+    from leadscrew.logs.header import sized
 
     table = read_table(path)
     found = [table.seconds("time")]
@@ -159,7 +159,7 @@ def _columns(path: Path) -> list[np.ndarray]:
         ("command", "position", "m", 1e-3), ("feedback", "position", "m", 1e-3), ("output", "drive", "1", 1.0)
     ):  # fmt: skip
         name = table.name(wanted)
-        unit = named_unit(table, name, role)
+        unit = table.unit_of(name, role)
         seen, size = sized(role, unit) if unit else (kind, own)
         if seen != kind:
             raise DataError(

@@ -8,13 +8,15 @@ changed by ``antisymmetric``, ``monotone`` and ``nearest``, and where data contr
     The centres of all variables must lie symmetrically about zero.
 ``monotone``
     the output rises (1) or falls (-1) with the inputs that ``directions`` names. With the nearest monotone values ``g``
-    of the cells that have a rule (below, weighted by their samples), a cell gets the set nearest to the middle between the largest ``g`` before it and the smallest ``g`` after it; where there is nothing on
-    one side, the extreme of all ``g`` stands in. A cell that no rule comes before or after stays empty.
+    of the cells that have a rule (below, weighted by their samples), a cell gets the set nearest to the middle between
+    the largest ``g`` before it and the smallest ``g`` after it; where there is nothing on one side, the extreme of all
+    ``g`` stands in. A cell that no rule comes before or after stays empty.
 ``nearest``
     a copy of the nearest cell that has a rule, by the distance of the centres with every universe scaled to 1; of
     several equally near the one whose output lies nearest to the middle of its universe, then the first.
 ``servo``, ``servo_growth``
-    the lathe study's procedure for two inputs (below), without and with its piece of prior knowledge. It alone may overrule cells that data covers; these are in ``changed``.
+    the lathe study's procedure for two inputs (below), without and with its piece of prior knowledge. It alone may
+    overrule cells that data covers; these are in ``changed``.
 
 A full rule table from a few learned rules: symmetry, monotonicity and one piece of prior knowledge.
 

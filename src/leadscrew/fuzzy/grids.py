@@ -6,8 +6,9 @@
     centres at equal parts of the data, ``c_i = Q((i - 1) / (n - 1))``: as many samples between any two centres, so the
     sets are narrow where the data is dense. Values that repeat may leave fewer sets than were asked for; that is said;
 ``grid_from_curvature``
-    the number of sets from equation (10) of Long et al. (2014), :func:`partition_count`, under the reading that the caller names, from curvatures on universes scaled to [-1, 1] (:mod:`leadscrew.fuzzy.curvature`),
-    evenly spaced; with the error that the sets guarantee, whatever the reading said.
+    the number of sets from equation (10) of Long et al. (2014), :func:`partition_count`, under the reading that the
+    caller names, from curvatures on universes scaled to [-1, 1] (:mod:`leadscrew.fuzzy.curvature`), evenly spaced; with
+    the error that the sets guarantee, whatever the reading said.
 
 How many sets an approximation asks for: equation (10) of Long et al. (2014), which can be read in three ways.
 

@@ -10,7 +10,6 @@ from leadscrew.identify.friction import FrictionFit, fit_friction
 from leadscrew.kernel import door
 from leadscrew.kernel.errors import DataError, ValueRefused
 from leadscrew.logs import read_table
-from leadscrew.logs.role_units import named_unit
 from leadscrew.logs.units import drive_in, length_in, plain
 
 if TYPE_CHECKING:
@@ -65,7 +64,7 @@ def identify_file(
 def _torque(table: Table, column: str) -> np.ndarray:
     """N m."""
     name = table.name(column)
-    unit = named_unit(table, name, "drive")
+    unit = table.unit_of(name, "drive")
     kept, size = drive_in(unit or "N m")
     if kept == "N m" or plain(unit) == "1":
         return size * table.numbers(name)
@@ -76,7 +75,7 @@ def _torque(table: Table, column: str) -> np.ndarray:
 def _angle(table: Table, column: str, known: bool) -> np.ndarray:
     """rad, or the column's own unit of length where its travel per radian is ``known``."""
     name = table.name(column)
-    unit = named_unit(table, name, "position")
+    unit = table.unit_of(name, "position")
     kind, size = length_in(unit or "rad")
     if kind == "m" and not known:
         raise ValueRefused(

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from leadscrew import reading
-from leadscrew.kernel.errors import DataError, LeadscrewError
+from leadscrew.kernel.errors import DataError
 from leadscrew.logs.parquet import read_parquet
 from leadscrew.logs.table import Table
 
@@ -49,19 +49,8 @@ def _unit(signal: str, said: dict[str, Any]) -> str:
         root, ("plant", "sensor", "reference")
     )
     known = said.get("units")
-    if isinstance(known, dict) and isinstance(unit := next((known[s] for s in slots if known.get(s)), None), str):
-        return _derived(signal, unit)
-    blocks = said.get("blocks")
-    parameters = said.get("parameters")
-    per_si = parameters.get("plant.per_si") if isinstance(parameters, dict) else None
-    unit = (
-        next((u for s in slots if (u := _of_block(blocks.get(s), s)) is not None and u), "")
-        if isinstance(blocks, dict)
-        else ""
-    )
-    if slots[0] == "plant" and isinstance(per_si, int | float) and per_si > 0.0 and unit == "mm":
-        unit = "mm" if per_si == 1000.0 else f"{1.0 / per_si:.17g} m"
-    return _derived(signal, unit)
+    unit = next((known[s] for s in slots if known.get(s)), "") if isinstance(known, dict) else ""
+    return _derived(signal, unit) if isinstance(unit, str) else ""
 
 
 def _derived(signal: str, unit: str) -> str:
@@ -69,14 +58,3 @@ def _derived(signal: str, unit: str) -> str:
     if signal.endswith((".velocity", ".acceleration")) and unit:
         return f"{unit}/s" if signal.endswith(".velocity") else f"{unit}/s2"
     return unit
-
-
-def _of_block(name: Any, slot: str) -> str | None:
-    from leadscrew import catalogue
-
-    if not isinstance(name, str) or name not in catalogue.block_names():  # a name of a file would run its Python
-        return None
-    try:
-        return catalogue.block(name, slot).unit
-    except LeadscrewError:
-        return None

@@ -8,7 +8,7 @@ from leadscrew.kernel import door
 from leadscrew.kernel.errors import ValueRefused
 from leadscrew.logs import units as unit_names
 from leadscrew.logs.finding import Finding
-from leadscrew.logs.header import by_its_tail
+from leadscrew.logs.header import sized
 from leadscrew.logs.roles import ROLES
 from leadscrew.logs.table import Table
 
@@ -34,7 +34,7 @@ def taken_units(
             continue
         if role in told:
             taken[role] = told[role]
-        elif named := named_unit(table, found[role], role):
+        elif named := table.unit_of(found[role], role):
             taken[role] = named
         else:
             taken[role] = _assumed(role, taken, found[role], findings)
@@ -56,34 +56,6 @@ def _assumed(role: str, taken: Mapping[str, str], column: str, findings: list[Fi
         Finding("unit", "note", f"column {column!r} names no unit: taken as {said}; if not, say --unit {role}=UNIT")
     )
     return SI[role]
-
-
-def named_unit(table: Table, column: str, role: str) -> str:
-    """The unit that a header names; empty for none, and where the end of a name (``tau_m``) is no unit of the role."""
-    named = table.units.get(column, "")
-    return named if named and (_fits(role, named) or not by_its_tail(column) or _counted(role, named)) else ""
-
-
-def _counted(role: str, unit: str) -> bool:
-    """A position in counts: their size must be told, and m would be wrong for sure."""
-    return role in ("position", "command") and unit_names.plain(unit) == "counts"
-
-
-def _fits(role: str, unit: str) -> bool:
-    try:
-        sized(role, unit)
-    except ValueRefused:
-        return False
-    return True
-
-
-def sized(role: str, unit: str) -> tuple[str, float]:
-    """What is kept for a unit, and its size in it."""
-    if role == "time":
-        return "s", unit_names.time_in(unit)
-    if role == "drive":
-        return unit_names.drive_in(unit)
-    return unit_names.speed_in(unit) if role == "velocity" else unit_names.length_in(unit)
 
 
 def _same_kind(table: Table, taken: Mapping[str, str]) -> None:

@@ -17,11 +17,11 @@ from typing import Any
 
 import numpy as np
 
-from leadscrew import reading
 from leadscrew.csvlines import number, read_lines
 from leadscrew.kernel.errors import DataError
 from leadscrew.neural.performance import FORMAT, LEVELS, MOST, VERSION, Performance
 from leadscrew.neural.performance_shape import MOST_HIDDEN
+from leadscrew.reading import json_object
 
 EXPECTED = "13 lines of 13 numbers of -6 to 6, with or without the levels around them"
 LARGEST = 1e6
@@ -99,7 +99,7 @@ def read_net(path: str | Path) -> Performance:
         DataError: names the file and what is wrong with it.
     """
     file = Path(path)
-    kept = reading.json_object(file)
+    kept = json_object(file)
     if kept.get("format") != FORMAT:
         raise DataError(f"{file}: is not a performance network; expected an object with format {FORMAT!r}")
     if kept.get("version") != VERSION:

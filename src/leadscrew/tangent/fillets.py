@@ -7,8 +7,9 @@ rounding. Segments become a corner, the place where the tangents before and afte
 - the line beside them turns less than a quarter of that over the same length: it is a rounding, not a part of a curve,
 - line and corner are nowhere more than ``tolerance`` apart.
 
-**What remains.** A larger rounding is cut as drawn, the blade turning in the material: :func:`tight_turns` finds these.
-At 90 deg and the default tolerance that is a radius above 0.024 mm.
+**What remains.** A larger rounding is cut as drawn, the blade turning in the material:
+:func:`leadscrew.tangent.moves.tight_turns` finds these. At 90 deg and the default tolerance that is a radius above
+0.024 mm.
 """
 
 from __future__ import annotations
@@ -22,7 +23,6 @@ import numpy as np
 from leadscrew.paths.curve import Array, Curve
 from leadscrew.paths.path import Path, wrapped
 from leadscrew.paths.segments import Line
-from leadscrew.tangent.moves import Move
 from leadscrew.tangent.settings import Settings
 
 MOST_SEGMENTS = 64
@@ -31,18 +31,6 @@ LONGEST = 50.0
 """And is at most so many tolerances long: above 20 deg, a longer one is further than that from its corner."""
 LOOKS = 9
 """Places on each segment that are compared."""
-
-
-class Tight(NamedTuple):
-    """A turn of the blade at depth, sharper than the corner rule has in mind."""
-
-    x: float
-    """Where it ends, mm."""
-    y: float
-    turn: float
-    """deg."""
-    length: float
-    """mm."""
 
 
 def sharpened(path: Path, settings: Settings) -> Path:
@@ -175,19 +163,4 @@ def _lines_joined(made: Sequence[Curve]) -> list[Curve]:
             found[-1] = Line(last.start, segment.end)  # type: ignore[union-attr]
         else:
             found.append(segment)
-    return found
-
-
-def tight_turns(moves: Sequence[Move], settings: Settings) -> list[Tight]:
-    """Where a stroke turns by more than the corner angle within less than ``blend``, and more slowly on either side."""
-    rate = settings.corner_angle / settings.blend
-    found, turn, length = [], 0.0, 0.0
-    for k, move in enumerate(moves):
-        if abs(move.turn) > rate * move.length:
-            turn, length = turn + move.turn, length + move.length
-        last = k + 1 == len(moves) or not abs(moves[k + 1].turn) > rate * moves[k + 1].length
-        if last:
-            if settings.lifts(turn) and length < settings.blend:
-                found.append(Tight(move.x, move.y, turn, length))
-            turn = length = 0.0
     return found

@@ -20,6 +20,7 @@ length and turn as they are written: rounded.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -182,3 +183,30 @@ def _good(stroke: Stroke, settings: Settings, low: Array, high: Array, kind: Arr
         wide = np.abs(at.heading[:, -2] - at.heading[:, 0]) > MOST_SWEEP_DEG
         good[curved] &= near & close & ~wide
     return good
+
+
+class Tight(NamedTuple):
+    """A turn of the blade at depth, sharper than the corner rule has in mind."""
+
+    x: float
+    """Where it ends, mm."""
+    y: float
+    turn: float
+    """deg."""
+    length: float
+    """mm."""
+
+
+def tight_turns(moves: Sequence[Move], settings: Settings) -> list[Tight]:
+    """Where a stroke turns by more than the corner angle within less than ``blend``, and more slowly on either side."""
+    rate = settings.corner_angle / settings.blend
+    found, turn, length = [], 0.0, 0.0
+    for k, move in enumerate(moves):
+        if abs(move.turn) > rate * move.length:
+            turn, length = turn + move.turn, length + move.length
+        last = k + 1 == len(moves) or not abs(moves[k + 1].turn) > rate * moves[k + 1].length
+        if last:
+            if settings.lifts(turn) and length < settings.blend:
+                found.append(Tight(move.x, move.y, turn, length))
+            turn = length = 0.0
+    return found

@@ -20,15 +20,14 @@ from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from leadscrew.kernel.errors import DataError
-from leadscrew.paths.curve import Places
+from leadscrew.paths.curve import Array, Places
 from leadscrew.paths.path import Path
 from leadscrew.paths.segments import Line
 from leadscrew.tangent.settings import Settings
 
-Array = NDArray[np.float64]
 LEAST_MM = 1e-3
 """A stroke shorter than this is a point: it is left out."""
 
