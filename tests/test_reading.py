@@ -20,7 +20,7 @@ from leadscrew.fuzzy import formats
 from leadscrew.identify.cutting_force_table import read_force_table
 from leadscrew.kernel.errors import DataError, LeadscrewError, ValueRefused
 from leadscrew.logs import read_table
-from leadscrew.neural.performance_file import read_net
+from leadscrew.neural.performance import read_net
 from leadscrew.panel.hal import file as hal_file
 from leadscrew.paths.read import read_drawing
 from leadscrew.tangent.measured import read_measured

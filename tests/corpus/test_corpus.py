@@ -20,7 +20,7 @@ from leadscrew import __version__
 from leadscrew.cli import app
 from leadscrew.export.folder import read_manifest
 from leadscrew.fuzzy import formats
-from leadscrew.neural.performance_file import read_net
+from leadscrew.neural.performance import read_net
 from leadscrew.operate import captures, session_file
 from leadscrew.panel import presets
 from leadscrew.tune.checkpoints import Journal

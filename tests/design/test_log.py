@@ -8,7 +8,7 @@ import pyarrow.parquet as pq
 import pytest
 
 from leadscrew.design import Move, MoveLog, read_moves
-from leadscrew.design.checks import checked
+from leadscrew.design.files import checked
 from leadscrew.kernel.errors import DataError, NameUnknown, ValueRefused
 from tests.design.moves import TABLE_1, glide, rows, swapped, write
 

@@ -6,11 +6,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from leadscrew.design.npid import design_npid
+from leadscrew.design.npid import Bench, design_npid, retuned
 from leadscrew.design.npid_axis import Case, Gains, TableAxis, Work, block_of, bounds_of, strength_for
 from leadscrew.design.npid_paper import paper_design
-from leadscrew.design.npid_retune import retuned
-from leadscrew.design.npid_trial import Bench
 from leadscrew.kernel.errors import ValueRefused
 from leadscrew.studies.npid_xytable.calibration import volts
 from leadscrew.studies.npid_xytable.table2 import LINES_HZ, PID_UM

@@ -6,7 +6,7 @@ import pytest
 from leadscrew.controllers.vud import vud, vud_beta_e
 from leadscrew.controllers.vud.universe import TABLE_2
 from leadscrew.design import Factors, design_vud, read_moves
-from leadscrew.design.universes import find_universes
+from leadscrew.design.vud_steps import find_universes
 from leadscrew.fuzzy.grids import partition_count
 from leadscrew.kernel.errors import DataError, NameUnknown, ValueRefused
 from tests.design.moves import TABLE_1, glide, rows, write

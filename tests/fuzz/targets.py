@@ -122,7 +122,7 @@ def targets() -> tuple[Target, ...]:
         Target("gcode", seeds("tangent/*.ngc", "*.ngc"), "tangent show @ --json", 10),
         Target("tangent measured", seeds("tangent/piece.csv"), _of("leadscrew.tangent.measured:read_measured")),
         Target("tangent program", seeds("tangent/*.ngc"), _of("leadscrew.tangent.program:read_program")),
-        Target("network", seeds("tangent/network.json"), _of("leadscrew.neural.performance_file:read_net")),
+        Target("network", seeds("tangent/network.json"), _of("leadscrew.neural.performance:read_net")),
         Target("fuzzy fis", seeds("fuzzy/*.fis"), "fuzzy show @ --json", 6),
         Target("fuzzy fll", seeds("fuzzy/*.fll"), "fuzzy show @ --json", 6),
         Target("fuzzy fcl", seeds("fuzzy/*.fcl"), "fuzzy show @ --json", 6),

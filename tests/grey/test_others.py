@@ -10,8 +10,7 @@ from scipy.integrate import solve_ivp
 
 from leadscrew.grey import others
 from leadscrew.grey.predictors import KINDS, predicted
-from leadscrew.grey.vectorised import ahead, fit, gm11
-from leadscrew.grey.vectorised_others import MODELS, limit, predictions
+from leadscrew.grey.vectorised import MODELS, ahead, fit, gm11, limit, predictions
 from leadscrew.grey.window import Window
 from leadscrew.kernel.errors import NameUnknown, ValueRefused
 

@@ -23,8 +23,11 @@ from leadscrew.neural.performance import (
     looked_up,
     looked_up_rounded,
     measured,
+    net_text,
+    read_net,
+    read_table,
+    write_net,
 )
-from leadscrew.neural.performance_file import net_text, read_net, read_table, write_net
 from leadscrew.references.step import step
 from tests.fuzzy.formats_systems import shared
 from tests.tools import runnable

@@ -9,13 +9,24 @@ from scipy.optimize import approx_fprime
 from typer.testing import CliRunner
 
 from leadscrew.kernel.errors import EngineError, NameUnknown, ValueRefused
-from leadscrew.neural.genetic import Found, Genetic, evolve
-from leadscrew.neural.performance import GOLDEN, TABLE, Performance, measured
-from leadscrew.neural.performance_file import read_net
-from leadscrew.neural.performance_loss import CELLS, Loss, polish, rmse_of
-from leadscrew.neural.performance_shape import READINGS, Shape, reading, shape_of, surface
+from leadscrew.neural.genetic import Found, Genetic, cma_search, evolve, pymoo_search
+from leadscrew.neural.performance import (
+    CELLS,
+    GOLDEN,
+    READINGS,
+    TABLE,
+    Loss,
+    Performance,
+    Shape,
+    measured,
+    polish,
+    read_net,
+    reading,
+    rmse_of,
+    shape_of,
+    surface,
+)
 from leadscrew.neural.safety import Safety, crossing, safety, table_faults
-from leadscrew.neural.searches import cma_search, pymoo_search
 from leadscrew.neural.training import METHODS, train
 from leadscrew.studies.sofnn_tangent.trainings import nets
 

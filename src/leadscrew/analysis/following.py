@@ -50,10 +50,10 @@ from leadscrew.kernel.one_thread import one_thread
 from leadscrew.kernel.sheet import nearest
 from leadscrew.logs.finding import Finding
 from leadscrew.logs.header import bare
-from leadscrew.logs.jumps import jumps
 from leadscrew.logs.measure import Motion, encoder_step, noise
 from leadscrew.logs.plausible import check_units
 from leadscrew.logs.roles import candidates
+from leadscrew.logs.signals import jumps
 from leadscrew.logs.table import Table
 from leadscrew.logs.units import length_in
 

@@ -25,7 +25,7 @@ import numpy as np
 
 from leadscrew.kernel.errors import DataError, ValueRefused
 from leadscrew.logs.finding import Finding
-from leadscrew.logs.jumps import excess, jumps
+from leadscrew.logs.signals import excess, jumps
 from leadscrew.logs.table import Table
 from leadscrew.logs.units import length_in, speed_in, time_in
 

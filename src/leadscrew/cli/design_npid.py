@@ -151,7 +151,7 @@ def paper_of(axis: TableAxis, gains: Gains) -> Any:
 
 
 def _compared(walked: Any, found: Any) -> list[list[str]]:
-    from leadscrew.design.npid_compare import compared
+    from leadscrew.design.npid_paper import compared
 
     return [list(r) for r in compared(walked, found).rows]
 
@@ -161,6 +161,6 @@ def _draw(found: Any, as_paper: bool) -> Any:
 
     if not as_paper:
         return npid_design.design_map(found)
-    from leadscrew.design.npid_compare import spectra
+    from leadscrew.design.npid_paper import spectra
 
     return npid_design.as_paper(found, spectra(found))

@@ -105,7 +105,7 @@ def compensate(
         ]
         text = program(found.strokes, settings, notes)
         if plot is not None:
-            from leadscrew.tangent.picture import learned_figure, picture
+            from leadscrew.report.tangent import learned_figure, picture
 
             drawn = picture(learned_figure(found), plot.suffix)
     written(text, out)

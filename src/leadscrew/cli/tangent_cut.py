@@ -32,7 +32,7 @@ def cut(
     x_mm and y_mm.
     """
     from leadscrew.tangent import machine
-    from leadscrew.tangent.scan import Scan, cut_csv, marks_of, scan_csv
+    from leadscrew.tangent.machine import Scan, cut_csv, marks_of, scan_csv
 
     wanted(out, (".csv",), "a cut line")
     spared(out, [file])

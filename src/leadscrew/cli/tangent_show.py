@@ -62,7 +62,7 @@ def show(
         rows = [program_row(s, settings, k) for k, s in enumerate(strokes, start=1)]
         corners = [c for p in drawn.paths for c in p.corners]
         if plot is not None:
-            from leadscrew.tangent.picture import drawn_figure, picture
+            from leadscrew.report.tangent import drawn_figure, picture
 
             written(picture(drawn_figure(strokes, settings), plot.suffix), plot)
     lifted = [c for c in corners if settings.lifts(c.turn_deg)]

@@ -40,9 +40,7 @@ def train(
     the table less well than asked is written with a note: exit code 1.
     """
     from leadscrew.cli.tune import free
-    from leadscrew.neural.performance import TABLE
-    from leadscrew.neural.performance_file import read_table, write_net
-    from leadscrew.neural.performance_shape import Shape
+    from leadscrew.neural.performance import TABLE, Shape, read_table, write_net
     from leadscrew.neural.training import train as trained
 
     if out is not None and out.suffix != ".json":

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from leadscrew.grey.vectorised_others import predictions
+from leadscrew.grey.vectorised import predictions
 from leadscrew.kernel.errors import DataError
 
 BESIDE = ("last", "line", "two_point")

@@ -13,9 +13,9 @@ from leadscrew.kernel import door
 from leadscrew.kernel.errors import DataError, ValueRefused
 from leadscrew.logs import plausible, signals
 from leadscrew.logs.finding import Finding, refuse
-from leadscrew.logs.jumps import check_jumps
 from leadscrew.logs.measure import encoder_step, motion, noise
 from leadscrew.logs.sampling import Place, clock, on_grid
+from leadscrew.logs.signals import check_jumps
 
 
 class LogUnits(NamedTuple):

@@ -14,8 +14,7 @@ from leadscrew.kernel.errors import DataError, ValueRefused
 from leadscrew.logs.arrays import AxisLog, LogUnits, checked, screw_force, unlike
 from leadscrew.logs.finding import Finding, refuse
 from leadscrew.logs.read import read_table
-from leadscrew.logs.role_units import sized, taken_units
-from leadscrew.logs.roles import roles
+from leadscrew.logs.roles import roles, sized, taken_units
 from leadscrew.logs.table import Table
 
 

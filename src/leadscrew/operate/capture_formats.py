@@ -19,7 +19,7 @@ import numpy as np
 from leadscrew import parquet, reading
 from leadscrew.escape import one_line
 from leadscrew.kernel.errors import DataError
-from leadscrew.logs import mat_apart
+from leadscrew.logs import mat
 from leadscrew.operate.capture import MOST_BYTES, Capture
 from leadscrew.operate.capture_text import capture_of, heard, said_of
 
@@ -139,7 +139,7 @@ def _csv(path: Path) -> Capture:
 
 def _mat(path: Path) -> Capture | None:
     _check_size(path, _inflated(reading.data(path, MOST_BYTES, "captures")))
-    held = mat_apart.loaded(path)
+    held = mat.loaded(path)
     if f"{_KEY}.json" not in held:
         return None
     said = heard(path, str(held[f"{_KEY}.json"]))

@@ -26,9 +26,8 @@ from leadscrew.kernel import door
 from leadscrew.kernel.errors import ValueRefused
 from leadscrew.paths.curve import Array
 from leadscrew.tangent.deviation import Deviation, deviation_of, errors_along
-from leadscrew.tangent.matching import SPAN_MM, matched
+from leadscrew.tangent.matching import SPAN_MM, Placing, matched
 from leadscrew.tangent.measured import Trace
-from leadscrew.tangent.placing import Placing
 from leadscrew.tangent.settings import MOST_OFFSET_DEG, Settings
 from leadscrew.tangent.stroke import Stroke, Table
 

@@ -28,10 +28,10 @@ from leadscrew.kernel.errors import DataError, ValueRefused
 from leadscrew.logs import Table, read_table
 from leadscrew.logs.finding import Finding
 from leadscrew.logs.header import bare
-from leadscrew.logs.jumps import jumps
 from leadscrew.logs.measure import Motion, motion
 from leadscrew.logs.plausible import check_drive, check_units
 from leadscrew.logs.sampling import Place, clock
+from leadscrew.logs.signals import jumps
 from leadscrew.logs.units import drive_in, length_in, speed_in
 
 GAP = 1.5

@@ -122,7 +122,7 @@ def _drive(unit: str) -> tuple[str, float]:
 
 def _answered(drive: np.ndarray, position: np.ndarray, period: float) -> bool:
     """Whether a step of the input comes before every jump, and most steps have one."""
-    from leadscrew.logs.jumps import jumps
+    from leadscrew.logs.signals import jumps
 
     step = encoder_step(position)
     at = jumps(position, period, step, noise(position, step))[0]

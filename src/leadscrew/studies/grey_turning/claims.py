@@ -8,8 +8,7 @@ from __future__ import annotations
 from leadscrew.controllers.grey_fuzzy.rule_tables import TABLES
 from leadscrew.controllers.grey_fuzzy.surface import MINIMUM, PRODUCT
 from leadscrew.grey.filters import noise_gain
-from leadscrew.grey.vectorised import gm11, gm11_derivative, gm11_off_by_one, gm11_printed
-from leadscrew.grey.vectorised_others import limit
+from leadscrew.grey.vectorised import gm11, gm11_derivative, gm11_off_by_one, gm11_printed, limit
 from leadscrew.studies.claims import Measured, at_least, at_most, claim, within
 from leadscrew.studies.grey_turning import cuts, lathe, removal
 from leadscrew.studies.grey_turning.cuts import BOTH, fixed, long

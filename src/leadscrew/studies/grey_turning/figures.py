@@ -11,7 +11,7 @@ from leadscrew.controllers.grey_fuzzy.surface import CENTRES
 from leadscrew.controllers.grey_fuzzy.tunings import FACTORS
 from leadscrew.figures.panels import grid, with_legend
 from leadscrew.grey.filters import response
-from leadscrew.grey.vectorised_others import limit
+from leadscrew.grey.vectorised import limit
 from leadscrew.report.style import BLACK, BLUE, GREEN, ORANGE, PURPLE, SKY, VERMILION, colour, pen
 from leadscrew.studies.exhibits import figure
 from leadscrew.studies.grey_turning import cuts, force_control, lathe, protection, removal

@@ -9,9 +9,8 @@ import numpy as np
 from leadscrew.figures.panels import grid, with_legend
 from leadscrew.neural.inference_net import CENTRES, LABELS
 from leadscrew.neural.inference_net import SETS as SET_COUNT
-from leadscrew.neural.performance import GOLDEN, LEVELS
+from leadscrew.neural.performance import GOLDEN, LEVELS, surface
 from leadscrew.neural.performance import TABLE as TABLE_1
-from leadscrew.neural.performance_shape import surface
 from leadscrew.neural.safety import FLATTEST, NEAR, STEEPEST, safety
 from leadscrew.report.style import BLACK, BLUE, GREEN, ORANGE, PURPLE, SKY, VERMILION, pen
 from leadscrew.studies.exhibits import figure

@@ -73,9 +73,9 @@ def trip(drawing: str, material: str = "fabric", scan: str = "exact", seed: int 
     from leadscrew.tangent import machine
     from leadscrew.tangent.compensate import compensated
     from leadscrew.tangent.emit import program
+    from leadscrew.tangent.machine import Scan, marks_of, scanned
     from leadscrew.tangent.measured import Trace
     from leadscrew.tangent.program import program_of
-    from leadscrew.tangent.scan import Scan, marks_of, scanned
 
     text, errors = first_program(drawing), []
     largest = clipped = 0.0

@@ -16,6 +16,7 @@ from leadscrew.tangent.stroke import Stroke
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+
 ARROWS = 40
 """Headings drawn, about, along all lines."""
 
