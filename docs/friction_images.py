@@ -17,7 +17,7 @@ from leadscrew.friction.lugre import LuGre
 from leadscrew.identify.friction import FrictionFit, fit_friction
 from leadscrew.plants.ballscrew_stage import TRAVEL_MM_PER_RAD
 from leadscrew.references.friction_test import ROWS
-from leadscrew.report.ballbar_picture import CIRCLE, centred, division_um
+from leadscrew.report.ballbar import CIRCLE, centred, division_um
 from leadscrew.report.style import BLACK, BLUE, GREEN, ORANGE, VERMILION, pen
 from leadscrew.studies.fsmc_ballscrew.circles import CIRCLES, circle_of
 from leadscrew.studies.fsmc_ballscrew.figures import GUIDE, draw_circles, thinned

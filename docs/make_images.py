@@ -18,9 +18,9 @@ from leadscrew.identify.axis.fit import identify_axis
 from leadscrew.logs import axis_log
 from leadscrew.plants.servo_axis import servo_axis
 from leadscrew.references.waypoints import waypoints
-from leadscrew.report import backlash, friction
+from leadscrew.report import friction
 from leadscrew.report import fuzzy as pictures
-from leadscrew.report.identified_axis_picture import friction_figure, position_figure
+from leadscrew.report.identified_axis import friction_figure, position_figure
 from leadscrew.report.tuned import figures, units
 from leadscrew.sensors.axis_reading import axis_reading
 from leadscrew.studies.lab import Lab
@@ -71,8 +71,8 @@ def friction_images(folder: Path) -> None:
         ("friction_presliding", friction.presliding_figure),
         ("friction_break_away", friction.break_away_figure),
         ("friction_stick_slip", friction.stick_slip_figure),
-        ("backlash_classic", backlash.classic_figure),
-        ("backlash_modern", backlash.modern_figure),
+        ("backlash_classic", friction.classic_figure),
+        ("backlash_modern", friction.modern_figure),
     ):
         draw().savefig(folder / f"{name}.png", dpi=90)
 

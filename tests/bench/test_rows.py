@@ -5,8 +5,7 @@ import itertools
 import pytest
 
 from leadscrew.bench import threads
-from leadscrew.bench.row import row
-from leadscrew.bench.timing import interleaved, repeated
+from leadscrew.bench.measuring import interleaved, repeated, row
 
 
 def test_a_contender_s_time_is_the_median_of_its_turns_without_the_first_call():

@@ -3,7 +3,7 @@
 import pytest
 
 from leadscrew import catalogue, controller_file
-from leadscrew.cli.design_npid import runs_in
+from leadscrew.cli.design import runs_in
 from leadscrew.kernel.errors import ValueRefused
 from tests.cli.conftest import left, strict_json
 

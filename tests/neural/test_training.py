@@ -238,8 +238,8 @@ def test_shapes_that_are_none_are_refused(options, said):
 def command():
     import typer
 
-    from leadscrew.cli.door import Door
-    from leadscrew.cli.tangent_train import train as typed
+    from leadscrew.cli.exit_codes import Door
+    from leadscrew.cli.tangent import train as typed
 
     app = typer.Typer(cls=Door)
     app.command("train")(typed)

@@ -7,7 +7,7 @@ import subprocess
 import numpy as np
 import pytest
 
-from leadscrew.bench.stage_schemes import (
+from leadscrew.bench.stage import (
     SMOOTH,
     TRUTH,
     angles,

@@ -8,8 +8,7 @@ import sys
 import time
 from typing import Any
 
-from leadscrew.bench.machine import load
-from leadscrew.bench.row import row
+from leadscrew.bench.measuring import load, row
 from leadscrew.bench.threads import IDLE
 from leadscrew.experiment import Experiment
 from leadscrew.kernel.errors import LeadscrewError

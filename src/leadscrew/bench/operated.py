@@ -5,8 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-from leadscrew.bench.row import row
-from leadscrew.bench.timing import interleaved
+from leadscrew.bench.measuring import interleaved, row
 
 PERIODS = 20
 """Of a loop at 1 kHz: those of one frame at 50 frames a second."""

@@ -11,10 +11,8 @@ from typing import Any
 
 import numpy as np
 
-from leadscrew.bench import entries, probes
-from leadscrew.bench.machine import load
-from leadscrew.bench.row import row
-from leadscrew.bench.timing import interleaved
+from leadscrew.bench import measuring, probes
+from leadscrew.bench.measuring import interleaved, load, row
 from leadscrew.bench.yardstick import NoCompilerError, build
 from leadscrew.controllers.sofnn import NLMS, fnn, sofc, sofnn
 from leadscrew.kernel.block import Block, controller
@@ -138,8 +136,8 @@ def nanoseconds(rounds: int, names: tuple[str, ...] = tuple(BLOCKS)) -> dict[str
     A loop looks at the end of each period whether all numbers of its state are finite; with the covariance of 49 rules
     these are 2,600, and the look is most of what a step costs that does not learn. ``C`` is not there without gcc.
     """
-    calls: dict[str, Callable[[], object]] = {"none": entries.single(probes.probe(probes.adds), POINTS)}
-    calls |= {name: entries.single(probes.probe(BLOCKS[name]), POINTS) for name in names}
+    calls: dict[str, Callable[[], object]] = {"none": measuring.single(probes.probe(probes.adds), POINTS)}
+    calls |= {name: measuring.single(probes.probe(BLOCKS[name]), POINTS) for name in names}
     with contextlib.suppress(NoCompilerError):
         calls["C"] = by_hand()
     seen_s = {k: v / POINTS * 1e9 for k, v in interleaved(calls, rounds).items()}

@@ -17,7 +17,7 @@ from typing import Annotated, Any
 
 import typer
 
-from leadscrew.cli.door import INTERNAL, INTERRUPTED, PIPE_CLOSED, Door, to_nowhere
+from leadscrew.cli.exit_codes import INTERNAL, INTERRUPTED, PIPE_CLOSED, Door, to_nowhere
 from leadscrew.cli.terminal import Guarded
 from leadscrew.cli.version import print_and_exit
 from leadscrew.reading import VARIABLE, factor

@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any
 
 import typer
 
-from leadscrew.cli.door import INTERRUPTED, say
+from leadscrew.cli.exit_codes import INTERRUPTED, say
 from leadscrew.kernel.errors import DataError, LeadscrewError, ValueRefused
 
 if TYPE_CHECKING:

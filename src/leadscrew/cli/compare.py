@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from leadscrew.cli.checkpoint_policy import Keeping
-from leadscrew.cli.door import say
+from leadscrew.cli.exit_codes import say
 from leadscrew.cli.output import Json, emit, print_table
 from leadscrew.cli.progress import counting
 from leadscrew.cli.subject import Trust, spread

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from leadscrew.cli.door import MISSED
+from leadscrew.cli.exit_codes import MISSED
 from leadscrew.cli.output import Json, emit, progress
 
 if TYPE_CHECKING:

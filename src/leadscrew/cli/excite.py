@@ -73,7 +73,7 @@ def excite(
 
     Limits and values come from FIT where options do not say them. The move keeps every limit in every sample.
     """
-    from leadscrew.cli.door import say
+    from leadscrew.cli.exit_codes import say
     from leadscrew.cli.fuzzy_files import PICTURES, save_figure, suffix_of
     from leadscrew.cli.tune import free
     from leadscrew.identify.excite import files
@@ -135,7 +135,7 @@ def _asked(
     fit: Path | None, tell: str | None, guess: list[str] | None, options: dict[str, str | float | None],
     unit: str | None, duration: float,
 ) -> tuple[Limits, Belief]:  # fmt: skip
-    from leadscrew.cli.door import say
+    from leadscrew.cli.exit_codes import say
     from leadscrew.cli.fuzzy_files import numbers
     from leadscrew.identify.excite.belief import USUAL, Belief, belief_of, keys_of, values_of
     from leadscrew.identify.excite.move import Limits

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from leadscrew.cli.door import MISSED
+from leadscrew.cli.exit_codes import MISSED
 from leadscrew.cli.output import Json, busy, emit, print_table
 from leadscrew.cli.subject import Trust, experiment_of
 from leadscrew.cli.values import parse

@@ -48,7 +48,7 @@ def following_error(
     from leadscrew.cli.tune import free
     from leadscrew.kernel import door
     from leadscrew.report import following as report
-    from leadscrew.report.following_picture import picture
+    from leadscrew.report.following import picture
 
     if period is not None:
         door.positive("--period", period, "s")

@@ -48,7 +48,7 @@ def frequency_response(
     """
     from leadscrew.analysis import frequency_response as analysis
     from leadscrew.analysis.harmonics.record import checked_level
-    from leadscrew.cli.door import say
+    from leadscrew.cli.exit_codes import say
     from leadscrew.cli.fuzzy_files import PICTURES, save_figure, suffix_of
     from leadscrew.cli.logs import part_of
     from leadscrew.report import frequency_response as report

@@ -50,7 +50,7 @@ def harmonics(
     """
     from leadscrew.analysis.harmonics.measured import measure
     from leadscrew.analysis.harmonics.record import checked_level
-    from leadscrew.cli.door import say
+    from leadscrew.cli.exit_codes import say
     from leadscrew.cli.fuzzy_files import PICTURES, save_figure, suffix_of
     from leadscrew.cli.logs import numbers, part_of
     from leadscrew.report import harmonics as report

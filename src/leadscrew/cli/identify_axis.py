@@ -161,7 +161,7 @@ def _write(
     if out is None and report is None:
         return
     from leadscrew import machine
-    from leadscrew.report import identified_axis_page as page
+    from leadscrew.report import identified_axis as page
 
     name = (out or report or Path(log.source)).stem
 
@@ -182,9 +182,9 @@ def _write(
 
 
 def _show(fit: AxisFit, log: AxisLog, out: Path | None, report: Path | None, as_json: bool) -> None:
-    from leadscrew.cli.door import say
+    from leadscrew.cli.exit_codes import say
     from leadscrew.report import identified_axis as tables
-    from leadscrew.report.identified_axis_words import notes, sentences
+    from leadscrew.report.identified_axis import notes, sentences
 
     if as_json:
         findings = [f._asdict() for f in log.findings]

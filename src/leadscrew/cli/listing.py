@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from leadscrew.cli import listing_controller
 from leadscrew.cli.output import Json, emit, print_table, width
 from leadscrew.cli.subject import Trust, study_of
 
@@ -15,6 +15,84 @@ if TYPE_CHECKING:
     from leadscrew.kernel.block import Block
     from leadscrew.report.tables import Setting
     from leadscrew.studies.study import Study
+
+
+SCORES = {"before_held_out": "before, held out", "trained": "tuned, trained", "held_out": "tuned, held out"}
+"""The tables of ``[tuning]`` that are shown, and as what."""
+
+
+def is_controller(name: str) -> bool:
+    """Whether a name means a controller file.
+
+    Raises:
+        DataError: no such file, or bad TOML.
+    """
+    from leadscrew import controller_file
+
+    return name.endswith(".toml") and controller_file.table_of(Path(name).expanduser()).get("kind") == "controller"
+
+
+def show(name: str, as_json: bool) -> None:
+    """A controller file as text or JSON.
+
+    Raises:
+        DataError: its parameters do not fit its controller.
+    """
+    from leadscrew import catalogue, controller_file
+    from leadscrew.experiment import controller
+    from leadscrew.kernel.sheet import entries
+    from leadscrew.report.tables import Setting, first_line
+
+    found = controller_file.read(name)
+    block = controller_file.block(name)
+    own = {e.key: e.default for e in entries(controller(catalogue.study(found.study), found.controller).params)}
+    sheet = [Setting(e) for e in entries(block.params)]
+    if as_json:
+        rows = [{**s.as_dict(), "value": s.entry.default, "default": own[s.entry.key],
+                 "set": s.entry.key in found.parameters} for s in sheet]  # fmt: skip
+        emit({"file": name, "kind": "controller", "study": found.study, "controller": found.controller,
+              "doc": block.doc, "parameters": rows, "tuning": dict(found.tuning)})  # fmt: skip
+        return
+    typer.echo(f"{name}: a controller of {found.study}, {found.controller} with these settings\n")
+    typer.echo(f"{first_line(block.doc)}\n")
+    _controller_settings([s for s in sheet if s.entry.key in found.parameters], own)
+    if found.tuning:
+        _tuning(found.tuning)
+    typer.echo(f"\nleadscrew list {found.study} shows its study, with all that can be set.")
+
+
+def _controller_settings(sheet: list[Any], own: Mapping[str, Any]) -> None:
+    from leadscrew.report.tables import number
+
+    rows = [[s.entry.key, number(s.entry.default), number(own[s.entry.key]), s.entry.unit, s.entry.range, s.entry.doc]
+            for s in sheet]  # fmt: skip
+    print_table(["parameter", "here", "default", "unit", "range", "what it is"], rows, right=("here", "default"))
+
+
+def _tuning(tuning: Mapping[str, Any]) -> None:
+    """Where the settings come from; what a file of another hand does not say is left out."""
+    from leadscrew.controller_file import flat
+    from leadscrew.report.tables import number
+
+    done = f"{tuning['evaluations']} evaluations by " if "evaluations" in tuning else ""
+    parts = [f"{done}{tuning.get('optimiser', '')}".strip()]
+    parts += [f"{word} {tuning[key]}" for key, word in (("seed", "seed"), ("date", "on"), ("leadscrew", "Leadscrew"))
+              if key in tuning]  # fmt: skip
+    how = f"made by {tuning['made_by']}" if "made_by" in tuning else "tuned"
+    typer.echo(f"\n{how}: {', '.join(p for p in parts if p)}")
+    for word, key in (("varied", "vary"), ("over", "over")):
+        if isinstance(tuning.get(key), Mapping):
+            typer.echo(f"{word}: {', '.join(f'{k} = {v}' for k, v in flat(tuning[key]))}")
+    shown = {key: title for key, title in SCORES.items() if isinstance(tuning.get(key), Mapping)}
+    if shown:
+        names = list(dict.fromkeys(n for key in shown for n in tuning[key]))
+        rows = [[n, *(number(tuning[key][n]) if n in tuning[key] else "" for key in shown)] for n in names]
+        typer.echo()
+        print_table(["goal, constraint", *shown.values()], rows, right=tuple(shown.values()))
+    for said in [tuning.get("verdict"), *(f"note: {n}" for n in tuning.get("notes") or ())]:
+        if said:
+            typer.echo(f"\n{said}")
+
 
 WIDE = 150
 """Columns from which it stands in a column of its own where a parameter is."""
@@ -36,8 +114,8 @@ def list_(
     if name is None:
         _everything(as_json)
         return
-    if listing_controller.is_controller(name):
-        listing_controller.show(name, as_json)
+    if is_controller(name):
+        show(name, as_json)
         return
     found = _found(name)
     from leadscrew.studies.study import Study

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from leadscrew.cli.door import REFUSED
+from leadscrew.cli.exit_codes import REFUSED
 from leadscrew.cli.output import Json, busy, emit, print_table
 from leadscrew.cli.pairs import texts
 from leadscrew.kernel.errors import DataError

@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from leadscrew.cli.door import DIVERGED, say
+from leadscrew.cli.exit_codes import DIVERGED, say
 from leadscrew.cli.output import Json, emit
 from leadscrew.cli.subject import StudyName, Trust
 

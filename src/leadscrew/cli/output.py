@@ -54,7 +54,7 @@ def deliver(
         lines = text.whole(report, columns) if everything else text.summary(report, columns)
         text.show([*lines, *text.ending(notes, page, wall_s, columns)])
     if report.missed:
-        from leadscrew.cli.door import MISSED
+        from leadscrew.cli.exit_codes import MISSED
 
         raise typer.Exit(MISSED)
 

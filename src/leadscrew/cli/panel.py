@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from leadscrew.cli.door import say
+from leadscrew.cli.exit_codes import say
 from leadscrew.cli.subject import Trust
 
 if TYPE_CHECKING:

@@ -70,7 +70,7 @@ def positioning(
 
 
 def _show(test: Any, report: Any) -> None:
-    from leadscrew.cli.door import say
+    from leadscrew.cli.exit_codes import say
     from leadscrew.cli.output import print_table
 
     print_table(report.TARGET_COLUMNS, report.target_rows(test), right=report.TARGET_COLUMNS)

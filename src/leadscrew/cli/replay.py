@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from leadscrew.cli.door import MISSED
+from leadscrew.cli.exit_codes import MISSED
 from leadscrew.cli.output import Json, busy, emit
 from leadscrew.cli.subject import Trust
 

@@ -41,7 +41,7 @@ def is_program(file: Path) -> bool:
 
 def drawing(file: Path, unit: str | None) -> Drawing:
     """The lines of a drawing, its notes said."""
-    from leadscrew.cli.door import say
+    from leadscrew.cli.exit_codes import say
     from leadscrew.paths.read import read_drawing
 
     found = read_drawing(file, unit)
@@ -52,7 +52,7 @@ def drawing(file: Path, unit: str | None) -> Drawing:
 
 def cut_program(file: Path, zero: float | None = None, clockwise: bool | None = None) -> Program:
     """A program that was cut, its notes said."""
-    from leadscrew.cli.door import say
+    from leadscrew.cli.exit_codes import say
     from leadscrew.tangent.program import read_program
 
     found = read_program(file, zero, clockwise)

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from leadscrew.cli.checkpoint_policy import Keeping, undone
-from leadscrew.cli.door import MISSED, say
+from leadscrew.cli.exit_codes import MISSED, say
 from leadscrew.cli.output import Json, emit, print_table
 from leadscrew.cli.progress import counting
 from leadscrew.cli.subject import Trust, experiment_of, spread

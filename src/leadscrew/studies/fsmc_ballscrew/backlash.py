@@ -18,7 +18,7 @@ from leadscrew.plants.backlash_two_mass import damping_ratio, restitution_of
 from leadscrew.plants.ballscrew_backlash import BallscrewBacklashParams, backlash_in_motion, ballscrew_backlash
 from leadscrew.plants.ballscrew_play import ballscrew_play, play_in_motion
 from leadscrew.plants.ballscrew_stage import TRAVEL_MM_PER_RAD
-from leadscrew.report.backlash import imposed_loop
+from leadscrew.report.friction import imposed_loop
 from leadscrew.sensors.dual_encoder import dual_encoder
 from leadscrew.studies.fsmc_ballscrew.controllers import CONTROLLERS
 from leadscrew.studies.fsmc_ballscrew.scenarios import (

@@ -13,7 +13,7 @@ from leadscrew.friction.lugre import TABLE_2, LuGre
 from leadscrew.friction.static_map import Sliding, TwoSided
 from leadscrew.plants.backlash import DeadBand, reaction
 from leadscrew.plants.ballscrew_stage import TRAVEL_MM_PER_RAD
-from leadscrew.report.ballbar_picture import COLOURS, WORDS, centred, division_um, polar
+from leadscrew.report.ballbar import COLOURS, WORDS, centred, division_um, polar
 from leadscrew.report.style import BLACK, BLUE, GREEN, ORANGE, PURPLE, SKY, VERMILION, colour, pen
 from leadscrew.studies.exhibits import figure
 from leadscrew.studies.fsmc_ballscrew.backlash import (
