@@ -2,7 +2,7 @@
 
 import pytest
 
-from leadscrew.identify.log import read_log
+from leadscrew.csvlines import read_log
 from leadscrew.kernel.errors import DataError
 
 GOOD = "k,r,e\n0,-50,-0.264\n1,-50,-0.208\n0,50,0.264\n1,50,0.211\n"

@@ -601,7 +601,7 @@ def learn(
     """Learn a fuzzy system from a log (Wang and Mendel); says what data covers, what conflicts, what was filled in."""
     from leadscrew.fuzzy import formats
     from leadscrew.fuzzy.from_data import learn as learn_from
-    from leadscrew.identify.log import read_columns
+    from leadscrew.logs import read_table
 
     asked = _names("--inputs", inputs)
     if grid is None:
@@ -615,7 +615,8 @@ def learn(
     if default is not None:
         choices["default"] = default
     with busy(f"{log}: learning {output} from {', '.join(asked)}"):
-        data = read_columns(log, list(dict.fromkeys([*asked, output, *([weights] if weights else [])])))
+        table = read_table(log)
+        data = {name: table.numbers(name) for name in (*asked, output, *([weights] if weights else []))}
         learned = learn_from(data, asked, output, **choices)
         notes = formats.write(learned.system, out) if out else ()
     if as_json:

@@ -167,7 +167,7 @@ def table_of(path: Path, columns: Sequence[str]) -> dict[str, np.ndarray]:
         DataError: no such file, a column missing, or a cell that is no finite number: says row and column.
     """
     if path.suffix.casefold() != ".parquet":
-        from leadscrew.identify.log import read_log
+        from leadscrew.csvlines import read_log
 
         return read_log(path, columns)
     import numpy as np

@@ -285,7 +285,7 @@ def _header(path: Path) -> list[str]:
 
 
 def _table(path: Path, interval_s: float) -> MoveLog:
-    from leadscrew.identify.log import read_log
+    from leadscrew.csvlines import read_log
 
     limits = dict.fromkeys(("e", "ec", "rho"), UNIVERSE)
     log = read_log(path, TABLE, increasing="k", within="r", limits=limits)

@@ -25,10 +25,11 @@ import numpy as np
 from leadscrew import parquet, reading
 from leadscrew.analysis.cutting_force import USUAL_KC, specific_force
 from leadscrew.csvlines import number
-from leadscrew.identify.log import PARQUET
 from leadscrew.kernel.errors import DataError, ValueRefused
 from leadscrew.kernel.sheet import nearest
 
+PARQUET = (".parquet", ".pq")
+"""Suffixes of Parquet files."""
 NAMES = {
     "feed": ("feed", "feed_per_rev", "feed_per_revolution", "fn", "f_n", "fr", "f_r"),
     "depth": ("depth", "depth_of_cut", "ap", "a_p", "doc"),

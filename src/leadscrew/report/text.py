@@ -34,6 +34,21 @@ STYLES = {
 """Verdicts that a terminal shows in colour; the words themselves always stand there."""
 
 
+WIDEST = 100_000
+"""Columns where no terminal limits them: a row of a table is one line in a pipe."""
+
+
+def console() -> Console:
+    """Standard output."""
+
+    class Quiet(Console):
+        def on_broken_pipe(self) -> None:
+            raise BrokenPipeError(32, "Broken pipe")
+
+    plain = not sys.stdout.isatty()
+    return Quiet(width=WIDEST if plain else None, soft_wrap=False, highlight=False, markup=False, emoji=False)
+
+
 def width() -> int:
     """Columns that a line may take: ``COLUMNS``, else those of the terminal, else :data:`PIPED`."""
     try:
@@ -239,8 +254,6 @@ def ending(notes: Iterable[str], page: Path, wall_s: float, columns: int) -> Ite
 
 def show(lines: Iterable[Text]) -> None:
     """Prints lines on standard output, in colour where it is a terminal, without blanks at their ends."""
-    from leadscrew.cli.output import console
-
     out = console()
     if not out.is_terminal:
         sys.stdout.write("".join(f"{line.plain.rstrip()}\n" for line in lines))

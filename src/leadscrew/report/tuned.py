@@ -8,8 +8,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 
 from leadscrew import controller_file, escape
 from leadscrew.newfolder import appearing
@@ -22,6 +20,7 @@ from leadscrew.tune.objective import Constraint, Goal
 from leadscrew.tune.tuned import Tuned
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
 
@@ -169,6 +168,8 @@ def label(wanted: Goal, units: dict[str, str]) -> str:
 
 def search(tuned: Tuned, units: dict[str, str]) -> Figure:
     """The best goal after each population; a cross while it still missed a constraint."""
+    from matplotlib.figure import Figure
+
     count = len(tuned.goals)
     figure = Figure(figsize=(7.0, 1.0 + 2.4 * count), layout="constrained")
     axes = figure.subplots(count, 1, sharex=True, squeeze=False)[:, 0]
@@ -195,6 +196,8 @@ def search(tuned: Tuned, units: dict[str, str]) -> Figure:
 
 def held_out(tuned: Tuned, units: dict[str, str]) -> Figure:
     """Every metric that counts, before and after, one dot a held-out plant; lines are bounds."""
+    from matplotlib.figure import Figure
+
     shown: list[tuple[str, str]] = []
     for wanted in (*tuned.goals, *tuned.constraints):
         for scenario in tuned.scenarios:
@@ -251,6 +254,8 @@ def strip(ax: Axes, at: float, values: np.ndarray, colour: Any, width: float = 0
 
 def front(tuned: Tuned, units: dict[str, str]) -> Figure:
     """Goals against each other: on the plants of the search and on held-out ones."""
+    from matplotlib.figure import Figure
+
     pairs = [(i, j) for i in range(len(tuned.goals)) for j in range(i + 1, len(tuned.goals))]
     figure = Figure(figsize=(0.6 + 5.4 * min(2, len(pairs)), 0.4 + 4.4 * -(-len(pairs) // 2)), layout="constrained")
     axes = figure.subplots(-(-len(pairs) // 2), min(2, len(pairs)), squeeze=False).ravel()

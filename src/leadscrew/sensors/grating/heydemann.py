@@ -122,9 +122,9 @@ def fit_log(path: str | Path) -> EllipseFit:
     """The ellipse of a logged pair of signals: a CSV file with columns ``u`` and ``v``, others ignored.
 
     Raises:
-        DataError: see :func:`leadscrew.identify.log.read_log` and :func:`fit_ellipse`.
+        DataError: see :func:`leadscrew.csvlines.read_log` and :func:`fit_ellipse`.
     """
-    from leadscrew.identify.log import read_log
+    from leadscrew.csvlines import read_log
 
     log = read_log(path, ("u", "v"))
     return fit_ellipse(log["u"], log["v"], where=str(path))

@@ -16,12 +16,12 @@ from typing import Literal, NamedTuple
 import numpy as np
 
 from leadscrew.controllers.vud.universe import CENTRES, TABLE_2, contraction
+from leadscrew.csvlines import read_log
 from leadscrew.fuzzy.fill import Completion, complete_rules
 from leadscrew.fuzzy.inference import infer, rule_base
 from leadscrew.fuzzy.learning import LearnedRules, learn_rules
 from leadscrew.fuzzy.partition import Partition
 from leadscrew.identify.linear.servo_gain import HOLDS, GainFit, Record, fit_gain
-from leadscrew.identify.log import read_log
 from leadscrew.kernel.errors import DataError
 from leadscrew.sensors.grating.quadrature import SignalErrors
 
@@ -54,7 +54,7 @@ def moves(path: str | Path = TABLE_1) -> dict[str, Move]:
     """The moves of a file laid out like Table 1 (columns k, r, e, ec, rho), by target: ``r=-190`` and so on.
 
     Raises:
-        DataError: what :func:`leadscrew.identify.log.read_log` refuses, a value outside [-1, 1], or a target twice.
+        DataError: what :func:`leadscrew.csvlines.read_log` refuses, a value outside [-1, 1], or a target twice.
     """
     limits = dict.fromkeys(("e", "ec", "rho"), UNIVERSE)
     log = read_log(path, ("k", "r", "e", "ec", "rho"), increasing="k", within="r", limits=limits)
