@@ -17,7 +17,7 @@ from leadscrew.report.tables import metric_unit, number
 from leadscrew.tune.job import Job
 from leadscrew.tune.measure import Samples
 from leadscrew.tune.objective import Constraint, Goal
-from leadscrew.tune.tuned import Tuned
+from leadscrew.tune.tuned import Tuned, controller_of
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -87,7 +87,7 @@ def write(job: Job, tuned: Tuned, folder: str | Path) -> None:
             parquet(samples, beside / f"held_out_{name}.parquet")
         if job.experiment.controller is not None:
             for i, member in enumerate(tuned.front, 1):
-                file = tuned.controller_of(job, tuned, member.values)
+                file = controller_of(job, tuned, member.values)
                 controller_file.write(beside / f"front_{i}.toml", file)
         tables: list[Table] = [
             ("Scores", COLUMNS, rows(tuned, job)),
