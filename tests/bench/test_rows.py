@@ -43,6 +43,6 @@ def test_a_target_is_met_at_its_very_limit(bounds, ratio, passed, target):
 def test_two_threads_that_take_half_the_time_are_twice_as_fast(monkeypatch):
     monkeypatch.setattr(threads, "load", lambda: 0.0)
     monkeypatch.setattr(threads, "interleaved", lambda contenders, rounds, clock: {"1": 4.0, "2": 2.0})
-    monkeypatch.setattr(threads.entries, "batch", lambda *args, **more: None)
+    monkeypatch.setattr(threads.measuring, "batch", lambda *args, **more: None)
     one, two = threads.rows(1, 32, {})
     assert (one["value"], two["value"], two["ratio"], two["passed"]) == (8.0, 16.0, 2.0, True)

@@ -2,11 +2,11 @@
 
 1. The log is cut in time: the first part trains, the rest (half, unless told) is kept unseen.
 2. Linear stage: delay (:mod:`delay`), then inverse-dynamics least squares (:mod:`inverse_dynamics`) of four models of
-   friction; the simplest that cross-validation inside the training part does not speak against (:mod:`candidates`).
+   friction; the simplest that cross-validation inside the training part does not speak against (:mod:`linear_stage`).
 3. Refinement by simulation of the plant itself over windows of the training part (:mod:`refine`); where these leave far
-   more than the sensor's noise, by what serves best between halves of the training part (:mod:`validation`).
-4. Bristles and a play, where the log shows them (:mod:`rest`).
-5. The model is simulated over both parts from their measured first state and compared (:mod:`judge`).
+   more than the sensor's noise, by what serves best between halves of the training part (:mod:`refinement`).
+4. Bristles and a play, where the log shows them (:mod:`static_friction`).
+5. The model is simulated over both parts from their measured first state and compared (:mod:`verdict`).
 
 Parameters and every choice come from the training part alone: the hold-out is looked at once, to judge the model that
 is handed on. With ``holdout=0`` everything trains.

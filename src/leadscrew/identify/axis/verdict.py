@@ -182,7 +182,7 @@ def cascade_left(job: Job, cascade: Cascade | None) -> float | None:
 def simulated(
     job: Job, values: Mapping[str, float], late: float, parts: list[tuple[str, int, int]], cascade: Cascade | None
 ) -> list[np.ndarray | None]:
-    """Positions of each stretch from its own start (:mod:`starts`); None where it diverges."""
+    """Positions of each stretch from its own start (``by_model``); None where it diverges."""
     from leadscrew.identify.axis import replay as plant
     from leadscrew.identify.axis.simulation import by_model, plant_values, simulate_closed
 
