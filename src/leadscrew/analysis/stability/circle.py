@@ -51,6 +51,4 @@ def circle(
     d = float(loop.d[0, 0])
     ends = () if loop.sampled else ((-d / (1.0 + asked.k1 * d), 0.0),)
     found = best(lines, asked.grid.w, 0.0, 0.0, 0.0, 1.0, ends)
-    from leadscrew.analysis.stability.plot import circle_plot
-
-    return outcome(asked, found, ", also one that varies with time", None, {"loop": loop}, circle_plot)
+    return outcome(asked, found, ", also one that varies with time", None, {"loop": loop}, "circle")

@@ -67,11 +67,11 @@ class Question:
         """How the sector begins, in words."""
         return f"{self.k1:g} {'<' if self.critical else '<='}"
 
-    def refused(self, sentence: str = "", data: dict[str, Any] | None = None, draw: Any = None) -> Certificate:
+    def refused(self, sentence: str = "", data: dict[str, Any] | None = None, drawing: str = "") -> Certificate:
         """The certificate of a refusal."""
         return Certificate(
             self.criterion, "refused", sentence or self.refusal, of_loop(self.loop), self.sector,
-            grid=self.grid.as_dict(), warnings=self.warnings, data=data or {}, draw=draw,
+            grid=self.grid.as_dict(), warnings=self.warnings, data=data or {}, drawing=drawing,
         )  # fmt: skip
 
     @property
@@ -319,7 +319,7 @@ def limit_of(k1: float, m: float) -> float:
 
 
 def outcome(
-    asked: Question, found: Best, which: str, multiplier: float | None, data: dict[str, Any], draw: Any
+    asked: Question, found: Best, which: str, multiplier: float | None, data: dict[str, Any], drawing: str
 ) -> Certificate:
     """The certificate. ``which`` says for which nonlinearities, as the end of a sentence after the sector."""
     limit = limit_of(asked.k1, found.m)
@@ -357,5 +357,5 @@ def outcome(
         {**grid.as_dict(), "points": len(found.w) - found.added, "tightest": found.at},
         warnings,
         {"nyquist_limit": asked.nyquist, "tightest_rad_s": found.at, "m": found.m, "k1": asked.k1, **data},
-        draw,
+        drawing,
     )

@@ -64,11 +64,9 @@ def jury_lee(
         return asked.refused()
     bound = slope if slope is not None else _widest(asked, q)
     found, signed = sided(asked, q, _with(bound))
-    from leadscrew.analysis.stability.plot import condition_plot
-
     sign = 1.0 if signed >= 0.0 else -1.0
     data = {"loop": loop, "slope": bound, "lines": (lambda w: _with(bound)(asked, w, sign)), "size": abs(signed)}
-    return outcome(asked, found, f", time-invariant, with a slope of at most {bound:.4g}", signed, data, condition_plot)
+    return outcome(asked, found, f", time-invariant, with a slope of at most {bound:.4g}", signed, data, "condition")
 
 
 def _with(slope: float) -> Any:

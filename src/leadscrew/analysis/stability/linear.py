@@ -142,6 +142,16 @@ class LinearLoop:
             )
 
     @property
+    def frequencies(self) -> np.ndarray:
+        """Its own grid of frequencies in rad/s."""
+        return own_grid(self).w
+
+    @property
+    def phase_crossings(self) -> list[Crossing]:
+        """Where its Nyquist curve crosses the negative real axis."""
+        return phase_crossings(self)
+
+    @property
     def sampled(self) -> bool:
         """Whether the loop has a period."""
         return self.dt is not None

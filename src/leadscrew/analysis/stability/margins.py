@@ -90,13 +90,11 @@ def margins(loop: LinearLoop, gain: float = 1.0, grid: Any = None) -> Margins:
         )
     else:
         statement = f"The linear loop{with_gain} is unstable ({worst_pole(loop, gain)}): it has no margins."
-    from leadscrew.analysis.stability.plot import nyquist_plot
-
     good = stable and not wrong
     return Margins(
         "margins", "grid-checked" if good else "refused", statement, of_loop(loop), None, gain * gm if good else None,
         gm if good else None, None, own.as_dict(), [*loop.notes, *wrong],
-        {"gm": gm, "pm_deg": pm, "ms": ms, "mt": mt, "gain": gain, "loop": loop}, nyquist_plot,
+        {"gm": gm, "pm_deg": pm, "ms": ms, "mt": mt, "gain": gain, "loop": loop}, "nyquist",
         gm if good else math.nan, 0.0 if down is None else -1.0 / down.value, pm if good else math.nan,
         (math.inf if late is None else late.value / late.w) if good else math.nan,
         ms if good else math.nan, mt if good else math.nan,

@@ -88,10 +88,8 @@ def popov(
     poles = np.abs(loop.closed_poles(asked.k1 if asked.k1 else 1.0))
     unit = 1.0 / float(poles.max())
     found = best(lines, asked.grid.w, q, 0.0 if asked.critical else -math.inf, math.inf, unit, tuple(ends))
-    from leadscrew.analysis.stability.plot import popov_plot
-
     data = {"q_s": found.q, "response": asked.response, "loop": loop}
-    return outcome(asked, found, " that does not change with time", found.q, data, popov_plot)
+    return outcome(asked, found, " that does not change with time", found.q, data, "popov")
 
 
 FAST = 0.05

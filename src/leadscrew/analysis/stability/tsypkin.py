@@ -59,11 +59,9 @@ def tsypkin(
     if asked.refusal:
         return asked.refused()
     found, signed = sided(asked, q, _lines)
-    from leadscrew.analysis.stability.plot import condition_plot
-
     data = {"loop": loop, "lines": (lambda w: _lines(asked, w, 1.0 if signed >= 0.0 else -1.0)), "size": abs(signed)}
     which = f", time-invariant, with a slope nowhere below {asked.k1:g}"
-    return outcome(asked, found, which, signed, data, condition_plot)
+    return outcome(asked, found, which, signed, data, "condition")
 
 
 def _lines(asked: Question, w: np.ndarray, sign: float) -> tuple[np.ndarray, np.ndarray]:

@@ -8,7 +8,6 @@ import numpy as np
 
 from leadscrew.analysis.harmonics import Sampling, spectrum
 from leadscrew.analysis.stability.loop import reference_loops
-from leadscrew.analysis.stability.plot import draw_popov, finish
 from leadscrew.analysis.stability.popov import popov
 from leadscrew.controllers import npid as cosh
 from leadscrew.controllers import npid_slope as limited
@@ -16,6 +15,7 @@ from leadscrew.controllers import resonant
 from leadscrew.controllers.inverse_feed_forward import inverse_feed_forward
 from leadscrew.controllers.pid import TUNINGS as PIDS
 from leadscrew.figures.panels import grid, with_legend
+from leadscrew.figures.stability import draw_popov, finish
 from leadscrew.kernel.sheet import entries
 from leadscrew.report.style import (
     BLACK,

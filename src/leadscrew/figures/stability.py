@@ -1,18 +1,24 @@
-"""Drawings of certificates: Popov plot with its line, Nyquist curve with its circle, the condition over frequency."""
+"""Drawings of stability: Popov plot with its line, Nyquist curve with its circle, conditions over frequency, cycles."""
 
 from __future__ import annotations
 
 import math
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.patches import Circle
 
 from leadscrew import escape
-from leadscrew.analysis.stability.certificate import Certificate, number
-from leadscrew.analysis.stability.linear import LinearLoop, own_grid, phase_crossings
 from leadscrew.report.style import BLACK, BLUE, GREEN, ORANGE, VERMILION
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from leadscrew.analysis.stability.certificate import Certificate
+    from leadscrew.analysis.stability.cycles import CyclePrediction
+    from leadscrew.analysis.stability.linear import LinearLoop
 
 
 def popov_plot(cert: Certificate) -> Figure:
@@ -27,7 +33,7 @@ def popov_plot(cert: Certificate) -> Figure:
 
 def draw_popov(axes: Axes, cert: Certificate, curve: str, line: str, label: str = "") -> None:
     """One Popov plot into axes: curve, line, the point that the line goes through, the crossing."""
-    w = own_grid(cert.data["loop"]).w
+    w = cert.data["loop"].frequencies
     g = cert.data["response"](w)
     k1, q, m = cert.data["k1"], cert.data["q_s"], cert.data["m"]
     x, y = g.real, w * g.imag
@@ -46,7 +52,7 @@ def draw_popov(axes: Axes, cert: Certificate, curve: str, line: str, label: str 
     low, high = float(y[shown].min()), float(y[shown].max())
     axes.set_ylim(low - 0.1 * (high - low), high + 0.1 * (high - low))
     axes.set_xlim(*window)
-    crossed = [c for c in phase_crossings(cert.data["loop"]) if k1 * c.value > -1.0]
+    crossed = [c for c in cert.data["loop"].phase_crossings if k1 * c.value > -1.0]
     if crossed:
         last = min(crossed, key=lambda c: c.value)
         at = last.value / (1.0 + k1 * last.value)
@@ -63,7 +69,7 @@ def circle_plot(cert: Certificate) -> Figure:
     loop, k1 = cert.data["loop"], cert.data["k1"]
     draw_nyquist(axes, loop)
     if cert.limit is not None:
-        draw_sector(axes, k1, cert.limit, GREEN, f"largest sector [{k1:g}, {number(cert.limit)}]")
+        draw_sector(axes, k1, cert.limit, GREEN, f"largest sector [{k1:g}, {cert.limit_text}]")
     if cert.sector is not None and math.isfinite(cert.sector[1]):
         draw_sector(axes, k1, cert.sector[1], ORANGE, f"asked [{k1:g}, {cert.sector[1]:.4g}]")
     axes.set_title(f"{escape.figure(cert.loop['name'])}: {cert.criterion}, {cert.grade}", fontsize="medium", loc="left")
@@ -90,13 +96,13 @@ def draw_nyquist(
     axes: Axes, loop: LinearLoop, gain: float = 1.0, colour: str = BLUE, label: str = "", marker: str = "o"
 ) -> None:
     """The curve of ``gain * G`` for positive frequencies, the point -1 and the phase crossover of most gain."""
-    w = own_grid(loop).w
+    w = loop.frequencies
     g = gain * loop.response(w)
     near = np.abs(g) < 8.0
     said = label or ("G" if gain == 1.0 else f"{gain:.4g} G")
     axes.plot(np.where(near, g.real, np.nan), np.where(near, g.imag, np.nan), color=colour, linewidth=1.2, label=said)
     axes.plot([-1.0], [0.0], "+", color=BLACK, markersize=10)
-    crossed = phase_crossings(loop)
+    crossed = loop.phase_crossings
     if crossed:
         last = min(crossed, key=lambda c: c.value)
         axes.plot([gain * last.value], [0.0], marker, color=BLACK, markerfacecolor="none", markersize=7,
@@ -119,7 +125,7 @@ def condition_plot(cert: Certificate) -> Figure:
     figure = Figure(figsize=(6.0, 3.8), layout="constrained")
     axes: Any = figure.subplots()
     loop, k1 = cert.data["loop"], cert.data["k1"]
-    w = own_grid(loop).w
+    w = loop.frequencies
     r, s = cert.data["lines"](w)
     tight = r + cert.data["size"] * s
     for k2, colour, said in (
@@ -158,3 +164,61 @@ def finish(axes: Axes, lines: bool = True, columns: int = 2) -> None:
         axes.axhline(0.0, color="0.5", linewidth=0.6)
         axes.axvline(0.0, color="0.5", linewidth=0.6)
     axes.legend(frameon=False, fontsize="small", loc="upper center", bbox_to_anchor=(0.5, -0.16), ncols=columns)
+
+
+def slopes_plot(cert: Certificate) -> Figure:
+    """The Nyquist curve and the disc that it must stay out of."""
+    loop, (s1, s2) = cert.data["loop"], cert.sector or (0.0, 0.0)
+    g = loop.response(loop.frequencies)
+    figure = Figure(figsize=(6.0, 5.0), layout="constrained")
+    axes: Any = figure.subplots()
+    axes.plot(g.real, g.imag, color=BLUE, label="G")
+    if 0.0 < s1 < s2:
+        centre, radius = -0.5 * (1.0 / s1 + 1.0 / s2), 0.5 * (1.0 / s1 - 1.0 / s2)
+        disc = Circle((centre, 0.0), radius, color=VERMILION, alpha=0.4, label=f"disc of slopes {cert.sector_text}")
+        axes.add_patch(disc)
+    axes.plot([-1.0], [0.0], "k+", ms=10)
+    near = max(2.0 / s1 if s1 > 0.0 else 2.0, 1.5)
+    axes.set(xlim=(-near, 0.5 * near), ylim=(-near, near), xlabel="Re G", ylabel="Im G",
+             title=f"{cert.loop['name']}: {cert.grade}")  # fmt: skip
+    axes.set_aspect("equal")
+    axes.grid(alpha=0.3)
+    axes.legend(loc="lower right")
+    return figure
+
+
+def cycles_figure(prediction: CyclePrediction) -> Figure:
+    """Nyquist curve with the locus ``-1 / N(A)``, and ``N`` against amplitude with the gain of each crossing."""
+    figure = Figure(figsize=(9.2, 4.2), layout="constrained")
+    axes: Any = figure.subplots(1, 2)
+    plane, curve = axes
+    factor, unit = prediction.shown_in
+    locus = prediction.locus
+    if locus is not None:
+        plane.plot(locus.response.real, locus.response.imag, color=BLUE, label="G")
+        edge = -1.0 / locus.gain
+        plane.plot(edge, np.zeros_like(edge), color=VERMILION, linewidth=4.0, alpha=0.5, label="-1/N(A)")
+        curve.semilogx(2.0 * factor * locus.amplitude, locus.gain, color=BLUE, label="N(A)")
+    for hertz, gain in prediction.crossings:
+        if locus is not None and gain <= 2.0 * float(locus.gain.max()):
+            curve.axhline(gain, color=BLACK, linestyle=":", label=f"-1/G at {hertz:.4g} Hz")
+    for c in prediction.cycles:
+        mark = {"marker": "o" if c.stable else "x", "color": GREEN if c.stable else VERMILION, "linestyle": ""}
+        name = "stable cycle" if c.stable else "unstable cycle"
+        plane.plot([-1.0 / c.gain], [0.0], **mark)
+        curve.plot([2.0 * factor * c.amplitude], [c.gain], label=name, **mark)
+    plane.set(xlabel="Re G", ylabel="Im G")
+    plane.set_xlim(-1.2, 0.2)
+    plane.set_ylim(-0.8, 0.6)
+    plane.grid(alpha=0.3)
+    plane.legend(frameon=False, loc="lower left")
+    curve.set(xlabel=f"peak to peak of the fundamental ({unit})", ylabel="gain N (1)")
+    curve.legend(frameon=False)
+    return figure
+
+
+DRAWINGS: dict[str, Callable[[Certificate], Figure]] = {
+    "popov": popov_plot, "circle": circle_plot, "nyquist": nyquist_plot, "condition": condition_plot,
+    "slopes": slopes_plot,
+}  # fmt: skip
+"""What a certificate draws, by its ``drawing``."""
