@@ -1,4 +1,4 @@
-"""One row of the bench's table."""
+"""What every row of the bench needs: its fields, interleaved timing, the machine's load, a loop's compiled entries."""
 
 from __future__ import annotations
 

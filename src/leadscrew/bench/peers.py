@@ -1,4 +1,4 @@
-"""The same loop in other tools: sensor and controller in plain Python, the plant theirs."""
+"""Rows of slower ways to run the same loop: plain Python, our Python engine, SciPy, python-control, PathSim."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""``leadscrew design vud``: a controller from a log of the one that it replaces, step by step; other designs."""
+"""``leadscrew design``: ``vud`` from a log of the old controller; ``npid``, ``rejection`` from a plant and limits."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Where errors become one sentence and an exit code."""
+"""Exit codes, and where errors become one sentence and one of them."""
 
 from __future__ import annotations
 

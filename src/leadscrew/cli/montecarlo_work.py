@@ -1,4 +1,4 @@
-"""What ``leadscrew montecarlo`` does between its options and its report."""
+"""What ``leadscrew montecarlo`` does after its options are read, and what it prints."""
 
 from __future__ import annotations
 

@@ -122,8 +122,8 @@ def variable_names(system: System) -> dict[str, str]:
     return identifiers([v.name for v in (*system.inputs, *system.outputs)], RESERVED)
 
 
-class RulesWriter:
-    """Writes what the rules come to."""
+class Writer:
+    """Writes one system: what its rules come to, then its outputs, then ``infer``."""
 
     def __init__(
         self,
@@ -310,10 +310,6 @@ class RulesWriter:
         """How many degrees an output takes."""
         return len(self.groups[output.name]) + self.marked(output)
 
-
-class OutputsWriter(RulesWriter):
-    """Writes the functions of the outputs."""
-
     # ---- outputs
     def arguments(self, output: Output) -> list[str]:
         """What an output's function takes."""
@@ -486,10 +482,6 @@ class OutputsWriter(RulesWriter):
             of = f"{w} / {self.term(variable, name, HEIGHT)}" if (variable, name) in self.tall else w
             return f"{self.use(INVERSES[term.shape])}({self.columns(variable, name, FIRST, SECOND, LOW, HIGH)}, {of})"
         return self.membership(variable, name, term.shape, w)
-
-
-class Writer(OutputsWriter):
-    """Writes one system."""
 
     # ---- all of it
     def infer(self) -> list[str]:

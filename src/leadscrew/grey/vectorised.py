@@ -1,4 +1,4 @@
-"""GM(1,1) over arrays: windows of any length from four on, all at once, in NumPy.
+"""GM(1,1) and the predictors beside it over arrays: windows of any length from four on, all at once, in NumPy.
 
 Every function takes windows of shape ``(..., N)``, oldest sample first, and gives arrays of shape ``(...)``. Where a
 model cannot be fitted it gives the last sample, as the step functions of :mod:`leadscrew.grey.gm11` do; with N = 5 the

@@ -1,6 +1,7 @@
 """MATLAB files up to version 7: vectors are columns, single numbers constants, structures are looked into once.
 
-A file of version 7.3 is HDF5 and is read where h5py is installed.
+A file of version 7.3 is HDF5 and is read where h5py is installed. Files are read in a process of their own: a broken
+one can crash SciPy's reader.
 """
 
 from __future__ import annotations

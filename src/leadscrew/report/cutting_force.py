@@ -1,4 +1,4 @@
-"""Force laws of a table for reading: rows of tables, sentences, JSON, a page."""
+"""Force laws of a table for reading: rows of tables, sentences, JSON, a picture, a page."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Following errors for reading: tables, sentences, JSON, CSV, a page."""
+"""Following errors for reading: tables, sentences, JSON, CSV, a picture, a page."""
 
 from __future__ import annotations
 

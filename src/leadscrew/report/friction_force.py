@@ -1,4 +1,4 @@
-"""Friction models of a measured force for reading: rows of tables, sentences, JSON, a page."""
+"""Friction models of a measured force for reading: rows of tables, sentences, JSON, a picture, a page."""
 
 from __future__ import annotations
 

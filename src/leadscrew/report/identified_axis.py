@@ -1,4 +1,4 @@
-"""An identified axis for reading: rows of tables and JSON. Pictures and page are modules of their own."""
+"""An identified axis for reading: numbers, sentences, tables, JSON, pictures, and the report folder."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The folder of a tuning: ``report.html``, ``tune.json``, figures, held-out runs, a controller file for each member."""
+"""The folder of a tuning: page, ``tune.json``, pictures, held-out runs, a controller file for each of a front."""
 
 from __future__ import annotations
 

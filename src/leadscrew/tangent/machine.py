@@ -1,4 +1,4 @@
-"""A simulated cutter: runs strokes of a program through the process of the study, and gives the line that it cuts.
+"""A simulated cutter: runs strokes of a program through the process of the study, and gives the cut line as files.
 
 The blade goes along a stroke at the programmed feed, sampled every 10 ms; the block
 :func:`~leadscrew.plants.flexible_cut.flexible_cut` makes the deviation ``e`` of the cut's tangent of heading, curvature

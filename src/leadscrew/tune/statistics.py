@@ -7,6 +7,8 @@ S. Pearson, Biometrika 26 (1934) 404: its coverage is at least what it says.
 
 Percentiles are of the runs that gave a value; how many diverged, and how many others gave none (a loop that has not
 settled has no settling time), stands beside them. For a yield both count as failures.
+
+Comparisons are paired by plant, with intervals by a bootstrap over plants.
 """
 
 from __future__ import annotations

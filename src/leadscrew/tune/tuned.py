@@ -1,4 +1,4 @@
-"""What a tuning gives: the setting, its scores on the plants that it was tuned on and on others, how it got there."""
+"""What a tuning gives: the setting, its scores on both sets of plants, its history; and the files it leaves."""
 
 from __future__ import annotations
 

@@ -1,4 +1,7 @@
-"""What is believed of an axis before the test: its parameters, its sensor, and what its log still has to tell."""
+"""What is believed of an axis before the test: its parameters, its sensor, and what its log still has to tell.
+
+From the machine file where there is one (:func:`of_machine`), else guessed.
+"""
 
 from __future__ import annotations
 
