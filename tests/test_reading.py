@@ -23,7 +23,7 @@ from leadscrew.logs import read_table
 from leadscrew.neural.performance import read_net
 from leadscrew.panel.hal import file as hal_file
 from leadscrew.paths.read import read_drawing
-from leadscrew.tangent.measured import read_measured
+from leadscrew.tangent.measurement import read_measured
 from leadscrew.tune.checkpoints import Journal
 
 CORPUS = Path(__file__).with_name("corpus") / "0.1.0"

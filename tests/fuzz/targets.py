@@ -120,7 +120,7 @@ def targets() -> tuple[Target, ...]:
         Target("svg", seeds("tangent/leaf.svg", "*.svg"), "tangent show @ --json", 10),
         Target("dxf", seeds("*.dxf"), "tangent show @ --json", 10),
         Target("gcode", seeds("tangent/*.ngc", "*.ngc"), "tangent show @ --json", 10),
-        Target("tangent measured", seeds("tangent/piece.csv"), _of("leadscrew.tangent.measured:read_measured")),
+        Target("tangent measured", seeds("tangent/piece.csv"), _of("leadscrew.tangent.measurement:read_measured")),
         Target("tangent program", seeds("tangent/*.ngc"), _of("leadscrew.tangent.program:read_program")),
         Target("network", seeds("tangent/network.json"), _of("leadscrew.neural.performance:read_net")),
         Target("fuzzy fis", seeds("fuzzy/*.fis"), "fuzzy show @ --json", 6),

@@ -15,7 +15,7 @@ from leadscrew.tangent.deviation import cutoff_of, deviation_of, errors_along, n
 from leadscrew.tangent.emit import program
 from leadscrew.tangent.machine import Scan, marks_of, scanned
 from leadscrew.tangent.matching import Placing, by_marks, fitted, thinned
-from leadscrew.tangent.measured import Trace
+from leadscrew.tangent.measurement import Trace
 from leadscrew.tangent.program import program_of
 from leadscrew.tangent.settings import Settings
 from leadscrew.tangent.stroke import strokes_of

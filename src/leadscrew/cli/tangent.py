@@ -448,7 +448,7 @@ def compensate(
     from leadscrew import __version__
     from leadscrew.tangent.compensate import Learning, compensated
     from leadscrew.tangent.emit import program
-    from leadscrew.tangent.measured import read_measured
+    from leadscrew.tangent.measurement import read_measured
 
     wanted(out, PROGRAMS, "a program")
     spared(out, [file, measured, after])

@@ -27,7 +27,7 @@ from leadscrew.kernel.errors import ValueRefused
 from leadscrew.paths.curve import Array
 from leadscrew.tangent.deviation import Deviation, deviation_of, errors_along
 from leadscrew.tangent.matching import SPAN_MM, Placing, matched
-from leadscrew.tangent.measured import Trace
+from leadscrew.tangent.measurement import Trace
 from leadscrew.tangent.settings import MOST_OFFSET_DEG, Settings
 from leadscrew.tangent.stroke import Stroke, Table
 

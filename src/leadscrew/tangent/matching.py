@@ -31,7 +31,7 @@ from numpy.typing import NDArray
 from leadscrew.kernel.errors import DataError, ValueRefused
 from leadscrew.paths.curve import Array
 from leadscrew.tangent.deviation import STRETCH
-from leadscrew.tangent.measured import Trace
+from leadscrew.tangent.measurement import Trace
 from leadscrew.tangent.settings import MM_PER_INCH
 from leadscrew.tangent.stroke import Stroke
 

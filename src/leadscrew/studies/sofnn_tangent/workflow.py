@@ -74,7 +74,7 @@ def trip(drawing: str, material: str = "fabric", scan: str = "exact", seed: int 
     from leadscrew.tangent.compensate import compensated
     from leadscrew.tangent.emit import program
     from leadscrew.tangent.machine import Scan, marks_of, scanned
-    from leadscrew.tangent.measured import Trace
+    from leadscrew.tangent.measurement import Trace
     from leadscrew.tangent.program import program_of
 
     text, errors = first_program(drawing), []
