@@ -145,8 +145,8 @@ def _save(path: Path, text: dict[str, Any]) -> None:
 def draw(found: Certification, path: Path) -> None:
     """The plot of the certificate that the verdict rests on; of a linear controller the Nyquist plot."""
     best = found.best if found.taken.nonlinear and found.best is not None else found.margins
-    chosen = best if best.draw is not None else next(
-        (c for c in (*found.autonomous, found.margins) if c.draw is not None), None
+    chosen = best if best.drawing else next(
+        (c for c in (*found.autonomous, found.margins) if c.drawing), None
     )  # fmt: skip
     assert chosen is not None
     chosen.figure().savefig(path, dpi=150)
