@@ -290,7 +290,7 @@ for name in ("geteuid", "getuid", "fchmod", "killpg", "O_NOFOLLOW", "O_NONBLOCK"
 os.kill = lambda *_: os._exit(3)
 from leadscrew import newfile, newfolder
 from leadscrew.kernel import cache, system
-from leadscrew.tune import workers
+from leadscrew.tune import executors
 newfile.save("data", "a.txt")
 with newfolder.appearing("out") as place:
     (place / "b").write_text("1")
