@@ -10,7 +10,7 @@ from __future__ import annotations
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
-from leadscrew.kernel.errors import BlockError, LeadscrewError, NameUnknown
+from leadscrew.kernel.errors import BlockError, LeadscrewError, NameUnknown, entry_point
 from leadscrew.kernel.sheet import nearest
 
 if TYPE_CHECKING:
@@ -248,6 +248,7 @@ def _find(name: str, table: dict[str, str], group: str, what: str) -> Any:
     raise NameUnknown(f"there is no {what} {name!r}{nearest(name, [*table, *points])}")
 
 
+@entry_point
 def block(name: str, kind: str | None = None) -> Block:
     """The block of a name: from the table, an installed plug-in, ``path/file.py:name``, or a fuzzy system's file.
 
@@ -272,6 +273,7 @@ def block(name: str, kind: str | None = None) -> Block:
     return found
 
 
+@entry_point
 def study(name: str) -> Study:
     """The study of a name: from the table, an installed plug-in, a machine file (``.toml``), or ``path/file.py:name``.
 

@@ -26,7 +26,15 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from leadscrew import catalogue, userfile
-from leadscrew.kernel.errors import BlockError, CodeNotTrusted, DataError, LeadscrewError, NameUnknown, ValueRefused
+from leadscrew.kernel.errors import (
+    BlockError,
+    CodeNotTrusted,
+    DataError,
+    LeadscrewError,
+    NameUnknown,
+    ValueRefused,
+    entry_point,
+)
 from leadscrew.kernel.sheet import Entry, entries, nearest
 
 if TYPE_CHECKING:
@@ -37,6 +45,7 @@ if TYPE_CHECKING:
 SCHEMA_VERSION = 1
 
 
+@entry_point
 @dataclass(frozen=True)
 class Experiment:
     """One loop: of a study by controller and scenario, or from a file, with parameters changed by dotted key."""

@@ -6,6 +6,8 @@ from collections.abc import Callable, Mapping
 from importlib import import_module
 from typing import Any
 
+from leadscrew.frames import trimmed
+
 
 def doors(space: dict[str, Any], homes: Mapping[str, str]) -> tuple[Callable[[str], Any], Callable[[], list[str]]]:
     """``__getattr__`` and ``__dir__`` of the package with these globals; ``homes`` has the names of each module.
@@ -21,4 +23,4 @@ def doors(space: dict[str, Any], homes: Mapping[str, str]) -> tuple[Callable[[st
         space[name] = getattr(import_module(f"{package}.{found[name]}"), name)
         return space[name]
 
-    return get, lambda: sorted({*space, *found})
+    return trimmed(get, AttributeError), lambda: sorted({*space, *found})

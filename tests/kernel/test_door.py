@@ -51,7 +51,7 @@ def test_what_is_wrong_is_refused_with_value_range_and_place(changes, says):
     [
         ("controller.kp", -1.0, ValueRefused, r"controller.kp = -1.0: allowed range is \[0, inf\) V/mm"),
         ("controller.kp", math.nan, ValueRefused, "controller.kp = nan: not a number"),
-        ("controller.kp", "1", ValueRefused, "controller.kp = '1': expected a number V/mm"),
+        ("controller.kp", "1", ValueRefused, "controller.kp = '1': expected a number in V/mm; write 1 without quotes"),
         ("controller.kq", 1.0, NameUnknown, "there is no parameter 'controller.kq'; did you mean .*controller.kp"),
         ("controler.kp", 1.0, NameUnknown, "controller.kp"),
         ("plant.mass", 0, ValueRefused, r"plant.mass = 0: allowed range is \(0, inf\) kg"),
@@ -135,7 +135,7 @@ def test_no_period_gets_through_the_door_that_is_not_a_time(value):
 
 def test_the_door_names_numbers():
     assert door.number("x", 3, "mm") == 3.0
-    with pytest.raises(ValueRefused, match="x = True: expected a number of mm"):
+    with pytest.raises(ValueRefused, match="x = True: expected a number in mm"):
         door.number("x", True, "mm")
 
 

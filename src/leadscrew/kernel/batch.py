@@ -15,7 +15,7 @@ import numpy as np
 from leadscrew.escape import html
 from leadscrew.kernel import door
 from leadscrew.kernel.engines import ENGINES
-from leadscrew.kernel.errors import NameUnknown, ValueRefused
+from leadscrew.kernel.errors import NameUnknown, ValueRefused, entry_point
 from leadscrew.kernel.layout import numbers_of, reader_of
 from leadscrew.kernel.linker import LANES
 from leadscrew.kernel.one_thread import one_thread
@@ -33,6 +33,7 @@ HEARD_S = 0.1
 """After which Ctrl-C is heard at the latest."""
 
 
+@entry_point
 @dataclass(repr=False)
 class Batch:
     """The result of many runs: arrays with one row a run."""

@@ -31,7 +31,7 @@ from dataclasses import dataclass, field, replace
 from typing import Any, NamedTuple
 
 from leadscrew.escape import checked_line
-from leadscrew.kernel.errors import BlockError
+from leadscrew.kernel.errors import BlockError, entry_point
 from leadscrew.kernel.sheet import checked_replace
 
 KINDS: dict[str, tuple[str, ...]] = {
@@ -65,6 +65,7 @@ class InputRange(NamedTuple):
     feedback: str = "feedback"
 
 
+@entry_point
 @dataclass(frozen=True)
 class Block:
     """A block: its step, its parameters and its state at the start.
@@ -159,6 +160,8 @@ def make(kind: str, step: Callable[..., Any], params: Any = None, state: Any = N
     """
     for what, value in (("parameters", params), ("state", state)):
         if value is not None and not (isinstance(value, tuple) and hasattr(value, "_fields")):
+            if isinstance(value, type):
+                raise BlockError(f"{step.__name__}: {what} are a class; write an instance: {value.__name__}()")
             raise BlockError(
                 f"{step.__name__}: {what} must be an instance of a NamedTuple, for example Params(), not {value!r}"
             )
@@ -179,7 +182,12 @@ def make(kind: str, step: Callable[..., Any], params: Any = None, state: Any = N
 
 
 def _decorator(kind: str) -> Callable[..., Callable[[Callable[..., Any]], Block]]:
+    @entry_point
     def with_parts(params: Any = None, state: Any = None, **more: Any) -> Callable[[Callable[..., Any]], Block]:
+        if inspect.isfunction(params):
+            raise BlockError(f"{params.__name__}: write @{kind}() or @{kind}(Params(), State()), with parentheses")
+
+        @entry_point
         def decorate(step: Callable[..., Any]) -> Block:
             return make(kind, step, params, state, **more)
 

@@ -19,6 +19,7 @@ from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
 
+from leadscrew.frames import warning_level
 from leadscrew.kernel.system import is_private, may_be_replaced, read_private
 
 LIMIT = 5000
@@ -83,7 +84,7 @@ def directory() -> Path:
 def _warn(text: str) -> None:
     if text not in _told:
         _told.add(text)
-        warnings.warn(text, stacklevel=3)
+        warnings.warn(text, stacklevel=warning_level())
 
 
 def _put(folder: Path, name: str, data: bytes) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from types import FunctionType, ModuleType
 from typing import TYPE_CHECKING, Any
 
 from leadscrew.kernel.block import Block
@@ -22,7 +23,7 @@ def number(key: str, value: Any, unit: str) -> float:
     import numpy as np
 
     if isinstance(value, bool | str) or not isinstance(value, int | float | np.integer | np.floating):
-        raise ValueRefused(f"{key} = {value!r}: expected a number{f' of {unit}' if unit else ''}")
+        raise ValueRefused(f"{key} = {value!r}: expected a number{f' in {unit}' if unit else ''}")
     if math.isnan(value):
         raise ValueRefused(f"{key} = {value!r}: not a number (NaN) is not allowed")
     return float(value)
@@ -75,16 +76,25 @@ def check_blocks(blocks: Mapping[str, Block | None]) -> None:
     for slot, block in blocks.items():
         if block is None:
             if slot in _NEEDED:
-                raise BlockError(f"a loop needs a {slot}")
+                raise BlockError(f"a loop needs a {slot}: Loop({slot}=...)")
             continue
         if not isinstance(block, Block):
-            raise BlockError(
-                f"{slot} = {block!r} is not a block; "
-                f"decorate the step with @{_FITS.get(slot, (slot,))[0]}(Params(), State())"
-            )
+            raise BlockError(_no_block(slot, block, _FITS.get(slot, (slot,))[0]))
         if block.kind not in _FITS.get(slot, (slot,)):
             raise BlockError(f"{slot} = {block.name!r} is a {block.kind}, not a {_FITS.get(slot, (slot,))[0]}")
         check_params(block, slot)
+
+
+def _no_block(slot: str, value: Any, kind: str) -> str:
+    """What is wrong with a value that is no block, and what to write."""
+    if isinstance(value, str):
+        return f"{slot} = {value!r} is a text, not a block; write leadscrew.block({value!r})"
+    if isinstance(value, ModuleType):
+        name = value.__name__.rpartition(".")[2]
+        return f"{slot} = {value.__name__} is a module, not a block; write {name}.{name}"
+    if isinstance(value, FunctionType):
+        return f"{slot} = {value.__name__} is a function, not a block; decorate it with @{kind}(Params(), State())"
+    return f"{slot} = {value!r} is not a block; decorate the step with @{kind}(Params(), State())"
 
 
 def check_params(block: Block, where: str) -> None:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from leadscrew.frames import warning_level
 from leadscrew.kernel.errors import ValueRefused
 
 if TYPE_CHECKING:
@@ -33,7 +34,7 @@ def without_numba(engine: Any) -> Any:
     if engine != "numba":
         return engine
     text = "engine = 'numba': this engine was removed; 'llvm' runs instead and gives the same bits"
-    warnings.warn(text, stacklevel=2)
+    warnings.warn(text, stacklevel=warning_level())
     return "llvm"
 
 

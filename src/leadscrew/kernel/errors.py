@@ -1,5 +1,13 @@
 """What can go wrong, as exceptions whose text is one sentence a user can act on."""
 
+from __future__ import annotations
+
+from typing import Any, TypeVar
+
+from leadscrew.frames import trimmed, trimmed_class
+
+Entry = TypeVar("Entry")
+
 
 class LeadscrewError(Exception):
     """Base of all errors that Leadscrew raises on purpose."""
@@ -42,3 +50,19 @@ class Diverged(LeadscrewError):
     def __init__(self, message: str, run: object = None) -> None:
         super().__init__(message)
         self.run = run
+
+
+def entry_point(public: Entry) -> Entry:
+    """Decorates a public function or class: an error raised on purpose leaves it without the frames of this package.
+
+    ``LEADSCREW_DEBUG=1`` keeps them.
+    """
+    if isinstance(public, type):
+        trimmed_class(public, LeadscrewError)
+        return public
+    decorated: Any = trimmed(public, LeadscrewError)
+    return decorated  # type: ignore[no-any-return]
+
+
+for _error in [v for v in list(vars().values()) if isinstance(v, type) and issubclass(v, LeadscrewError)]:
+    _error.__module__ = "leadscrew"  # where they are public, and short in a traceback

@@ -10,6 +10,7 @@ from __future__ import annotations
 import ast
 from typing import TYPE_CHECKING, Any, NoReturn
 
+from leadscrew.frames import place
 from leadscrew.kernel.errors import SubsetError
 from leadscrew.kernel.kinds import (
     ANY,
@@ -34,6 +35,7 @@ from leadscrew.kernel.kinds import (
     renewed,
     table,
 )
+from leadscrew.kernel.sheet import nearest
 
 if TYPE_CHECKING:
     from leadscrew.kernel.module import Item, Module
@@ -94,7 +96,7 @@ class Path:
         """Refuses by file and line."""
         line = getattr(node, "lineno", getattr(self.item.node, "lineno", 1))
         name = getattr(self.item.value, "__name__", self.item.name)
-        raise SubsetError(f"{self.item.filename}:{line}: in {name!r}: {what}")
+        raise SubsetError(f"{place(self.item.filename, line)}: in {name!r}: {what}")
 
     # ---- statements
     def block(self, body: list[ast.stmt], env: Env) -> Env | None:
@@ -207,6 +209,14 @@ class Path:
     def on_constant(self, node: ast.Constant, env: Env) -> Value:
         return FLOAT if isinstance(node.value, float) else WHOLE
 
+    def on_joinedstr(self, node: ast.JoinedStr, env: Env) -> Value:
+        for part in node.values:
+            self.value(part, env)
+        return ANY
+
+    def on_formattedvalue(self, node: ast.FormattedValue, env: Env) -> Value:
+        return self.value(node.value, env)
+
     def on_name(self, node: ast.Name, env: Env) -> Value:
         if node.id in env:
             return env[node.id]
@@ -220,7 +230,8 @@ class Path:
         if isinstance(base, Record) and node.attr in base.cls._fields:
             return base.part(node.attr)
         if base not in (SIGNAL, ANY):
-            self.refuse(node, f"{ast.unparse(node.value)!r} has no field {node.attr!r}")
+            fields = list(base.cls._fields) if isinstance(base, Record) else []
+            self.refuse(node, f"{ast.unparse(node.value)!r} has no field {node.attr!r}{nearest(node.attr, fields)}")
         return SIGNAL if base == SIGNAL else ANY
 
     def on_subscript(self, node: ast.Subscript, env: Env) -> Value:
@@ -343,6 +354,8 @@ class Path:
         """What Python itself supplies, and the intrinsics."""
         if name == "len":
             return WHOLE
+        if name == "print":
+            return ANY
         for a in node.args:
             self.number(a, env)
         if name == "abs":

@@ -13,7 +13,7 @@ import numpy as np
 
 from leadscrew.kernel import door, ieee
 from leadscrew.kernel.block import Block
-from leadscrew.kernel.errors import NameUnknown, ValueRefused
+from leadscrew.kernel.errors import NameUnknown, ValueRefused, entry_point
 from leadscrew.kernel.frame import SLOTS
 from leadscrew.kernel.linker import LARGEST
 from leadscrew.kernel.loop import DivergenceWarning, warn_diverged
@@ -42,6 +42,7 @@ class Saved:
     loop: Loop
 
 
+@entry_point
 class Live:
     """One loop in motion. Ten times ``advance(100)`` gives the same bits as ``advance(1000)``."""
 

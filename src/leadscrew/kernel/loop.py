@@ -15,10 +15,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from leadscrew.escape import checked_line
+from leadscrew.frames import warning_level
 from leadscrew.kernel import door
 from leadscrew.kernel.block import Block, takes
 from leadscrew.kernel.engines import ENGINES
-from leadscrew.kernel.errors import NameUnknown, ValueRefused
+from leadscrew.kernel.errors import NameUnknown, ValueRefused, entry_point
 from leadscrew.kernel.frame import SLOTS, Clock, as_floats, bundle
 from leadscrew.kernel.layout import Layout
 from leadscrew.kernel.linker import LARGEST, METHODS, Plan
@@ -38,6 +39,7 @@ RECORDED = ("command", "feedback", "output", "applied", "actual", "disturbance",
 """What a run records unless told otherwise."""
 
 
+@entry_point
 class Loop:
     """A closed loop, ready to run on any engine.
 
@@ -386,7 +388,7 @@ class Loop:
         )
         found = notes(done)
         for note in found:
-            warnings.warn(f"{self.name}: {note.message}", RunWarning, stacklevel=2)
+            warnings.warn(f"{self.name}: {note.message}", RunWarning, stacklevel=warning_level())
         return replace(done, notes=found) if found else done
 
     def start(self, *, engine: str | None = None, run: int = 0) -> Live:
@@ -462,7 +464,7 @@ class DivergenceWarning(UserWarning):
 
 def warn_diverged(text: str) -> None:
     """Says once, in words, that a loop diverged."""
-    warnings.warn(text, DivergenceWarning, stacklevel=4)
+    warnings.warn(text, DivergenceWarning, stacklevel=warning_level())
 
 
 __all__ = ["RECORDED", "DivergenceWarning", "Loop", "RunWarning", "warn_diverged"]

@@ -17,6 +17,7 @@ from typing import Any, cast
 
 import numpy as np
 
+from leadscrew.frames import place
 from leadscrew.kernel import bits, guards
 from leadscrew.kernel.asked import Asked, same, source_of, trees
 from leadscrew.kernel.block import Block
@@ -29,13 +30,13 @@ from leadscrew.kernel.ieee import OPERATORS, Ieee, Table
 from leadscrew.kernel.normalise import Normaliser
 from leadscrew.kernel.scalarise import Scalariser, fields_of, without_copies, without_dead
 from leadscrew.kernel.sheet import SILENT, leaf_type, notes
-from leadscrew.kernel.source import MISSING, lookup
-from leadscrew.kernel.subset import MATHS, call, is_named_tuple_type
+from leadscrew.kernel.source import MISSING, lookup, where
+from leadscrew.kernel.subset import MATHS, call, is_named_tuple_type, is_print
 from leadscrew.kernel.trees import code_of, copied, each, expression, fingerprint
 from leadscrew.kernel.treework import treework
 
 _RESERVED = {
-    "ieee_select", "np", "math", "NamedTuple", "float", "int", "bool", "abs", "len", "range", *bits.INTRINSICS,
+    "ieee_select", "print", "np", "math", "NamedTuple", "float", "int", "bool", "abs", "len", "range", *bits.INTRINSICS,
     # the arguments and locals of the drivers and of what the linker writes
     *(  # noqa: SIM905
         "P A S B Q Z U V H R M D Y QA ZB p s x t k j n u f h g i c q v y b a lane run line views noise dt load "
@@ -189,8 +190,7 @@ class Module:
     def function(self, function: Any, trusted: bool | None = None, kind: str = "leaf") -> str:
         """The name of a plain function in the module; it and all that it calls are added if new."""
         if id(function) in self._working:
-            place = f"{function.__code__.co_filename}:{function.__code__.co_firstlineno}"
-            raise SubsetError(f"{place}: {function.__name__!r} calls itself; a step cannot recurse")
+            raise SubsetError(f"{where(function)}it calls itself; a step cannot recurse")
         if id(function) in self.names:
             return self.names[id(function)]
         home = function.__module__ or ""
@@ -221,7 +221,7 @@ class Module:
             inside = list(each(node)) if isinstance(node, ast.FunctionDef) else []
             writes = any(isinstance(n, ast.Assign) and isinstance(n.targets[0], ast.Subscript) for n in inside)
             calls = (n.func.id for n in inside if isinstance(n, ast.Call) and isinstance(n.func, ast.Name))
-            waits = any(isinstance(n, ast.While) for n in inside)
+            waits = any(isinstance(n, ast.While) or is_print(n) for n in inside)
             self._effects[name] = writes or waits or any(self.has_effects(c) for c in calls)
         return self._effects[name]
 
@@ -311,6 +311,8 @@ class Module:
         done = self._fused.get(name)
         if done is not None:
             return done
+        for item in self.items.values():
+            self.refuse_print(item)
         fuser = self._fuser  # another thread may drop it
         if fuser is None:
             leaves = {
@@ -325,6 +327,19 @@ class Module:
         lean = without_dead(without_copies(without_dead(whole, harmless)), harmless)
         self._fused[name] = fused = branchless(lean)
         return fused
+
+    def refuse_print(self, item: Item) -> None:
+        """Refuses a step that prints, which only the Python engine can run.
+
+        Raises:
+            SubsetError: names file and line.
+        """
+        prints = () if item.trusted or item.kind != "leaf" else (n.lineno for n in each(item.node) if is_print(n))
+        for line in prints:
+            raise SubsetError(
+                f"{place(item.filename, line)}: in {item.value.__name__!r}: print() in a step runs with "
+                "engine='python' only"
+            )
 
     def drop_fused(self) -> None:
         """Frees the fused trees, five times as large as all else; they are made again where they are needed."""

@@ -12,7 +12,7 @@ from leadscrew.kernel import portable
 from leadscrew.kernel.block import Block
 from leadscrew.kernel.sheet import SILENT, notes
 from leadscrew.kernel.source import MISSING
-from leadscrew.kernel.subset import MATHS, NUMBERS, SHAPERS, call, is_named_tuple_type, literal
+from leadscrew.kernel.subset import MATHS, NUMBERS, SCALAR, SHAPERS, call, is_named_tuple_type, literal
 from leadscrew.kernel.trees import copied
 
 if TYPE_CHECKING:
@@ -146,6 +146,8 @@ class Calls(ast.NodeTransformer):
         return self.constructed(node, cls, given)
 
     def mathematics(self, node: ast.Call, found: Any, name: str) -> ast.expr:
+        if name not in MATHS and name in SCALAR:
+            self.refuse(node, f"{ast.unparse(node.func)!r} cannot be used in a step; {SCALAR[name]}")
         args = [self.visit(a) for a in node.args]
         if name == "float64" and len(args) == 1:
             return ast.copy_location(self.cast("float", args[0]), node)
@@ -158,12 +160,15 @@ class Calls(ast.NodeTransformer):
                 ast.Call(ast.Attribute(ast.Name("np", ast.Load()), "zeros", ast.Load()), args, []), node
             )
         if name not in MATHS or node.keywords:
-            self.refuse(
-                node, f"{ast.unparse(node.func)!r} has no portable counterpart; there are {', '.join(sorted(MATHS))}"
-            )
+            what = ast.unparse(node.func)
+            self.refuse(node, f"{what!r} has no portable counterpart; the page 'Blocks' lists the functions that do")
         return ast.copy_location(call(self.module.function(MATHS[name]), *args), node)
 
     def builtin(self, node: ast.Call, name: str) -> ast.expr:
+        if name == "print":
+            self.refuse(node, "print() inside an expression; write it on a line of its own")
+        if name == "sum":
+            self.refuse(node, "sum() is outside the step subset; write a + b, or a 'for' loop")
         if node.keywords:
             self.refuse(node, f"keywords in {name}()")
         args = [self.visit(a) for a in node.args]

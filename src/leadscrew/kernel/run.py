@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from leadscrew.escape import html
-from leadscrew.kernel.errors import DataError, Diverged, NameUnknown
+from leadscrew.kernel.errors import DataError, Diverged, NameUnknown, entry_point
 from leadscrew.kernel.layout import is_branch
 from leadscrew.kernel.notes import Note
 from leadscrew.kernel.plan import LIMITS
@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from leadscrew.kernel.loop import Loop
 
 
+@entry_point
 class Metrics(dict[str, float]):
     """Metrics by name, as items or attributes."""
 
@@ -71,6 +72,7 @@ def recorded(signals: dict[str, np.ndarray], name: str) -> np.ndarray:
     raise NameUnknown(f"{name!r} was not recorded{nearest(name, list(signals))}")
 
 
+@entry_point
 @dataclass(frozen=True)
 class Run:
     """The result of one run."""
@@ -194,6 +196,7 @@ MANIFEST: dict[str, Any] = {
 """What stands in the manifest of a run, where something does."""
 
 
+@entry_point
 def load(folder: str | Path) -> tuple[dict[str, Any], dict[str, np.ndarray]]:
     """Manifest and signals of a saved run.
 

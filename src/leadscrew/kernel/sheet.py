@@ -5,7 +5,7 @@ from __future__ import annotations
 import difflib
 import math
 import typing
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any, NamedTuple
@@ -79,7 +79,7 @@ class Entry:
             return bool(value)
         else:
             if isinstance(value, bool | str) or not isinstance(value, int | float | np.number):
-                raise ValueRefused(f"{label}: expected a number{unit}")
+                raise ValueRefused(f"{label}: expected a number{unit and ' in' + unit}{_unquoted(value)}")
             if isinstance(value, int) and abs(value) > 2**1023:
                 raise ValueRefused(f"{self.key}{place}: a whole number of {len(str(abs(value)))} digits is too large")
             if math.isnan(value):
@@ -108,9 +108,24 @@ class Entry:
         return (value > 0 and self.below == math.inf) or (value < 0 and self.above == -math.inf)
 
 
+def _unquoted(value: Any) -> str:
+    """What to write for a number that is given as a text."""
+    try:
+        return f"; write {float(value):g} without quotes" if isinstance(value, str) else ""
+    except ValueError:
+        return ""
+
+
+def similar(name: str, known: Iterable[str]) -> list[str]:
+    """The known name that is nearest, and up to two others that are about as near."""
+    close = difflib.get_close_matches(name, known, n=3, cutoff=0.4)
+    best = difflib.SequenceMatcher(None, close[0], name).ratio() if close else 0.0
+    return difflib.get_close_matches(name, close, n=3, cutoff=0.9 * best)
+
+
 def nearest(name: str, known: Mapping[str, Any] | list[str]) -> str:
     """A hint naming the nearest known names, for the end of an error text."""
-    close = difflib.get_close_matches(name, list(known), n=3, cutoff=0.4)
+    close = similar(name, list(known))
     if close:
         return f"; did you mean {', '.join(close)}?"
     return f"; known: {', '.join(list(known)[:12])}" if known else ""

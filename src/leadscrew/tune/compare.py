@@ -23,7 +23,7 @@ from typing import Any
 import numpy as np
 
 from leadscrew.kernel import door
-from leadscrew.kernel.errors import LeadscrewError, NameUnknown, ValueRefused
+from leadscrew.kernel.errors import LeadscrewError, NameUnknown, ValueRefused, entry_point
 from leadscrew.kernel.sheet import nearest
 from leadscrew.tune.compare_result import Comparison, Result
 from leadscrew.tune.compare_statistics import bad_plants, paired, per_plant, plain, standing
@@ -200,6 +200,7 @@ def judged(
     )  # fmt: skip
 
 
+@entry_point
 def compare(
     job: Job,
     controllers: Sequence[str],

@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from leadscrew.experiment import Experiment
-from leadscrew.kernel.errors import NameUnknown, ValueRefused
+from leadscrew.kernel.errors import NameUnknown, ValueRefused, entry_point
 from leadscrew.kernel.sheet import Entry, nearest
 
 if TYPE_CHECKING:
@@ -44,6 +44,7 @@ class Chunk(NamedTuple):
         return len(next(iter(self.columns.values())))
 
 
+@entry_point
 @dataclass(frozen=True, eq=False)
 class Job:
     """A controller on a machine, in one or several scenarios."""

@@ -16,6 +16,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from leadscrew.kernel import door
+from leadscrew.kernel.errors import entry_point
 from leadscrew.tune.crew import Crew, Threads
 from leadscrew.tune.failures import Separation, separations
 from leadscrew.tune.job import Job, chunks_of, held
@@ -146,6 +147,7 @@ def passes(samples: Samples, wanted: Sequence[Tolerance]) -> np.ndarray:
     return np.all([kept_on(samples), *(t.passes(samples) for t in wanted)], axis=0)
 
 
+@entry_point
 def montecarlo(
     job: Job,
     over: Given | Space | None,

@@ -13,7 +13,7 @@ from typing import Any, Literal, cast
 
 import numpy as np
 
-from leadscrew.kernel.errors import NameUnknown, ValueRefused
+from leadscrew.kernel.errors import NameUnknown, ValueRefused, entry_point
 from leadscrew.kernel.sheet import Entry, nearest
 from leadscrew.tune.distributions import Choice, Distribution, Normal, Range, distribution
 
@@ -26,6 +26,7 @@ Given = Mapping[str, Distribution | str | tuple[float, float]] | Sequence[str]
 """What a space is made of: a mapping (distributions, texts, or pairs of ends), or ``KEY=...`` texts."""
 
 
+@entry_point
 @dataclass(frozen=True)
 class Space:
     """Distributions by dotted key, in a fixed order."""

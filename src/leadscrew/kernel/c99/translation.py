@@ -210,6 +210,7 @@ class Translation:
         if item is None or not isinstance(item.node, ast.FunctionDef):
             assert caller is not None
             caller.refuse(at, f"a call of {name!r}")
+        self.module.refuse_print(item)
         real = self.real_of(item)
         kinds = [self.passed(k, real, item) for k in given]
         wanted = tuple(kinds)
