@@ -26,6 +26,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from leadscrew import catalogue, userfile
+from leadscrew.frames import origin
 from leadscrew.kernel.errors import (
     BlockError,
     CodeNotTrusted,
@@ -265,7 +266,7 @@ def _made(found: Any, name: str) -> Loop:
         except LeadscrewError:
             raise
         except Exception as error:
-            raise DataError(f"{name}() failed: {type(error).__name__}: {error}") from error
+            raise DataError(f"{name}() failed at {origin(error)}: {type(error).__name__}: {error}") from error
     if not isinstance(loop, _Loop()):
         raise BlockError(
             f"{name} is of type {type(loop).__name__}; expected a study, a Loop, or a function that returns a Loop"

@@ -108,6 +108,15 @@ def place(filename: str, line: int) -> str:
     return f"{filename.removeprefix(f'{Path.cwd()}{os.sep}')}:{line}"
 
 
+def origin(error: BaseException) -> str:
+    """The last line of the user's own code that an error came through; empty where there is none."""
+    trace, last = _users(error.__traceback__), ""
+    while trace is not None:
+        last = place(trace.tb_frame.f_code.co_filename, trace.tb_lineno)
+        trace = trace.tb_next
+    return last
+
+
 def warning_level() -> int:
     """The ``stacklevel`` with which a warning names the first caller outside this package."""
     frame, level = sys._getframe(1), 1

@@ -1,6 +1,7 @@
 """One meaning: what a step gives on every engine is what the same function gives when Python calls it."""
 
 import math
+from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
@@ -313,7 +314,7 @@ def test_a_step_means_the_same_everywhere_or_is_refused_everywhere(step):
         try:
             got.append(on_engine(step, engine, Ring() if "write" in step.__name__ else S())["output"])
         except SubsetError as error:
-            assert __file__ in str(error)
+            assert Path(__file__).name in str(error)
             got.append(None)
     assert (got[0] is None) == (got[1] is None), got
     if got[0] is not None:

@@ -33,7 +33,7 @@ GOOD = {"reference": zoo.sine, "controller": zoo.pid, "plant": zoo.mass, "metric
         ({"seed": -3}, "seed = -3"),
         ({"rtol": 0.0}, "rtol"),
         ({"plant": zoo.pid}, "'pid' is a controller, not a plant"),
-        ({"controller": lambda: 0}, "is not a block"),
+        ({"controller": lambda: 0}, "is a function, not a block; decorate it with @controller"),
         ({"reference": None}, "a loop needs a reference"),
         ({"metrics": {"not a word": STANDARD["iae"]}}, "must be a word"),
         ({"metrics": {"x": zoo.pid}}, "not a metric block"),

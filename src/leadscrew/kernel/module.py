@@ -174,7 +174,7 @@ class Module:
             return self.named_tuple(found)
         if isinstance(found, types.BuiltinFunctionType):
             if found.__name__ not in MATHS:
-                raise SubsetError(f"{found.__name__}() has no portable counterpart")
+                raise SubsetError(f"{found.__name__}() cannot be used in a step")
             found = MATHS[found.__name__]
         trusted = trusted or getattr(found, "__module__", "") in (
             guards.__name__,

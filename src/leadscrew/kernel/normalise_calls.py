@@ -161,7 +161,7 @@ class Calls(ast.NodeTransformer):
             )
         if name not in MATHS or node.keywords:
             what = ast.unparse(node.func)
-            self.refuse(node, f"{what!r} has no portable counterpart; the page 'Blocks' lists the functions that do")
+            self.refuse(node, f"{what!r} cannot be used in a step; the page 'Blocks' lists the functions that can")
         return ast.copy_location(call(self.module.function(MATHS[name]), *args), node)
 
     def builtin(self, node: ast.Call, name: str) -> ast.expr:
