@@ -163,7 +163,7 @@ def here(tmp_path, monkeypatch):
 def test_a_mistake_in_a_script_answers_in_one_sentence_below_the_users_own_frames(here, mistake):
     code, answer = MISTAKES[mistake]
     (here / "mine.py").write_text(HEAD + code + "\n")
-    with pytest.raises(Exception, match="") as caught:
+    with pytest.raises(Exception, match=r".") as caught:
         runpy.run_path("mine.py", run_name="__main__")
     error = caught.value
     assert f"{type(error).__name__}: {error}" == answer

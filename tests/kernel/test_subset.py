@@ -184,7 +184,8 @@ def helper_two(x, y):
     ("step", "says"),
     [
         (uses_try, "'try'"), (uses_list, "a list is outside"), (uses_lambda, "'lambda'"),
-        (uses_dict, "'OUTSIDE' is a dict"), (uses_text, "constant 'a'"), (uses_while_else, "'else' on a loop"), (uses_zip, r"only 'for NAME in range"),
+        (uses_dict, "'OUTSIDE' is a dict"), (uses_text, "constant 'a'"),
+        (uses_while_else, "'else' on a loop"), (uses_zip, r"only 'for NAME in range"),
         (uses_gamma, "cannot be used in a step"), (uses_numpy, "cannot be used in a step"),
         (uses_unknown, "'undefined_name' is not defined"), (uses_matmul, "'@'"), (uses_is, "'is' and 'in'"),
         (uses_star, "'starred'|in a call"), (uses_bad_keyword, "no free parameter 'gain'"),

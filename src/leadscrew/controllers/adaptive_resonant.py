@@ -40,7 +40,7 @@ from leadscrew.controllers.resonant import Strength, Teeth, disturbance_response
 from leadscrew.controllers.response import TABLE, TableModel
 from leadscrew.controllers.wrapping import same_kind, wrapped
 from leadscrew.kernel.block import Block
-from leadscrew.kernel.errors import ValueRefused
+from leadscrew.kernel.errors import ValueRefused, entry_point
 from leadscrew.kernel.sheet import Doc, Ge, Gt, Le, Unit
 
 TINY = 1e-30
@@ -97,6 +97,7 @@ def scaled(entry, share):
     return LineState(share * entry.re, share * entry.im)
 
 
+@entry_point
 def adaptive_resonant(
     inner: Block,
     spindle_hz: float = 50.0,

@@ -32,7 +32,7 @@ import numpy as np
 from leadscrew.controllers.parallel import TINY
 from leadscrew.controllers.wrapping import same_kind, wrapped
 from leadscrew.kernel.block import Block
-from leadscrew.kernel.errors import ValueRefused
+from leadscrew.kernel.errors import ValueRefused, entry_point
 from leadscrew.kernel.sheet import Doc, Ge, Gt, Le, Unit
 
 
@@ -112,6 +112,7 @@ def filtered(c, m, x):
     return y
 
 
+@entry_point
 def biquad(inner: Block, *sections: Section, name: str = "") -> Block:
     """The controller ``inner``, its output through ``sections`` (one notch of 100 Hz where none is given).
 

@@ -24,6 +24,7 @@ from typing import Annotated, Any, NamedTuple, cast
 
 from leadscrew.controllers.wrapping import same_kind, wrapped
 from leadscrew.kernel.block import Block
+from leadscrew.kernel.errors import entry_point
 from leadscrew.kernel.sheet import Doc, Ge
 
 Width = Annotated[float, Ge(0), Doc("half the dead zone: the smallest output that moves anything")]
@@ -47,6 +48,7 @@ def narrowed(output, width, softness):
     return math.copysign(low, output)
 
 
+@entry_point
 def dead_zone_inverse(inner: Block, name: str = "", width: float = 0.02, softness: float = 0.001) -> Block:
     """The controller ``inner`` with a dead-zone compensator; its parameters are those of ``inner`` below ``inner.``.
 

@@ -21,7 +21,7 @@ from typing import Annotated, Any, NamedTuple, cast
 import numpy as np
 
 from leadscrew.kernel.block import Block, make
-from leadscrew.kernel.errors import BlockError, ValueRefused
+from leadscrew.kernel.errors import BlockError, ValueRefused, entry_point
 from leadscrew.kernel.sheet import Doc, Gt, Le, Unit
 
 Table = Annotated[np.ndarray, Doc("added to the output, at equal intervals of one period; in the unit of the output")]
@@ -41,6 +41,7 @@ def checked(table: Any) -> np.ndarray:
     return values
 
 
+@entry_point
 def feed_forward_table(inner: Block, table: Any = (0.0,), period_s: float = 1.0, name: str = "") -> Block:
     """The controller ``inner`` with a table added; its parameters are those of ``inner`` below ``inner.``.
 

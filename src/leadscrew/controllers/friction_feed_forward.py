@@ -28,6 +28,7 @@ from leadscrew.controllers.inverse_feed_forward import AheadS
 from leadscrew.controllers.look_ahead import advanced
 from leadscrew.controllers.wrapping import place_of_motion, same_kind, whole, wrapped
 from leadscrew.kernel.block import Block
+from leadscrew.kernel.errors import entry_point
 from leadscrew.kernel.sheet import Doc, Ge, Gt, Le, Unit
 
 FAR = 700.0
@@ -48,6 +49,7 @@ def curve(p, v):
     return 1.0 + (p.static_ratio - 1.0) * math.exp(-min(ratio * ratio, FAR))
 
 
+@entry_point
 def friction_feed_forward(
     inner: Block,
     friction_mv: float = 20.0,

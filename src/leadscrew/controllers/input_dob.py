@@ -29,7 +29,7 @@ from leadscrew.controllers.pid import pid
 from leadscrew.controllers.response import TABLE, TableModel
 from leadscrew.controllers.wrapping import same_kind, wrapped
 from leadscrew.kernel.block import Block
-from leadscrew.kernel.errors import ValueRefused
+from leadscrew.kernel.errors import ValueRefused, entry_point
 from leadscrew.kernel.sheet import Doc, Gt, Le, Unit
 
 TINY = 1e-30
@@ -105,6 +105,7 @@ def flushed(x):
     return x if abs(x) > TINY else 0.0
 
 
+@entry_point
 def input_dob(
     inner: Block, bandwidth: float = 100.0, model: TableModel = TABLE, max_output: float = 0.0, name: str = ""
 ) -> Block:

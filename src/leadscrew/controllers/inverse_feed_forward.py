@@ -26,6 +26,7 @@ from leadscrew.controllers.pid import TUNINGS as PID
 from leadscrew.controllers.pid import pid
 from leadscrew.controllers.wrapping import place_of_motion, same_kind, whole, wrapped
 from leadscrew.kernel.block import Block
+from leadscrew.kernel.errors import entry_point
 from leadscrew.kernel.sheet import Doc, Ge, Gt, Le, Unit
 
 Gain = Annotated[float, Unit("mm/(V s^2)"), Gt(0), Doc("numerator of the model: acceleration at 1 V from rest, (1)")]
@@ -41,6 +42,7 @@ def inverse_voltage(p, command):
     return p.share * (then.acceleration + p.damping * then.velocity + p.stiffness * then.position) / p.gain
 
 
+@entry_point
 def inverse_feed_forward(
     inner: Block,
     gain: float = 69380.0,

@@ -29,7 +29,7 @@ from collections.abc import Callable
 from typing import Annotated, Any, NamedTuple, cast
 
 from leadscrew.kernel.block import Block, make
-from leadscrew.kernel.errors import BlockError, ValueRefused
+from leadscrew.kernel.errors import BlockError, ValueRefused, entry_point
 from leadscrew.kernel.sheet import Doc, Ge, Gt, Unit
 from leadscrew.plants.turning.workpiece import Workpiece, checked, stock_at
 from leadscrew.references.cutting_program import CutCommand
@@ -139,6 +139,7 @@ def force_seen(feedback):
     return feedback.force
 
 
+@entry_point
 def lathe_loops(
     spindle: Block,
     feed: Block,

@@ -32,7 +32,7 @@ from leadscrew.controllers.look_ahead import advanced
 from leadscrew.controllers.pid import TUNINGS as PID
 from leadscrew.controllers.wrapping import same_kind, wrapped
 from leadscrew.kernel.block import Block
-from leadscrew.kernel.errors import BlockError
+from leadscrew.kernel.errors import BlockError, entry_point
 from leadscrew.kernel.sheet import Doc, Ge, Gt, Le, Unit
 
 PIECES = 4
@@ -125,6 +125,7 @@ def added(p, s, command, v, dt):
     return LearnedShares(z, a, b, f, a2, b2, f2, 0.0), voltage
 
 
+@entry_point
 def learned_feed_forward(inner: Block, name: str = "", **values: float) -> Block:
     """The controller ``inner`` with learned feed-forward; its parameters are those of ``inner`` below ``inner.``.
 

@@ -18,7 +18,7 @@ from __future__ import annotations
 from typing import Annotated, Any, NamedTuple, cast
 
 from leadscrew.kernel.block import Block, make
-from leadscrew.kernel.errors import BlockError
+from leadscrew.kernel.errors import BlockError, entry_point
 from leadscrew.kernel.sheet import Doc, Ge, Le, Unit
 from leadscrew.references.motion import Motion
 
@@ -38,6 +38,7 @@ def moved_on(command, feedback, d, tau):
     return feedback + lag + d * command.velocity + 0.5 * d * d * command.acceleration
 
 
+@entry_point
 def look_ahead(inner: Block, name: str = "", acts_late_s: float = 0.0, seen_late_s: float = 0.0) -> Block:
     """The controller ``inner`` with look-ahead; its parameters are those of ``inner`` below ``inner.``.
 

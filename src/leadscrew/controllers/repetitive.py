@@ -35,7 +35,7 @@ from leadscrew.controllers.pid import TUNINGS as PID
 from leadscrew.controllers.response import TABLE, TableModel, law_response, table_response
 from leadscrew.controllers.wrapping import same_kind, wrapped
 from leadscrew.kernel.block import Block
-from leadscrew.kernel.errors import BlockError, ValueRefused
+from leadscrew.kernel.errors import BlockError, ValueRefused, entry_point
 from leadscrew.kernel.sheet import Doc, Ge, Gt, Le, Unit
 
 TINY = 1e-30
@@ -64,6 +64,7 @@ def low_pass(cutoff_hz: float, dt: float, shift: float = 0.0) -> np.ndarray:
     return weights / weights.sum()
 
 
+@entry_point
 def repetitive(
     inner: Block,
     period_s: float = 1.0 / 0.7,

@@ -39,7 +39,7 @@ from leadscrew.controllers.pid import TUNINGS as PID
 from leadscrew.controllers.response import TABLE, TableModel, law_response, table_response
 from leadscrew.controllers.wrapping import Inner, same_kind, wrapped
 from leadscrew.kernel.block import Block
-from leadscrew.kernel.errors import ValueRefused
+from leadscrew.kernel.errors import ValueRefused, entry_point
 from leadscrew.kernel.sheet import Doc, Ge, Gt, Le, Unit
 
 TINY = 1e-30
@@ -103,6 +103,7 @@ def resonators(part: Inner, ready: Any, params: Any, dt: float) -> Resonators:
     return Resonators(*(np.ascontiguousarray(x) for x in (turn.real, turn.imag, enter.real, enter.imag)))
 
 
+@entry_point
 def resonant(
     inner: Block,
     frequencies_hz: Any = ODD_HZ,

@@ -31,7 +31,7 @@ from typing import Annotated, Any, NamedTuple, cast
 from leadscrew.controllers.parallel import TINY, Gains, PIDState, from_change
 from leadscrew.controllers.pid import TUNINGS as PID
 from leadscrew.kernel.block import Block, make
-from leadscrew.kernel.errors import BlockError, ValueRefused
+from leadscrew.kernel.errors import BlockError, ValueRefused, entry_point
 from leadscrew.kernel.sheet import Doc, Gt, Le, Unit
 
 AccelerationLimit = Annotated[float, Unit("mm/s^2"), Gt(0), Doc("largest rate of change of the followed rate, r")]
@@ -62,6 +62,7 @@ def follow(x1, x2, v, r, h, dt):
     return (position if abs(position) > TINY else 0.0), (rate if abs(rate) > TINY else 0.0)
 
 
+@entry_point
 def tracking_differentiator(inner: Block, name: str = "", r_mm_s2: float = 1000.0, h_s: float = 0.001) -> Block:
     """The controller ``inner``, its derivative by a tracking differentiator; its parameters lie below ``inner.``.
 

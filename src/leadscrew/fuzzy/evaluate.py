@@ -22,7 +22,7 @@ from leadscrew.fuzzy.engine import Engine, engine, execute
 from leadscrew.fuzzy.entries import LANES, entries
 from leadscrew.fuzzy.system import System
 from leadscrew.kernel.engines import by_python, check_engine, native
-from leadscrew.kernel.errors import NameUnknown, ValueRefused
+from leadscrew.kernel.errors import NameUnknown, ValueRefused, entry_point
 from leadscrew.kernel.module import Module
 from leadscrew.kernel.native import Entry
 from leadscrew.kernel.sheet import nearest
@@ -31,6 +31,7 @@ RANKS = {"A": (1, "f"), "V": (1, "f"), "X": (2, "f"), "Y": (2, "f"), "span": (1,
 """Dimensions and element (``f`` float, ``i`` integer) of what the entries take."""
 
 
+@entry_point
 class Compiled:
     """A system as machine code; made by :func:`compiled`."""
 
@@ -151,6 +152,7 @@ class Compiled:
         return np.ascontiguousarray(rows.T), rows.shape[:1]
 
 
+@entry_point
 def compiled(system: System, engine_name: str = "llvm") -> Compiled:
     """A system ready to be evaluated from Python, on one of the engines llvm, c, python.
 

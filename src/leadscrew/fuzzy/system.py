@@ -15,7 +15,7 @@ from dataclasses import dataclass, field, fields
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
-from leadscrew.kernel.errors import NameUnknown, ValueRefused
+from leadscrew.kernel.errors import NameUnknown, ValueRefused, entry_point
 from leadscrew.kernel.sheet import nearest
 
 if TYPE_CHECKING:
@@ -277,6 +277,7 @@ class RuleBlock:
         _one_of(f"rule block {self.name}: activation", self.activation, ACTIVATIONS)
 
 
+@entry_point
 @dataclass(frozen=True)
 class System:
     """A whole fuzzy system; checked: every name in a rule exists."""

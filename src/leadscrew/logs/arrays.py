@@ -10,7 +10,7 @@ from typing import Any, Literal, NamedTuple
 import numpy as np
 
 from leadscrew.kernel import door
-from leadscrew.kernel.errors import DataError, ValueRefused
+from leadscrew.kernel.errors import DataError, ValueRefused, entry_point
 from leadscrew.logs import plausible, signals
 from leadscrew.logs.finding import Finding, refuse
 from leadscrew.logs.jumps import check_jumps
@@ -83,6 +83,7 @@ class AxisLog:
         return replace(self, **cut)  # type: ignore[arg-type]
 
 
+@entry_point
 def axis_log(
     time: Any,
     drive: Any,

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from leadscrew.kernel import door
-from leadscrew.kernel.errors import DataError, ValueRefused
+from leadscrew.kernel.errors import DataError, ValueRefused, entry_point
 from leadscrew.logs.arrays import AxisLog, LogUnits, checked, screw_force, unlike
 from leadscrew.logs.finding import Finding, refuse
 from leadscrew.logs.read import read_table
@@ -33,6 +33,7 @@ class Seen:
     findings: list[Finding]
 
 
+@entry_point
 def read_axis_log(
     path: str | Path,
     columns: Mapping[str, str] | None = None,
@@ -65,6 +66,7 @@ def read_axis_log(
     return seen.log
 
 
+@entry_point
 def look_at(
     path: str | Path,
     columns: Mapping[str, str] | None = None,

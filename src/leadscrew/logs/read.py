@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from leadscrew.kernel.errors import DataError
+from leadscrew.kernel.errors import DataError, entry_point
 from leadscrew.logs.table import Table
 from leadscrew.reading import check_log
 
 
+@entry_point
 def read_table(path: str | Path) -> Table:
     """What a log file holds: text, Parquet, MATLAB, or the folder of ``leadscrew simulate --out``.
 

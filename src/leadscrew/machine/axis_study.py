@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from leadscrew.kernel.block import Block
-from leadscrew.kernel.errors import DataError, LeadscrewError
+from leadscrew.kernel.errors import DataError, LeadscrewError, entry_point
 from leadscrew.kernel.metrics import max_error, overshoot, rms_error, settling_time
 from leadscrew.kernel.sheet import checked_replace
 from leadscrew.machine import gains
@@ -29,6 +29,7 @@ DRIVES = {"V": "voltage", "N m": "torque", "A": "current", "N": "force"}
 AXES = ("servo_axis", "servo_axis_lugre")
 
 
+@entry_point
 def study(path: str | Path) -> Study:
     """The study of a machine file.
 

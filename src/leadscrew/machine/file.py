@@ -49,7 +49,7 @@ from pathlib import Path
 from typing import Any
 
 from leadscrew.escape import checked_line
-from leadscrew.kernel.errors import DataError, ValueRefused
+from leadscrew.kernel.errors import DataError, ValueRefused, entry_point
 from leadscrew.kernel.sheet import nearest
 from leadscrew.newfile import save
 
@@ -107,6 +107,7 @@ class MachineFile:
         })  # fmt: skip
 
 
+@entry_point
 def write(path: str | Path, machine: MachineFile) -> None:
     """Writes a machine file, whole or not at all.
 
@@ -116,6 +117,7 @@ def write(path: str | Path, machine: MachineFile) -> None:
     save(machine.text(), path)
 
 
+@entry_point
 def read(path: str | Path) -> MachineFile:
     """The contents of a machine file.
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from leadscrew.kernel.errors import ValueRefused
+from leadscrew.kernel.errors import ValueRefused, entry_point
 from leadscrew.logs.measure import beyond_step
 from leadscrew.machine.file import MachineFile
 
@@ -16,6 +16,7 @@ SHOWN = {"m": ("mm", 1e3), "rad": ("rad", 1.0)}
 MODELS = {"coulomb": "servo_axis", "stribeck": "servo_axis", "lugre": "servo_axis_lugre"}
 
 
+@entry_point
 def from_axis(
     fit: AxisFit, name: str, cascade: dict[str, float] | None = None, log: dict[str, Any] | None = None
 ) -> MachineFile:
@@ -66,6 +67,7 @@ def from_axis(
     )  # fmt: skip
 
 
+@entry_point
 def from_linear(told: dict[str, Any], name: str, limits: dict[str, Any], source: str) -> MachineFile:
     """The machine of a linear model: ``numerator``, ``denominator``, ``delay_s``, ``position_unit``, ``drive_unit``,
     ``period`` (and ``resolution``, ``noise``); ``limits``: ``drive``, ``speed``, ``acceleration``, ``travel``.

@@ -19,7 +19,7 @@ import numpy as np
 
 from leadscrew.kernel import cache
 from leadscrew.kernel.block import Block, plant
-from leadscrew.kernel.errors import ValueRefused
+from leadscrew.kernel.errors import ValueRefused, entry_point
 from leadscrew.kernel.sheet import Doc
 
 
@@ -105,6 +105,7 @@ def linear_step(p, s, u, dt):
     return LinearState(s.x, s.work, u)
 
 
+@entry_point
 def state_space(a, b, c, d: float = 0.0, name: str = "linear") -> Block:
     """The plant ``dx/dt = A x + B u``, ``y = C x + D u`` with one input and one output.
 
@@ -125,6 +126,7 @@ def state_space(a, b, c, d: float = 0.0, name: str = "linear") -> Block:
     return plant(params, state, output=read_out, prepare=linear_hold, name=name)(linear_step)
 
 
+@entry_point
 def transfer_function(numerator, denominator, name: str = "linear") -> Block:
     """The plant with this transfer function in ``s``, coefficients from the highest power down.
 

@@ -26,7 +26,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from leadscrew.kernel.block import Block, reference
-from leadscrew.kernel.errors import ValueRefused
+from leadscrew.kernel.errors import ValueRefused, entry_point
 from leadscrew.kernel.sheet import Doc, Gt, Unit
 from leadscrew.references.motion import Motion, row_at
 
@@ -76,6 +76,7 @@ def friction_test_step(p, t):
     )
 
 
+@entry_point
 def friction_test(rows: Sequence[Sequence[float]] = ROWS) -> Block:
     """A reference for an identification of friction; ``rows`` of amplitude, frequency in Hz, whole number of periods.
 

@@ -13,7 +13,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 from leadscrew.kernel.block import Block
-from leadscrew.kernel.errors import DataError
+from leadscrew.kernel.errors import DataError, entry_point
 from leadscrew.references.gcode_reader import (  # noqa: F401  (the names of the reader that others use)
     MM_PER_INCH,
     RADIUS_TOLERANCE_MM,
@@ -27,6 +27,7 @@ from leadscrew.references.gcode_reader import (  # noqa: F401  (the names of the
 from leadscrew.references.path import Segment, arc, line, path
 
 
+@entry_point
 def path_from_gcode(
     program: str | Iterable[str],
     start: tuple[float, float, float] = (0.0, 0.0, 0.0),

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from leadscrew.kernel import door
 from leadscrew.kernel.block import Block, reference
-from leadscrew.kernel.errors import DataError
+from leadscrew.kernel.errors import DataError, entry_point
 from leadscrew.kernel.sheet import Doc, Gt, Unit
 from leadscrew.references.motion import Motion
 
@@ -42,6 +42,7 @@ def logged(p, t):
     )
 
 
+@entry_point
 def logged_command(position: np.ndarray, interval: float, unit: str = "") -> Block:
     """The reference that plays ``position``, sampled every ``interval`` seconds, again from t = 0 on.
 

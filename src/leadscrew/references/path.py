@@ -25,7 +25,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from leadscrew.kernel.block import Block, reference
-from leadscrew.kernel.errors import ValueRefused
+from leadscrew.kernel.errors import ValueRefused, entry_point
 from leadscrew.kernel.sheet import Doc, Ge, Gt, Unit
 from leadscrew.references.motion import Motion, Profile, profile_duration, row_at, shortest_profile, travel
 
@@ -202,6 +202,7 @@ def arc(
     )
 
 
+@entry_point
 def path(segments: list[Segment], with_z: bool = False, **params: float) -> Block:
     """A reference that runs ``segments`` in turn, at rest between them; commands a :class:`PathPoint`.
 

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from leadscrew.kernel.block import Block, reference
-from leadscrew.kernel.errors import ValueRefused
+from leadscrew.kernel.errors import ValueRefused, entry_point
 from leadscrew.kernel.sheet import Doc, Gt, Unit
 
 
@@ -45,6 +45,7 @@ def stairs_step(p, t, dt):
     return p.positions[k]
 
 
+@entry_point
 def stairs(positions: Any, dwell: float = 3.0) -> Block:
     """A reference that steps through ``positions``, each held for ``dwell`` seconds, and stays at the last.
 

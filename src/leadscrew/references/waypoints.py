@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from leadscrew.kernel.block import Block, reference
-from leadscrew.kernel.errors import ValueRefused
+from leadscrew.kernel.errors import ValueRefused, entry_point
 from leadscrew.kernel.sheet import Doc, Ge, Gt, Unit
 from leadscrew.references.motion import Motion, Profile, profile_duration, row_at, shortest_profile, travel
 
@@ -62,6 +62,7 @@ def waypoints_step(p, t):
     )
 
 
+@entry_point
 def waypoints(positions: Any, dwell: Any = 0.0, **params: float) -> Block:
     """A reference that visits ``positions`` in turn, from the first, and rests ``dwell`` seconds at each.
 

@@ -17,6 +17,7 @@ from functools import wraps
 from typing import TYPE_CHECKING, Any, Concatenate, ParamSpec, TypeVar
 
 from leadscrew.kernel.block import Block
+from leadscrew.kernel.errors import entry_point
 from leadscrew.kernel.loop import RECORDED
 
 if TYPE_CHECKING:
@@ -29,6 +30,7 @@ P = ParamSpec("P")
 T = TypeVar("T")
 
 
+@entry_point
 class Lab:
     """Loops and runs of a study, and every measure of it, computed when first asked for.
 

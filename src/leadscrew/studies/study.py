@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from leadscrew.kernel.errors import NameUnknown, ValueRefused
+from leadscrew.kernel.errors import NameUnknown, ValueRefused, entry_point
 from leadscrew.kernel.sheet import checked_replace, nearest
 
 if TYPE_CHECKING:
@@ -39,6 +39,7 @@ class Assumption(NamedTuple):
     why: str
 
 
+@entry_point
 @dataclass(frozen=True)
 class Study:
     """One published system."""

@@ -13,7 +13,7 @@ from pathlib import Path
 
 import numpy as np
 
-from leadscrew.kernel.errors import Diverged, LeadscrewError
+from leadscrew.kernel.errors import Diverged, LeadscrewError, entry_point
 from leadscrew.tune import optimisers
 from leadscrew.tune.crew import Crew, Threads
 from leadscrew.tune.front import compromise, front, thinned
@@ -180,6 +180,7 @@ def _refuse_hopeless(asked: Plan, seen: Seen) -> None:
         )
 
 
+@entry_point
 def tune(
     job: Job,
     vary: Given,

@@ -41,6 +41,7 @@ from leadscrew.controllers.force.programme import (
 )
 from leadscrew.controllers.force.wrapped import same_kind, wrapped
 from leadscrew.kernel.block import Block
+from leadscrew.kernel.errors import entry_point
 from leadscrew.kernel.sheet import Doc, Ge, Gt, Le, Unit
 from leadscrew.plants.turning.process import RadialServo
 
@@ -60,6 +61,7 @@ class FeedForwardState(NamedTuple):
     started: Annotated[float, Doc("0 before the first period, then 1")] = 0.0
 
 
+@entry_point
 def depth_feed_forward(
     inner: Block,
     exponent: float = 0.77,

@@ -20,13 +20,14 @@ from typing import Annotated, Any, NamedTuple, cast
 
 from leadscrew.controllers.force.wrapped import same_kind, takes_cut, wrapped
 from leadscrew.kernel.block import Block
-from leadscrew.kernel.errors import BlockError
+from leadscrew.kernel.errors import BlockError, entry_point
 from leadscrew.kernel.sheet import Doc, Ge, Gt, Unit
 
 NominalV = Annotated[float, Unit("V"), Gt(0), Doc("output for which the inner controller was tuned")]
 Floor = Annotated[float, Ge(0), Doc("share of an increment that counts at rest")]
 
 
+@entry_point
 def gain_normalised(inner: Block, nominal_v: float = 0.2367, floor: float = 0.3, name: str = "") -> Block:
     """The controller ``inner`` with increments scaled by its output; its parameters are below ``inner.``.
 

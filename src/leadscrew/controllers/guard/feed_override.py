@@ -33,6 +33,7 @@ from leadscrew.controllers.guard.answering import Answer
 from leadscrew.controllers.guard.watching import Seen
 from leadscrew.controllers.guard.wrapped import finite_command, finite_reading, taken_apart
 from leadscrew.kernel.block import Block, make
+from leadscrew.kernel.errors import entry_point
 from leadscrew.kernel.sheet import Doc, Gt, Unit
 from leadscrew.references.cutting_program import NEVER_S
 
@@ -102,6 +103,7 @@ def _bare(inner: Block) -> tuple[Callable[..., Any], Callable[..., Any]]:
     return below, align
 
 
+@entry_point
 def feed_override(
     inner: Block, programmed_feed: float = 120.0, feed_per_unit: float = 150.0, machine: bool = False, name: str = ""
 ) -> Block:

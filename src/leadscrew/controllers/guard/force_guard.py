@@ -33,7 +33,7 @@ from leadscrew.controllers.guard.holding import FREE, RUNNING, AirCut, Guard, Re
 from leadscrew.controllers.guard.watching import CellChecks, Levels, Seen, looked
 from leadscrew.controllers.guard.wrapped import finite_command, taken_apart, whole
 from leadscrew.kernel.block import Block, make
-from leadscrew.kernel.errors import ValueRefused
+from leadscrew.kernel.errors import ValueRefused, entry_point
 from leadscrew.kernel.sheet import Doc, Ge, Le, Lt
 from leadscrew.references.cutting_program import CutCommand
 
@@ -69,6 +69,7 @@ def checked(levels: Levels, recover: Recovery, clock: Clock | None) -> None:
         )
 
 
+@entry_point
 def force_guard(
     inner: Block,
     levels: Levels = LEVELS,

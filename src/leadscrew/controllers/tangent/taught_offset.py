@@ -26,7 +26,7 @@ import numpy as np
 
 from leadscrew.controllers.tangent.believed import MOST_DEG, Most, within
 from leadscrew.kernel.block import Block, make
-from leadscrew.kernel.errors import BlockError, ValueRefused
+from leadscrew.kernel.errors import BlockError, ValueRefused, entry_point
 from leadscrew.kernel.sheet import Doc, Ge, Le, Unit
 
 Table = Annotated[np.ndarray, Unit("deg"), Doc("offset added, by sample")]
@@ -89,6 +89,7 @@ def alone(p, s, command, feedback, dt):
     return TaughtState(following(p, s.at)), within(p.table[s.at], p.most)
 
 
+@entry_point
 def taught_alone(table: Any = (0.0,), samples: int = 0, laps: int = 0, most: float = MOST_DEG) -> Block:
     """The table without feedback: iterative learning alone."""
     params = TaughtParams(np.array(table, dtype=np.float64), samples, laps, most)
@@ -98,6 +99,7 @@ def taught_alone(table: Any = (0.0,), samples: int = 0, laps: int = 0, most: flo
     )  # fmt: skip
 
 
+@entry_point
 def taught_offset(
     inner: Block, table: Any = (0.0,), samples: int = 0, laps: int = 0, most: float = MOST_DEG, name: str = ""
 ) -> Block:

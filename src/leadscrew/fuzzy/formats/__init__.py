@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from leadscrew.fuzzy.system import System
-from leadscrew.kernel.errors import DataError, NameUnknown, ValueRefused
+from leadscrew.kernel.errors import DataError, NameUnknown, ValueRefused, entry_point
 from leadscrew.kernel.sheet import nearest
 from leadscrew.newfile import save
 
@@ -35,6 +35,7 @@ _BEGINNINGS = {
 }
 
 
+@entry_point
 def read(path: str | Path, leave_out_unknown: bool = False) -> System:
     """The system in a file; its format follows from the suffix, and from its beginning where the suffix is another.
 
@@ -63,6 +64,7 @@ def loads(text: str, format: str, name: str = "text", **options: Any) -> System:
     return READ[format](text, name, **options)
 
 
+@entry_point
 def write(system: System, path: str | Path) -> tuple[str, ...]:
     """Writes a system to a file, whose suffix is the format; gives sentences on what could not be said and changes no
     output.
