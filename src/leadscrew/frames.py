@@ -12,7 +12,6 @@ import os
 import re
 import sys
 import types
-from pathlib import Path
 from typing import Any
 
 DEBUG = "LEADSCREW_DEBUG"
@@ -51,11 +50,12 @@ def _explained(function: Any, error: TypeError) -> None:
 
     text = str(error)
     unknown = _UNKNOWN.search(text)
-    names = [p.name for p in inspect.signature(function).parameters.values() if p.name != "self"]
+    arguments = [p for p in inspect.signature(function).parameters.values() if p.name != "self"]
+    names = [p.name for p in arguments if p.kind in (p.POSITIONAL_OR_KEYWORD, p.KEYWORD_ONLY)]
     if unknown is not None:
         near = difflib.get_close_matches(unknown[1], names, n=1)
         error.args = (f"{text}; " + (f"did you mean {near[0]}?" if near else f"there are {', '.join(names)}"),)
-    elif "positional argument" in text and "given" in text:
+    elif names and "positional argument" in text and "given" in text:
         error.args = (f"{text}; name them: {', '.join(f'{n}=...' for n in names[:3])}",)
 
 
@@ -100,6 +100,8 @@ def trimmed_class(cls: type, *kinds: type[Exception]) -> None:
 
 def place(filename: str, line: int) -> str:
     """File and line as the user knows them: relative to the working folder, or the cell of a notebook."""
+    from pathlib import Path
+
     shell = sys.modules.get("IPython")
     shell = shell and shell.get_ipython()
     cell = shell and shell.compile.format_code_name(filename)

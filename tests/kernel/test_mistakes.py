@@ -40,6 +40,11 @@ MISTAKES = {
     "a text for a number": (
         'pid(kp="20")', "ValueRefused: kp = '20' (pid): expected a number in V/mm; write 20 without quotes"),
     "a typing error in a parameter": ("pid(kpp=2)", "NameUnknown: pid has no parameter 'kpp'; did you mean kp?"),
+    "a gain without its name": ("pid(20.0)", "BlockError: pid(20.0): parameters have names: pid(kp=20.0)"),
+    "arguments without names": (
+        "ls.Loop(step, pid, mass)",
+        "TypeError: Loop.__init__() takes 1 positional argument but 4 were given; "
+        "name them: reference=..., controller=..., plant=..."),
     "a gain of NaN": (
         "pid(kp=math.nan)", "ValueRefused: kp = nan (pid): not a number (NaN) is not allowed"),
     "a gain out of range": ("pid(kp=-1.0)", "ValueRefused: kp = -1.0 (pid): allowed range is [0, inf) V/mm"),

@@ -114,6 +114,9 @@ class Block:
 
     def __call__(self, *args: Any, **changes: Any) -> Any:
         if args:
+            if self.params is not None and not isinstance(args[0], tuple):
+                first = f"{self.params._fields[0]}={args[0]!r}"
+                raise BlockError(f"{self.name}({args[0]!r}): parameters have names: {self.name}({first})")
             return self.step(*args, **changes)
         return self.using(**changes)
 

@@ -61,7 +61,7 @@ def entry_point(public: Entry) -> Entry:
         trimmed_class(public, LeadscrewError)
         return public
     decorated: Any = trimmed(public, LeadscrewError)
-    return decorated  # type: ignore[no-any-return]
+    return decorated
 
 
 for _error in [v for v in list(vars().values()) if isinstance(v, type) and issubclass(v, LeadscrewError)]:

@@ -106,7 +106,7 @@ class _Probe:
                 + (f"; it was given {signals}" if signals else "")
             ) from None
         finally:
-            del self.space["print"]
+            self.space.pop("print", None)
 
     def _signal(self, block: Block, slot: str, result: Any) -> Any:
         state = type(block.state).__name__
