@@ -36,6 +36,7 @@ from leadscrew.kernel.kinds import (
     table,
 )
 from leadscrew.kernel.sheet import nearest
+from leadscrew.kernel.subset import PRINT
 
 if TYPE_CHECKING:
     from leadscrew.kernel.module import Item, Module
@@ -354,7 +355,7 @@ class Path:
         """What Python itself supplies, and the intrinsics."""
         if name == "len":
             return WHOLE
-        if name == "print":
+        if name == PRINT:
             return ANY
         for a in node.args:
             self.number(a, env)

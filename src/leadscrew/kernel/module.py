@@ -31,12 +31,12 @@ from leadscrew.kernel.normalise import Normaliser
 from leadscrew.kernel.scalarise import Scalariser, fields_of, without_copies, without_dead
 from leadscrew.kernel.sheet import SILENT, leaf_type, notes
 from leadscrew.kernel.source import MISSING, lookup, where
-from leadscrew.kernel.subset import MATHS, call, is_named_tuple_type, is_print
+from leadscrew.kernel.subset import MATHS, PRINT, call, is_named_tuple_type, is_print
 from leadscrew.kernel.trees import code_of, copied, each, expression, fingerprint
 from leadscrew.kernel.treework import treework
 
 _RESERVED = {
-    "ieee_select", "print", "np", "math", "NamedTuple", "float", "int", "bool", "abs", "len", "range", *bits.INTRINSICS,
+    "ieee_select", PRINT, "np", "math", "NamedTuple", "float", "int", "bool", "abs", "len", "range", *bits.INTRINSICS,
     # the arguments and locals of the drivers and of what the linker writes
     *(  # noqa: SIM905
         "P A S B Q Z U V H R M D Y QA ZB p s x t k j n u f h g i c q v y b a lane run line views noise dt load "
@@ -374,7 +374,7 @@ class Module:
 
         space = self._space
         if not space:
-            space.update(__name__="leadscrew.generated", np=np, math=math, **OPERATORS)
+            space.update(__name__="leadscrew.generated", np=np, math=math, **OPERATORS, **{PRINT: print})
             space.update((name, getattr(bits, name)) for name in bits.INTRINSICS)
         for item in self.ordered():
             if item.name in space:

@@ -26,7 +26,7 @@ from leadscrew.kernel.errors import SubsetError
 from leadscrew.kernel.normalise_calls import Calls
 from leadscrew.kernel.sheet import hints, similar
 from leadscrew.kernel.source import MISSING, local_names, lookup, tree_of
-from leadscrew.kernel.subset import EXPRESSIONS, NUMBERS, STATEMENTS, call, is_named_tuple_type, outside
+from leadscrew.kernel.subset import EXPRESSIONS, NUMBERS, PRINT, STATEMENTS, call, is_named_tuple_type, outside
 from leadscrew.kernel.trees import copied, each
 
 if TYPE_CHECKING:
@@ -117,7 +117,7 @@ class Normaliser(Calls):
         assert isinstance(call_, ast.Call)
         if call_.keywords:
             self.refuse(node, "keywords in print()")
-        call_.func = ast.copy_location(ast.Name("print", ast.Load()), call_.func)
+        call_.func = ast.copy_location(ast.Name(PRINT, ast.Load()), call_.func)
         call_.args = [self.text(a) for a in call_.args]
         return node
 

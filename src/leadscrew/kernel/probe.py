@@ -15,6 +15,7 @@ from leadscrew.kernel.frame import as_floats, bundle
 from leadscrew.kernel.layout import is_branch
 from leadscrew.kernel.noise import Noise
 from leadscrew.kernel.source import where
+from leadscrew.kernel.subset import PRINT
 
 if TYPE_CHECKING:
     from leadscrew.kernel.loop import Loop
@@ -92,7 +93,7 @@ class _Probe:
     def _tried(self, name: str, step: str, *args: Any, given: Mapping[str, Any] | None = None) -> Any:
         """Calls a step; what it raises becomes one sentence with file, line and the signals that it was given."""
         try:
-            self.space["print"] = _silent
+            self.space[PRINT] = _silent
             with np.errstate(all="ignore"):
                 return self.space[self.names[step]](*args)
         except LeadscrewError:
@@ -106,7 +107,7 @@ class _Probe:
                 + (f"; it was given {signals}" if signals else "")
             ) from None
         finally:
-            self.space.pop("print", None)
+            self.space[PRINT] = print
 
     def _signal(self, block: Block, slot: str, result: Any) -> Any:
         state = type(block.state).__name__

@@ -110,9 +110,13 @@ def is_named_tuple_type(value: Any) -> bool:
     return isinstance(value, type) and issubclass(value, tuple) and hasattr(value, "_fields")
 
 
+PRINT = "step_print"
+"""What ``print`` is called in a module: a debugger's own ``print`` stays as it is while a probe runs."""
+
+
 def is_print(node: ast.AST) -> bool:
     """Whether a node of a normalised step is a call of ``print``."""
-    return isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id == "print"
+    return isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id == PRINT
 
 
 def literal(value: Any) -> ast.expr:
