@@ -266,7 +266,8 @@ def _made(found: Any, name: str) -> Loop:
         except LeadscrewError:
             raise
         except Exception as error:
-            raise DataError(f"{name}() failed at {origin(error)}: {type(error).__name__}: {error}") from error
+            at = origin(error)
+            raise DataError(f"{name}() failed{at and f' at {at}'}: {type(error).__name__}: {error}") from error
     if not isinstance(loop, _Loop()):
         raise BlockError(
             f"{name} is of type {type(loop).__name__}; expected a study, a Loop, or a function that returns a Loop"

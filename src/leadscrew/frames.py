@@ -17,7 +17,7 @@ from typing import Any
 DEBUG = "LEADSCREW_DEBUG"
 """Set to 1, it keeps the frames of this package; read whenever an error is raised."""
 
-_UNKNOWN = re.compile(r"unexpected keyword argument '(\w+)'$")
+_UNKNOWN = re.compile(r"unexpected keyword argument '(\w+)'")
 _SPECIAL = ("__init__", "__call__", "__getitem__", "__getattr__")
 
 
@@ -54,8 +54,9 @@ def _explained(function: Any, error: TypeError) -> None:
     names = [p.name for p in arguments if p.kind in (p.POSITIONAL_OR_KEYWORD, p.KEYWORD_ONLY)]
     if unknown is not None:
         near = difflib.get_close_matches(unknown[1], names, n=1)
-        error.args = (f"{text}; " + (f"did you mean {near[0]}?" if near else f"there are {', '.join(names)}"),)
-    elif names and "positional argument" in text and "given" in text:
+        hint = f"did you mean {near[0]}?" if near else f"there are {', '.join(names)}"
+        error.args = (f"{text[: unknown.end()]}; {hint}",)  # without the guess of Python 3.13
+    elif all(p.kind is p.KEYWORD_ONLY for p in arguments) and "positional argument" in text:
         error.args = (f"{text}; name them: {', '.join(f'{n}=...' for n in names[:3])}",)
 
 
@@ -111,10 +112,12 @@ def place(filename: str, line: int) -> str:
 
 
 def origin(error: BaseException) -> str:
-    """The last line of the user's own code that an error came through; empty where there is none."""
+    """The last line of the user's own code, not of an installed package, that an error came through; else empty."""
     trace, last = _users(error.__traceback__), ""
     while trace is not None:
-        last = place(trace.tb_frame.f_code.co_filename, trace.tb_lineno)
+        file = trace.tb_frame.f_code.co_filename
+        if not file.startswith("<") and "site-packages" not in file:
+            last = place(file, trace.tb_lineno)
         trace = trace.tb_next
     return last
 

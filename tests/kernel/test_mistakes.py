@@ -215,6 +215,28 @@ def test_an_error_of_a_users_function_is_named_by_file_and_line(here):
     assert result.stderr == ("leadscrew: mine.py:build() failed at mine.py:3: IndexError: list index out of range\n")
 
 
+STUDY = """\
+from pathlib import Path
+import leadscrew as ls
+from leadscrew.studies import Scenario, Study
+def build(controller, scenario):
+    return {}["mass"]
+STUDY = Study(
+    name="mine", title="", paper="", build=build, controllers={"pid": ls.block("pid")},
+    scenarios={"step": Scenario("step", None, "a step", 0.5)}, folder=Path(),
+)
+"""
+
+
+def test_an_error_of_a_users_study_is_named_by_file_and_line_unless_all_frames_are_shown(here, monkeypatch):
+    (here / "mine.py").write_text(STUDY)
+    arguments = ["simulate", "mine.py:STUDY", "-c", "pid", "-s", "step"]
+    result = CliRunner().invoke(app, arguments)
+    assert (result.exit_code, result.stderr) == (2, "leadscrew: mine.py:5: KeyError: 'mass'\n")
+    monkeypatch.setenv(DEBUG, "1")
+    assert CliRunner().invoke(app, arguments).stderr.startswith("Traceback")
+
+
 def test_a_step_prints_once_a_period_on_the_python_engine(here, capsys):
     code = LAW.format("print('u', p.kp, f'{command + 1.0:.1f}'); return p.kp * command").replace(
         "go(law)", "go(law, engine='python')"

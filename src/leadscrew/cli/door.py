@@ -14,6 +14,7 @@ import typer
 from typer.core import TyperGroup
 
 from leadscrew.escape import one_line
+from leadscrew.frames import origin
 from leadscrew.kernel.errors import Diverged, LeadscrewError
 
 MISSED, REFUSED, DIVERGED, INTERNAL, INTERRUPTED, PIPE_CLOSED = 1, 2, 3, 70, 130, 141
@@ -34,7 +35,12 @@ class Door(TyperGroup):
                     traceback.print_exc()
                 say(f"leadscrew: {one_line(str(error))}")
                 raise typer.Exit(DIVERGED if isinstance(error, Diverged) else REFUSED) from None
-            except (MemoryError, ValueError) as error:
+            except KeyboardInterrupt:
+                raise typer.Exit(INTERRUPTED) from None
+            except Exception as error:
+                if isinstance(error, OSError) and error.errno == errno.EPIPE:
+                    to_nowhere(sys.stdout)
+                    raise typer.Exit(PIPE_CLOSED) from None
                 why = _beyond(error)
                 if not why:
                     raise
@@ -42,23 +48,17 @@ class Door(TyperGroup):
                     traceback.print_exc()
                 say(f"leadscrew: {why}")
                 raise typer.Exit(REFUSED) from None
-            except KeyboardInterrupt:
-                raise typer.Exit(INTERRUPTED) from None
-            except OSError as error:
-                if error.errno != errno.EPIPE:
-                    raise
-                to_nowhere(sys.stdout)
-                raise typer.Exit(PIPE_CLOSED) from None
 
 
 def _beyond(error: Exception) -> str:
-    """What a file asks for that no computer can do, by the kind of the error; empty of others."""
+    """What a file asks for that no computer can do, or where code of the user failed; empty of a fault of ours."""
     why = one_line(str(error))
     if isinstance(error, MemoryError):
         return f"there is not enough memory for this: ask for less ({why or 'no more is known'})"
     if type(error).__name__ == "LinAlgError":
         return f"the numbers have no solution: are columns and units right? ({why})"
-    return ""
+    at = origin(error)
+    return f"{at}: {type(error).__name__}: {why}" if at else ""
 
 
 def say(text: str) -> None:
