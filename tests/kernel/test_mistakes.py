@@ -194,7 +194,7 @@ def program(*arguments):
 
 
 @pytest.mark.slow
-def test_the_frames_are_shown_where_they_are_asked_for(here, monkeypatch):
+def test_all_frames_are_shown_with_the_environment_variable_and_with_debug(here, monkeypatch):
     (here / "mine.py").write_text(HEAD + "pid(kpp=2)\n")
     lines = program("mine.py").splitlines()
     assert [x.strip() for x in lines if not set(x) <= set(" ~^")] == [

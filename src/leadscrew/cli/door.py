@@ -30,29 +30,28 @@ class Door(TyperGroup):
             warnings.showwarning = _one_line  # type: ignore[assignment]
             try:
                 return super().invoke(ctx)
-            except LeadscrewError as error:
-                if ctx.params.get("debug"):
-                    traceback.print_exc()
-                say(f"leadscrew: {one_line(str(error))}")
-                raise typer.Exit(DIVERGED if isinstance(error, Diverged) else REFUSED) from None
             except KeyboardInterrupt:
                 raise typer.Exit(INTERRUPTED) from None
             except Exception as error:
                 if isinstance(error, OSError) and error.errno == errno.EPIPE:
                     to_nowhere(sys.stdout)
                     raise typer.Exit(PIPE_CLOSED) from None
-                why = _beyond(error)
+                why = _sentence(error)
                 if not why:
                     raise
                 if ctx.params.get("debug"):
                     traceback.print_exc()
                 say(f"leadscrew: {why}")
-                raise typer.Exit(REFUSED) from None
+                raise typer.Exit(DIVERGED if isinstance(error, Diverged) else REFUSED) from None
 
 
-def _beyond(error: Exception) -> str:
-    """What a file asks for that no computer can do, or where code of the user failed; empty of a fault of ours."""
+def _sentence(error: Exception) -> str:
+    """An error raised on purpose, what a file asks for that no computer can do, or where code of the user failed; empty
+    for a fault of ours.
+    """
     why = one_line(str(error))
+    if isinstance(error, LeadscrewError):
+        return why
     if isinstance(error, MemoryError):
         return f"there is not enough memory for this: ask for less ({why or 'no more is known'})"
     if type(error).__name__ == "LinAlgError":
