@@ -85,8 +85,9 @@ def trimmed(function: Any, *kinds: type[Exception]) -> Any:
 
 def trimmed_class(cls: type, *kinds: type[Exception]) -> None:
     """Trims the public methods and properties of a class, in place."""
+    plain = "__dataclass_fields__" in vars(cls) and not hasattr(cls, "__post_init__")
     for name, member in list(vars(cls).items()):
-        if name.startswith("_") and name not in _SPECIAL:
+        if (name.startswith("_") and name not in _SPECIAL) or (plain and name == "__init__"):
             continue
         if isinstance(member, types.FunctionType):
             more = (AttributeError,) if name == "__getattr__" else ()
