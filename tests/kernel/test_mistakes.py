@@ -1,5 +1,6 @@
 """What a user reads after a common mistake: one sentence, and no frames but those of the user's own code."""
 
+import inspect
 import re
 import runpy
 import subprocess
@@ -9,6 +10,8 @@ import traceback
 import pytest
 from typer.testing import CliRunner
 
+import leadscrew
+from leadscrew import catalogue
 from leadscrew.cli import app
 from leadscrew.frames import DEBUG
 from tests.notebook import executed
@@ -265,3 +268,9 @@ def test_a_mistake_in_a_notebook_shows_the_cell_and_one_sentence(here):
         printed = re.sub(r"\x1b\[[0-9;]*m", "", "\n".join(output.traceback))
         assert "src/leadscrew" not in printed and "ipykernel" not in printed and "File " not in printed
         assert printed.count("Traceback") == 1 and f"Cell In[{n}], line" in printed
+
+
+def test_every_public_function_and_every_maker_of_blocks_trims_its_errors():
+    public = {name: getattr(leadscrew, name) for name in leadscrew.__all__} | catalogue.makers()
+    whole = {name for name, f in public.items() if inspect.isfunction(f) and not hasattr(f, "__wrapped__")}
+    assert whole == {"normal", "uniform"}  # steps call these
