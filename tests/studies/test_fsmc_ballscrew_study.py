@@ -39,4 +39,4 @@ def test_every_equation_table_and_figure_of_the_paper_is_an_item():
 def test_the_friction_estimate_from_the_commanded_speed_is_named_as_our_reading():
     assert any("commanded speed" in a.value and a.why.startswith("Our reading") for a in STAGE.assumed)
     for name in ("paper.smc", "paper.csmc", "paper.fsmc", "corrected.smc", "corrected.fsmc"):
-        assert STAGE.loop(name, "sine_fast").parameters["controller.friction_from"] == 1
+        assert STAGE.loop(name, "sine_fast").parameters["controller.friction_from"] == "commanded"

@@ -16,7 +16,7 @@ from leadscrew.bench.machine import load
 from leadscrew.bench.row import row
 from leadscrew.bench.timing import interleaved
 from leadscrew.bench.yardstick import NoCompilerError, build
-from leadscrew.controllers.sofnn import NLMS, fnn, sofc, sofnn
+from leadscrew.controllers.sofnn import fnn, sofc, sofnn
 from leadscrew.kernel.block import Block, controller
 from leadscrew.neural.inference_net import W0, fired
 from leadscrew.neural.performance import TABLE
@@ -99,7 +99,7 @@ KALMAN, DENSE, IDLE = "Kalman, four rules", "Kalman, dense 49 x 49", "no learnin
 BLOCKS: dict[str, Block] = {
     KALMAN: learns,
     DENSE: learns_densely(learning=False),
-    "normalised LMS": learns(learner=NLMS),
+    "normalised LMS": learns(learner="nlms"),
     "standard self-organising controller": credits_rules,
     IDLE: learns(learning=False),
     "fixed network": stays,

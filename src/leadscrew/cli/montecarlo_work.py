@@ -104,10 +104,10 @@ class Work:
         self.count = Counted()
         experiment = self._experiment()
         self.job = Job(experiment, asked.scenarios, asked.duration)
-        self.space = Space.of(spread(asked.study, asked.over))
+        self.space = Space.of(spread(asked.study, asked.over)).checked(self.job.sheet(), "--over")
         self.seed = experiment.seed or 0
         self.method = check_method(asked.sampling)
-        self.tolerances = montecarlo.check(self.job, self.space, asked.runs, asked.tolerances)
+        self.tolerances = montecarlo.check(self.job, asked.runs, asked.tolerances)
         self.wears = wears(asked.wears, self.job, self.space)
         door.whole("--life", asked.life, 2, 10_000)
         door.whole("--worst", asked.worst, 0, 10_000)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 from leadscrew.kernel.errors import NameUnknown, ValueRefused
@@ -15,6 +15,7 @@ EXPECTED = {
     "int": "a whole number",
     "bool": "true or false",
     "array": "a JSON list of numbers, for example [1, 2.5]",
+    "choice": "a name",
 }
 WORDS = {"true": True, "yes": True, "on": True, "1": True, "false": False, "no": False, "off": False, "0": False}
 
@@ -89,4 +90,10 @@ def _numbers(item: Any) -> bool:
     return isinstance(item, int | float) and not isinstance(item, bool) and math.isfinite(float(item))
 
 
-_READ = {"float": _float, "int": _int, "bool": lambda text: WORDS[text.lower()], "array": _array}
+_READ: dict[str, Callable[[str], Any]] = {
+    "float": _float,
+    "int": _int,
+    "bool": lambda text: WORDS[text.lower()],
+    "array": _array,
+    "choice": lambda text: int(text) if text.isdecimal() else text,
+}

@@ -6,9 +6,9 @@ In the order in which it happens, with ``x_p``, ``x_i``, ``x_d`` what the three 
 2. ``slope = (filter_s slope + kd (x_d - x_d_last)) / (filter_s + dt)``    backward difference, backward-Euler lag
 3. ``raw = kp x_p + ki integral + slope``
 4. ``output = clip(raw, -max_output, max_output)``               not clipped where ``max_output`` is 0
-5. ``anti_windup`` 1, clamping: the integral stays as it was while ``raw`` lies outside the limit and ``x_i`` drives it
-   further out.
-   ``anti_windup`` 2, back-calculation: ``integral += dt / max(tracking_s, dt) (output - raw) / ki``, which brings
+5. ``anti_windup`` ``clamping`` (conditional integration): the integral stays as it was while ``raw`` lies outside the
+   limit and ``x_i`` drives it further out.
+   ``back-calculation``: ``integral += dt / max(tracking_s, dt) (output - raw) / ki``, which brings
    ``raw`` back to the limit with the time constant ``tracking_s``; with 0 in one period.
 
 Before the first period ``x_d`` and the integral count as zero: a command that does not start at the feedback gives one
@@ -23,7 +23,7 @@ from __future__ import annotations
 
 from typing import Annotated, NamedTuple
 
-from leadscrew.kernel.sheet import Doc, Ge, Le, Unit
+from leadscrew.kernel.sheet import Choice, Doc, Ge, Unit
 
 TINY = 1e-30
 """Below this a filtered derivative is remembered as 0: its tail would end in denormal numbers, which are slow."""
@@ -33,7 +33,9 @@ Ki = Annotated[float, Unit("V/(mm s)"), Ge(0), Doc("integral gain, Table I")]
 Kd = Annotated[float, Unit("V s/mm"), Ge(0), Doc("derivative gain, Table I")]
 Filter = Annotated[float, Unit("s"), Ge(0), Doc("lag of the derivative, by backward Euler; 0 for none")]
 MaxOutput = Annotated[float, Unit("V"), Ge(0), Doc("largest size of the output; 0 for no limit")]
-AntiWindup = Annotated[int, Ge(0), Le(2), Doc("at the limit of output: 0 nothing, 1 clamping, 2 back-calculation")]
+AntiWindup = Annotated[
+    int, Choice("none", "clamping", "back-calculation", conditional=1), Doc("of the integral, at the limit of output")
+]
 Tracking = Annotated[float, Unit("s"), Ge(0), Doc("time constant of the back-calculation; 0 for one period")]
 
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from leadscrew.escape import c_comment, checked_line, one_line
 from leadscrew.export.core import Core, Limits, Port, Record
-from leadscrew.export.knobs import knobs_of
+from leadscrew.export.knobs import knobs_of, named_options
 from leadscrew.export.machine import LICENCE, machine_files
 from leadscrew.export.source import Source
 from leadscrew.kernel.block import DRIVES, Block
@@ -221,9 +221,9 @@ def export_controller(
     title = checked_line("title", title)
     head = f"/* {c_comment(title)}, exported by Leadscrew from {c_comment(block.name)}.\n{LICENCE} */\n"
     source = Source(block, prepared, state, loop.signals, name=name, period=loop.period, real=real, head=head)
-    files = source.files()
-    inputs, outputs = ports(loop, block, source)
     knobs, baked = knobs_of(block, prepared, loop.period)
+    files = source.files(named_options(name, knobs))
+    inputs, outputs = ports(loop, block, source)
     record = recorded(loop, source, duration)
     double = record
     if real == "float":

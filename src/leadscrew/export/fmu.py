@@ -74,8 +74,15 @@ def sources(core: Core, version: int, shown: tuple[Variable, ...], token: str) -
     def bound(value: float) -> str:
         return repr(float(value)) if math.isfinite(value) else "-DBL_MAX" if value < 0 else "DBL_MAX"
 
+    # FMI 2 sets a choice as an Integer, FMI 3 as an Int64
+    whole = ("int", "choice") if version == 2 else ("int",)
+    kinds = [("real", ("real",), "double", "real number"), ("int", whole, "int", "whole number"),
+             ("bool", ("bool",), "int", "Boolean")]  # fmt: skip
+    if version == 3 and any(v.kind == "choice" for v in shown):
+        kinds.append(("choice", ("choice",), "long long", "choice"))
     names = {
         "core": core,
+        "kinds": kinds,
         "n": core.name,
         "licence": LICENCE,
         "token": token,

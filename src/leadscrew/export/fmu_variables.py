@@ -24,7 +24,7 @@ class Variable:
     reference: int
     name: str
     kind: str
-    """``real``, ``int`` or ``bool``."""
+    """``real``, ``int``, ``bool`` or ``choice``."""
     causality: str
     """``input``, ``output`` or ``parameter``."""
     places: tuple[str, ...]
@@ -35,10 +35,14 @@ class Variable:
     high: float = math.inf
     open_low: bool = False
     open_high: bool = False
+    names: tuple[str, ...] = ()
+    """Of a choice, from 0."""
 
     @property
     def range(self) -> str:
-        """The allowed range in interval notation."""
+        """The allowed range in interval notation; of a choice its numbers and names."""
+        if self.names:
+            return ", ".join(f"{i} {name}" for i, name in enumerate(self.names))
         left = "(" if self.open_low or self.low == -math.inf else "["
         right = ")" if self.open_high or self.high == math.inf else "]"
         return f"{left}{self.low:.15g}, {self.high:.15g}{right}"
@@ -110,6 +114,8 @@ def _tuned(knob: Knob, real: str) -> dict[str, Any]:
     rest["places"] = tuple(f"machine.params.{place}" for place in knob.places)
     if knob.kind == "bool":
         return {**rest, "start": bool(knob.value)}
+    if knob.kind == "choice":
+        return {**rest, "start": int(knob.value), "low": knob.low, "high": knob.high, "names": knob.names}
     rest |= {"open_low": knob.range.startswith("("), "open_high": knob.range.endswith(")")}
     if knob.kind == "int":
         if abs(knob.value) > _INTEGER:

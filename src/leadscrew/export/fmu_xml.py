@@ -12,8 +12,8 @@ from leadscrew.export.fmu_units import base_units
 from leadscrew.export.fmu_variables import Variable
 
 _KINDS = {
-    2: {"real": "Real", "int": "Integer", "bool": "Boolean"},
-    3: {"real": "Float64", "int": "Int32", "bool": "Boolean"},
+    2: {"real": "Real", "int": "Integer", "bool": "Boolean", "choice": "Enumeration"},
+    3: {"real": "Float64", "int": "Int32", "bool": "Boolean", "choice": "Enumeration"},
 }
 _STATE = {2: "FMUstate", 3: "FMUState"}
 _TOKEN = {2: "guid", 3: "instantiationToken"}
@@ -28,6 +28,7 @@ def model_description(core: Core, variables: tuple[Variable, ...], version: int,
     root.set("variableNamingConvention", "structured")
     _interface(root, core, version, sources)
     _units(root, ["s", *(v.unit for v in variables)])
+    _types(root, variables, version)
     categories = ET.SubElement(root, "LogCategories")
     for name in ("logStatusError", "logStatusWarning"):
         ET.SubElement(categories, "Category", name=name)
@@ -73,6 +74,26 @@ def _units(root: ET.Element, names: Iterable[str]) -> None:
                 base.set("factor", repr(factor))
 
 
+def _types(root: ET.Element, variables: tuple[Variable, ...], version: int) -> None:
+    """One enumeration for each parameter that is a choice; its items have the numbers of the C."""
+    enumerations = [v for v in variables if v.names]
+    if not enumerations:
+        return
+    types = ET.SubElement(root, "TypeDefinitions")
+    for v in enumerations:
+        if version == 2:
+            listed = ET.SubElement(ET.SubElement(types, "SimpleType", name=_type(v)), "Enumeration")
+        else:
+            listed = ET.SubElement(types, "EnumerationType", name=_type(v))
+        for number, name in enumerate(v.names):
+            ET.SubElement(listed, "Item", name=name, value=str(number))
+
+
+def _type(v: Variable) -> str:
+    """The name of a choice's type, unlike that of any variable."""
+    return f"{v.name} (choice)"
+
+
 def _attributes(v: Variable) -> dict[str, str]:
     rest = {"name": v.name, "valueReference": str(v.reference)}
     if v.doc:
@@ -86,7 +107,7 @@ def _attributes(v: Variable) -> dict[str, str]:
 
 def _typed(v: Variable) -> dict[str, str]:
     """What a variable says in its own kind of number."""
-    rest = {}
+    rest = {"declaredType": _type(v)} if v.names else {}
     if v.unit and v.kind == "real":
         rest["unit"] = v.unit
     for name, bound in (("min", v.low), ("max", v.high)):
@@ -125,7 +146,7 @@ def _variables_3(root: ET.Element, variables: tuple[Variable, ...]) -> None:
 def _value(value: float | int | bool, kind: str) -> str:
     if kind == "bool":
         return "true" if value else "false"
-    return str(int(value)) if kind == "int" else repr(float(value))
+    return str(int(value)) if kind in ("int", "choice") else repr(float(value))
 
 
 def _text(root: ET.Element) -> str:

@@ -169,14 +169,14 @@ def _knob(core: Core, knob: Knob, hal: str) -> Setting:
 
 def _setting(core: Core, knob: Knob, hal: str, places: tuple[str, ...], source: str | None = None) -> Setting:
     c = hal.replace("-", "_")
-    hal_type = {"float": "float", "int": "s32", "bool": "bit"}[knob.kind]
-    held = {"float": core.real, "int": "int", "bool": "int"}[knob.kind]
+    hal_type = {"float": "float", "int": "s32", "choice": "s32", "bool": "bit"}[knob.kind]
+    held = {"float": core.real, "int": "int", "choice": "int", "bool": "int"}[knob.kind]
     read = source or f"inst->{c}"
     start = repr(float(knob.value)) if knob.kind == "float" else str(int(knob.value))
     wanted = f"{read} != 0" if knob.kind == "bool" else f"({held}){read}"
     interval = "" if knob.kind == "bool" else _interval(knob)
     doc, unit = hal_string(knob.doc or knob.key), _unit(knob.unit)
-    about = _about(doc, unit, interval)
+    about = f"{doc}: {interval}" if knob.kind == "choice" else _about(doc, unit, interval)
     outside = _outside(core, knob)
     return Setting(hal, c, hal_type, start, unit, doc, about, interval, held, wanted, outside, places)
 
@@ -193,7 +193,7 @@ def _outside(core: Core, knob: Knob) -> str:
     """C that is true for a value out of the knob's range, or not finite."""
     if knob.kind == "bool":
         return "0"
-    if knob.kind == "int":
+    if knob.kind in ("int", "choice"):
         low, high = max(knob.low, S32[0]), min(knob.high, S32[1])
         bounds = [f"wanted < {int(low)}"] if low > S32[0] else []
         bounds += [f"wanted > {int(high)}"] if high < S32[1] else []

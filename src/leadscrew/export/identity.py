@@ -27,9 +27,10 @@ def identity_of(loop: Loop) -> dict[str, Any]:
     source = Source(block, prepared, state, loop.signals, name="certified", period=loop.period, real="double", head="")
     source.files()
     steps = source.module.identity()
-    sheet = entries(block.params) if block.params is not None else ()
+    sheet = tuple(entries(block.params))
     parameters = {e.key: e.default.tolist() if hasattr(e.default, "tolist") else e.default for e in sheet}
-    said = json.dumps([steps, parameters, loop.period], sort_keys=True)
+    numbers = {e.key: e.stored(e.default) for e in sheet if e.choice is not None}
+    said = json.dumps([steps, parameters | numbers, loop.period], sort_keys=True)
     return {
         "block": block.name,
         "parameters": parameters,

@@ -7,7 +7,7 @@ the data sheet. A parameter is a knob where changing it changes nothing but copi
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from typing import Any
 
 from leadscrew.export.core import Knob
@@ -20,7 +20,10 @@ from leadscrew.kernel.sheet import Entry, entries, put
 
 def _others(entry: Entry) -> Iterator[Any]:
     """Other values that a parameter may have, near its own."""
-    value = entry.default
+    value = entry.stored(entry.default)
+    if entry.choice is not None:
+        yield from (number for number in range(len(entry.choice.names)) if number != value)
+        return
     if entry.type == "bool":
         yield not value
         return
@@ -59,7 +62,7 @@ def _in_order(node: Any) -> Iterator[Any]:
 
 def _carried(block: Block, entry: Entry, period: float, places: list[str]) -> tuple[str, ...]:
     """Where a parameter's own value lies among the prepared ones; empty where it is worked into others."""
-    base = _prepared(block, block.params, period)
+    base, own = _prepared(block, block.params, period), entry.stored(entry.default)
     found: set[int] | None = None
     tried = 0
     for value in _others(entry):
@@ -70,7 +73,7 @@ def _carried(block: Block, entry: Entry, period: float, places: list[str]) -> tu
         if len(moved) != len(base):
             return ()
         changed = {i for i, (a, b) in enumerate(zip(base, moved, strict=True)) if a != b}
-        if not changed or any(moved[i] != value or base[i] != entry.default or not places[i] for i in changed):
+        if not changed or any(moved[i] != value or base[i] != own or not places[i] for i in changed):
             return ()
         found = changed if found is None else found
         if changed != found:
@@ -79,6 +82,20 @@ def _carried(block: Block, entry: Entry, period: float, places: list[str]) -> tu
         if tried == 2:
             break
     return tuple(places[i] for i in sorted(found or ()))
+
+
+def named_options(name: str, knobs: Iterable[Knob]) -> str:
+    """The options of choices as constants of C, ``NAME_KNOB_OPTION``."""
+    parts, taken = [], set[str]()
+    for knob in knobs:
+        rows = []
+        for number, option in enumerate(knob.names):
+            constant = safe(f"{name}_{knob.name}_{option}".replace("-", "_").upper(), taken)
+            taken.add(constant)
+            rows.append(f"    {constant} = {number}")
+        if rows:
+            parts.append(f"/* for params.{knob.places[0]} */\nenum {{\n" + ",\n".join(rows) + "\n};\n")
+    return "\n".join(parts)
 
 
 def knobs_of(block: Block, prepared: Any, period: float) -> tuple[tuple[Knob, ...], tuple[str, ...]]:
@@ -97,6 +114,15 @@ def knobs_of(block: Block, prepared: Any, period: float) -> tuple[tuple[Knob, ..
         name = safe(entry.key.replace(".", "_"), taken)
         taken.add(name)
         low = -math.inf if entry.above == -math.inf else entry.above
+        choice = entry.choice
+        if choice is not None:
+            knobs.append(
+                Knob(
+                    entry.key, name, "choice", entry.stored(entry.default), where, entry.unit, entry.doc, 0,
+                    len(choice.names) - 1, str(choice), choice.names,
+                )
+            )  # fmt: skip
+            continue
         knobs.append(
             Knob(
                 entry.key, name, entry.type, entry.default, where, entry.unit, entry.doc, low, entry.below, entry.range

@@ -349,8 +349,8 @@ class Source:
         lines += [*before, *unused, f"const {self.unit.name_of(kind)} next = {call};", ""]
         return [*lines, *self.kept(state, "next"), "state->periods = 0;"]
 
-    def files(self) -> dict[str, str]:
-        """``NAME.h`` and ``NAME.c``."""
+    def files(self, options: str = "") -> dict[str, str]:
+        """``NAME.h`` and ``NAME.c``; ``options``: constants of C for the parameters."""
         n = self.name
         types: list[str] = []
         params, _ = self.own("params", self.prepared, True)
@@ -384,7 +384,8 @@ class Source:
         guard = f"{n.upper()}_H"
         header = [
             self.head, f"#ifndef {guard}\n#define {guard}\n", self.unit.includes(), CPP_OPEN, *published, *types,
-            params_text, state_text, *(f"/* {note} */\n{sign};\n" for sign, (note, _) in public.items()), CPP_CLOSE,
+            *filter(None, [options]), params_text, state_text,
+            *(f"/* {note} */\n{sign};\n" for sign, (note, _) in public.items()), CPP_CLOSE,
             "#endif\n",
         ]  # fmt: skip
         bodies = [

@@ -20,7 +20,7 @@ from leadscrew.kernel.layout import numbers_of, reader_of
 from leadscrew.kernel.linker import LANES
 from leadscrew.kernel.one_thread import one_thread
 from leadscrew.kernel.run import Metrics, recorded
-from leadscrew.kernel.sheet import nearest, put
+from leadscrew.kernel.sheet import Entry, nearest, put
 
 if TYPE_CHECKING:
     from leadscrew.kernel.loop import Loop
@@ -96,10 +96,7 @@ def _columns(varied: Mapping[str, Any], loop: Loop, runs: int | None) -> tuple[d
     for key, values in varied.items():
         loop.split(key)
         entry = loop.sheet[key]
-        try:
-            array = np.asarray(values, dtype=np.float64)
-        except (TypeError, ValueError):
-            raise ValueRefused(f"{key}: expected an array of numbers, one for each run") from None
+        array = numbers(entry, values)
         inner = np.shape(entry.default) if entry.type == "array" else ()
         if array.ndim == len(inner):
             array = array[None]
@@ -110,7 +107,7 @@ def _columns(varied: Mapping[str, Any], loop: Loop, runs: int | None) -> tuple[d
         if entry.type == "array":
             for row in array:
                 entry.check(row, "batch")
-        else:
+        elif entry.choice is None:
             low, high = array.min(), array.max()
             for x in (float(low), float(high)):
                 entry.check(int(x) if entry.type == "int" and x == int(x) else x, "batch")
@@ -124,6 +121,22 @@ def _columns(varied: Mapping[str, Any], loop: Loop, runs: int | None) -> tuple[d
         raise ValueRefused(f"a batch needs the same number of values for every key: {held}{wanted}")
     n = door.whole("runs", lengths.pop() if lengths else 1, 1, 2**31 - 1)
     return {k: np.ascontiguousarray(np.broadcast_to(a, (n, *a.shape[1:]))) for k, a in found.items()}, n
+
+
+def numbers(entry: Entry, values: Any) -> np.ndarray:
+    """Values of one parameter as an array; a choice may be given by names.
+
+    Raises:
+        ValueRefused: no numbers; no name of the choice.
+    """
+    if entry.choice is not None:
+        return np.array([entry.stored(v, "batch") for v in np.ravel(values)], dtype=np.float64).reshape(
+            np.shape(values)
+        )
+    try:
+        return np.asarray(values, dtype=np.float64)
+    except (TypeError, ValueError):
+        raise ValueRefused(f"{entry.key}: expected an array of numbers, one for each run") from None
 
 
 def _places(loop: Loop, columns: Mapping[str, np.ndarray], n: int, duration: float) -> tuple[np.ndarray, np.ndarray]:
@@ -166,7 +179,7 @@ def _prepared(
     kinds = [loop.sheet[f"{slot}.{k}"].type for k in keys]
     given = [columns[f"{slot}.{k}"][firsts] for k in keys]
     typed = [
-        list(a) if kind == "array" else a.astype(np.int64).tolist() if kind == "int" else a.tolist()
+        list(a) if kind == "array" else a.astype(np.int64).tolist() if kind in ("int", "choice") else a.tolist()
         for a, kind in zip(given, kinds, strict=True)
     ]
     flat = all("." not in k for k in keys)
@@ -300,7 +313,7 @@ def _one_by_one(
     for k in range(n):
         kinds = {key: loop.sheet[key].type for key in columns}
         changes = {
-            key: a[k] if kinds[key] == "array" else int(a[k]) if kinds[key] == "int" else float(a[k])
+            key: a[k] if kinds[key] == "array" else int(a[k]) if kinds[key] in ("int", "choice") else float(a[k])
             for key, a in columns.items()
         }
         done.append(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from operator import attrgetter
 from typing import TYPE_CHECKING, Any
 
 from leadscrew.kernel.block import Block
@@ -93,6 +94,12 @@ def check_params(block: Block, where: str) -> None:
         for entry in entries(part, f"{where}."):
             if part is block.params or entry.type != "float":
                 entry.check(entry.default, block.name)
+            key = entry.key.removeprefix(f"{where}.")
+            if entry.choice is not None and isinstance(value := attrgetter(key)(part), str):
+                raise BlockError(
+                    f"{key} = {value!r} ({type(part).__name__}): a NamedTuple of parameters holds the number "
+                    f"({entry.choice}); {block.name}({key}={value!r}) takes the name"
+                )
 
 
 def check_metrics(metrics: Mapping[str, Block]) -> dict[str, Block]:

@@ -419,9 +419,9 @@ class Loop:
 
         return run_batch(self, duration, varied or {}, runs, record, every, threads, first, engine, progress)
 
-    def sweep(self, duration: float, grid: Mapping[str, Sequence[float]], **options: Any) -> Batch:
+    def sweep(self, duration: float, grid: Mapping[str, Sequence[float | str]], **options: Any) -> Batch:
         """A batch over the full grid of the values given for each key; ``batch.grid(metric)`` has the grid's shape."""
-        axes = [np.asarray(v, dtype=np.float64) for v in grid.values()]
+        axes = [np.asarray(v) for v in grid.values()]
         mesh = np.meshgrid(*axes, indexing="ij")
         done = self.batch(duration, {k: m.ravel() for k, m in zip(grid, mesh, strict=True)}, **options)
         done.shape = tuple(len(a) for a in axes)

@@ -14,7 +14,7 @@ from annotated_types import Ge, Gt, Interval, Le, Lt, Unit
 
 from leadscrew.kernel.errors import NameUnknown, ValueRefused
 
-__all__ = ["Doc", "Entry", "Ge", "Gt", "Le", "Lt", "Unit", "checked_replace", "entries", "nearest"]
+__all__ = ["SWITCH", "Choice", "Doc", "Entry", "Ge", "Gt", "Le", "Lt", "Unit", "checked_replace", "entries", "nearest"]
 
 
 @dataclass(frozen=True)
@@ -24,24 +24,60 @@ class Doc:
     text: str
 
 
+class Choice:
+    """One of several names, inside the annotation of an ``int``: blocks compute with its number, which counts from 0.
+
+    ``also``: further names that are read, by their numbers.
+    """
+
+    def __init__(self, *names: str, **also: int) -> None:
+        self.names = names
+        self.also = also
+
+    def number(self, value: Any) -> int | None:
+        """The number of a name; of a number, as files of 0.1.0 and arrays have it, itself. None: there is none."""
+        import numpy as np
+
+        if isinstance(value, bool | np.bool_):
+            value = str(value).lower()
+        if isinstance(value, str):
+            return self.names.index(value) if value in self.names else self.also.get(value)
+        return int(value) if isinstance(value, int | float | np.number) and value in range(len(self.names)) else None
+
+    def __repr__(self) -> str:
+        return f"Choice({', '.join(map(repr, self.names))})"
+
+    def __str__(self) -> str:
+        """The names with their numbers, for C and HAL."""
+        return ", ".join(f"{i} {name}" for i, name in enumerate(self.names))
+
+
+SWITCH = Choice("off", "on", false=0, true=1)
+"""A switch that blocks compute with as a number."""
+
+
 @dataclass(frozen=True)
 class Entry:
     """One leaf of a data sheet."""
 
     key: str
     type: str
-    """``float``, ``int``, ``bool`` or ``array``."""
+    """``float``, ``int``, ``bool``, ``array`` or ``choice``."""
     default: Any
+    """Of a choice the name."""
     unit: str = ""
     doc: str = ""
     above: float = -math.inf
     below: float = math.inf
     above_open: bool = False
     below_open: bool = False
+    choice: Choice | None = None
 
     @property
     def range(self) -> str:
-        """The allowed range in interval notation, empty where there is none."""
+        """The allowed range in interval notation, or the names of a choice; empty where there is none."""
+        if self.choice is not None:
+            return ", ".join(self.choice.names)
         if self.above == -math.inf and self.below == math.inf:
             return ""
         low = "(" if self.above_open or self.above == -math.inf else "["
@@ -49,10 +85,10 @@ class Entry:
         return f"{low}{self.above:g}, {self.below:g}{high}"
 
     def check(self, value: Any, where: str = "") -> Any:
-        """``value`` as this entry's type.
+        """``value`` as this entry's type, of a choice its name.
 
         Raises:
-            ValueRefused: wrong type, NaN, or out of range; the text names value, range and place.
+            ValueRefused: wrong type, NaN, out of range, or no such name; the text names value, range and place.
         """
         import numpy as np
 
@@ -60,6 +96,13 @@ class Entry:
         plain = self.type == "array" and isinstance(value, np.ndarray)
         label = self.key + place if plain else f"{self.key} = {value!r}{place}"
         unit = f" {self.unit}" if self.unit else ""
+        if self.choice is not None:
+            number = self.choice.number(value)
+            if number is None:
+                close = difflib.get_close_matches(str(value), self.choice.names, n=1, cutoff=0.4)
+                hint = f"; did you mean {close[0]}?" if close else ""
+                raise ValueRefused(f"{label}: there are {self.range}{hint}")
+            return self.choice.names[number]
         if self.type == "array":
             try:
                 array = np.array(value, dtype=np.float64)
@@ -98,6 +141,11 @@ class Entry:
             if self._refused(value):
                 raise ValueRefused(f"{label}: allowed range is {self.range}{unit}")
         return int(value) if self.type == "int" else float(value)
+
+    def stored(self, value: Any, where: str = "") -> Any:
+        """``value``, checked, as the block computes with it: of a choice its number."""
+        checked = self.check(value, where)
+        return checked if self.choice is None else self.choice.number(checked)
 
     def _refused(self, value: Any) -> Any:
         """Where a number lies outside the range."""
@@ -143,6 +191,8 @@ def note_of(hint: Any) -> Note:
                 found["unit"] = part.unit
             elif isinstance(part, Doc):
                 found["doc"] = part.text
+            elif isinstance(part, Choice):
+                found["choice"] = part
             elif isinstance(part, Ge | Gt):
                 found["above"] = float(part.ge if isinstance(part, Ge) else part.gt)  # type: ignore[arg-type]
                 found["above_open"] = isinstance(part, Gt)
@@ -184,7 +234,11 @@ def entries(value: Any, prefix: str = "") -> Iterator[Entry]:
             yield from entries(item, f"{key}.")
             continue
         note = sheet.get(name, SILENT)
-        yield Entry(key, leaf_type(note, item), item, **note.found)
+        if (choice := note.found.get("choice")) is not None:
+            number = choice.number(item)
+            yield Entry(key, "choice", item if number is None else choice.names[number], **note.found)
+        else:
+            yield Entry(key, leaf_type(note, item), item, **note.found)
 
 
 def checked_replace(value: Any, changes: Mapping[str, Any], where: str) -> Any:
@@ -198,7 +252,7 @@ def checked_replace(value: Any, changes: Mapping[str, Any], where: str) -> Any:
     for key, new in changes.items():
         if key not in sheet:
             raise NameUnknown(f"{where} has no parameter {key!r}{nearest(key, sheet)}")
-        value = put(value, key.split("."), sheet[key].check(new, where))
+        value = put(value, key.split("."), sheet[key].stored(new, where))
     return value
 
 

@@ -73,6 +73,9 @@ def _neighbours(entry: Entry) -> Iterator[Any]:
     """Other values that the parameter may have."""
     if entry.type == "array":
         return
+    if entry.choice is not None:
+        yield from range(len(entry.choice.names))
+        return
     was = entry.default
     wanted: list[Any] = [not was] if entry.type == "bool" else [was + 1, was - 1, 2 * was]
     if entry.type == "float":

@@ -146,6 +146,7 @@ def _parameter(entry: Entry, value: Any, why_not: str) -> dict[str, Any]:
         "type": entry.type,
         "unit": entry.unit,
         "doc": entry.doc,
+        "choices": [] if entry.choice is None else list(entry.choice.names),
         "low": entry.above if math.isfinite(entry.above) else None,
         "high": entry.below if math.isfinite(entry.below) else None,
         "low_open": entry.above_open,

@@ -20,7 +20,7 @@ Pin = Annotated[str, StringConstraints(pattern=r"^[A-Za-z0-9_.\-]{1,200}$")]
 Text = Annotated[str, StringConstraints(max_length=300)]
 Number = Annotated[float, Field(allow_inf_nan=False)]
 Row = Annotated[list[Number], Field(max_length=512)]
-Value = bool | int | Number | Row | Annotated[list[Row], Field(max_length=128)]
+Value = bool | int | Number | Name | Row | Annotated[list[Row], Field(max_length=128)]
 Changes = Annotated[dict[Key | Pin, Value], Field(min_length=1, max_length=256)]
 
 

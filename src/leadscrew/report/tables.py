@@ -116,7 +116,8 @@ class Setting:
         """For JSON."""
         row = asdict(self.entry)
         row = {k: row[k] for k in ("key", "type", "default", "unit", "doc")}
-        return row | {"range": self.entry.range, "where": list(self.where)}
+        names = {} if self.entry.choice is None else {"choices": list(self.entry.choice.names)}
+        return row | {"range": self.entry.range, "where": list(self.where)} | names
 
 
 def settings(study: Study) -> list[Setting]:

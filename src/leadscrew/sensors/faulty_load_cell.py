@@ -2,14 +2,14 @@
 
 From ``from_s`` until ``until_s`` the raw force is, by ``fault``::
 
-    0  true           F + noise, as it was
+    0  none           F + noise, as it was
     1  constant       the last raw force before the fault: a frozen amplifier or bus
     2  dead           noise alone: a bridge without supply
     3  saturated      size_n: the end of the range, of either sign
-    4  code           size_n, an amplifier's number for "no reading"
+    4  error_code     size_n, an amplifier's number for "no reading"
     5  jump           F + noise + size_n: a slipped mount, a wrong tare
     6  drift          F + noise + size_n (t - from_s): warming up
-    7  scale          size_n (F + noise), size_n without unit here: a wrong amplification
+    7  wrong_scale    size_n (F + noise), size_n without unit here: a wrong amplification
     8  frozen         size_n + noise: a strain gauge that has come off, its amplifier sound
 
 3 and 4 differ in the number alone. NaN is not among them: a loop stops where a signal is not finite. The filter goes on
@@ -21,25 +21,25 @@ from __future__ import annotations
 from typing import Annotated, NamedTuple
 
 from leadscrew.kernel.block import sensor
-from leadscrew.kernel.sheet import Doc, Ge, Le, Unit
+from leadscrew.kernel.sheet import Choice, Doc, Ge, Unit
 from leadscrew.references.cutting_program import NEVER_S
 from leadscrew.sensors.load_cell import TINY, CutReading, LatheReadingParams, LoadCellState, lathe_reading
 
 TRUE, CONSTANT, DEAD, SATURATED, CODE, SHIFTED, DRIFT, SCALE, FROZEN = range(9)
 """Faults."""
 
-KINDS = {
-    "none": TRUE, "constant": CONSTANT, "dead": DEAD, "saturated": SATURATED, "error code": CODE, "jump": SHIFTED,
-    "drift": DRIFT, "wrong scale": SCALE, "frozen": FROZEN,
-}  # fmt: skip
-"""In words."""
+Fault = Annotated[
+    int,
+    Choice("none", "constant", "dead", "saturated", "error_code", "jump", "drift", "wrong_scale", "frozen"),
+    Doc("what breaks, see the table"),
+]
 
 
 class FaultyLoadCellParams(NamedTuple):
     """The sound cell, and its fault."""
 
     lathe: LatheReadingParams = LatheReadingParams()
-    fault: Annotated[int, Ge(0), Le(8), Doc("what breaks, see the table")] = 0
+    fault: Fault = TRUE
     from_s: Annotated[float, Unit("s"), Ge(0), Doc("when it breaks")] = 1.5
     until_s: Annotated[float, Unit("s"), Ge(0), Doc("when it is sound again")] = NEVER_S
     size_n: Annotated[float, Unit("N"), Doc("what the table says")] = 1000.0

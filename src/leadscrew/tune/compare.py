@@ -123,7 +123,7 @@ def contest(
         with of(name):
             for w in (*wanted, *kept):
                 w.check(one)
-            other.check(one.sheet(), "--over")
+            other = other.checked(one.sheet(), "--over")
             asked = plan(
                 one, spaces[name], wanted, kept, over=over, plants=plants, budget=budget, optimiser=optimiser, seed=seed
             ) if name in spaces else None  # fmt: skip
@@ -160,7 +160,8 @@ def run(
         with of(one.name):
             tuned = done(one.plan, rounds) if one.plan else None
         settings = tuned.values if tuned else {}
-        fixed = {k: np.full(asked.unseen, v) for k, v in settings.items()}
+        sheet = one.job.sheet() if settings else {}
+        fixed = {k: np.full(asked.unseen, float(sheet[k].stored(v))) for k, v in settings.items()}
         columns = (fixed or held(one.job, asked.unseen)) | plants
         measured.append((one, tuned, rounds.measure(columns, first=UNSEEN_NOISE)))
         start, finished = rounds.start, rounds.finished

@@ -8,7 +8,7 @@ As text, as the command line has it (bounds are inclusive):
 ``KEY=LOW:HIGH:int``                      whole numbers, each as likely
 ``KEY=normal:MEAN:DEVIATION``             normal, cut off at four deviations
 ``KEY=lognormal:MEDIAN:FACTOR``           log-normal: a deviation is the median times FACTOR; cut likewise
-``KEY=A|B|C``                             one of these, each as likely
+``KEY=A|B|C``                             one of these numbers or names, each as likely
 ========================================  ==============================================================
 
 Every distribution is told by its quantile function: one number from 0 to 1 gives one value.
@@ -17,7 +17,7 @@ Every distribution is told by its quantile function: one number from 0 to 1 give
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -120,6 +120,8 @@ class Choice:
     """One of some values, each as likely."""
 
     values: tuple[float, ...]
+    names: tuple[str, ...] = field(default=(), repr=False)
+    """Of the options of a parameter that has named ones."""
 
     def __post_init__(self) -> None:
         if len(self.values) < 2 or len(set(self.values)) < len(self.values):
@@ -140,7 +142,7 @@ class Choice:
         return min(self.values), max(self.values)
 
     def __str__(self) -> str:
-        return "|".join(f"{v:g}" for v in self.values)
+        return "|".join(self.names or (f"{v:g}" for v in self.values))
 
 
 Distribution = Range | Normal | Choice
@@ -155,7 +157,10 @@ def distribution(text: str) -> Distribution:
     expected = "expected LOW:HIGH, LOW:HIGH:log, LOW:HIGH:int, normal:MEAN:DEVIATION, lognormal:MEDIAN:FACTOR or A|B|C"
     try:
         if "|" in text:
-            return Choice(tuple(float(x) for x in text.split("|")))
+            parts = [p.strip() for p in text.split("|")]
+            if all(p.isidentifier() for p in (p.replace("-", "_") for p in parts)):
+                return Choice(tuple(map(float, range(len(parts)))), tuple(parts))
+            return Choice(tuple(float(p) for p in parts))
         parts = [p.strip() for p in text.split(":")]
         if parts[0] in ("normal", "lognormal"):
             middle, width = (float(x) for x in parts[1:])

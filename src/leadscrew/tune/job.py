@@ -122,8 +122,7 @@ class Job:
     def reasons(self, scenario: str, values: Mapping[str, float], run: int) -> dict[str, str]:
         """Why metrics of one run have no value, by name; the run is done again, alone."""
         loop = self.loop(scenario)
-        whole = [k for k in values if loop.sheet[k].type == "int"]
-        changes = {k: int(v) if k in whole else float(v) for k, v in values.items()}
+        changes = typed(loop.sheet, values)
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
             alone = loop.using(changes).run(self.seconds(scenario), every=0, engine=self.experiment.engine, run=run)
@@ -138,7 +137,7 @@ class Job:
             "seconds": [self.seconds(s) for s in self.where],
             "programs": [loop.program.name for loop in loops],
             "seeds": [loop.seed for loop in loops],
-            "parameters": [{k: np.asarray(v).tolist() for k, v in loop.parameters.items()} for loop in loops],
+            "parameters": [{k: _number(e) for k, e in loop.sheet.items()} for loop in loops],
         }
         return hashlib.sha256(json.dumps(said, sort_keys=True, default=str).encode()).hexdigest()
 
@@ -157,6 +156,19 @@ class Job:
 
     def __hash__(self) -> int:
         return hash(self._key)
+
+
+def typed(sheet: Mapping[str, Entry], values: Mapping[str, float]) -> dict[str, Any]:
+    """Numbers as a file has them: whole numbers as such, choices by their names."""
+
+    def of(entry: Entry, value: float) -> Any:
+        return entry.check(value) if entry.choice is not None else int(value) if entry.type == "int" else float(value)
+
+    return {k: of(sheet[k], v) for k, v in values.items()}
+
+
+def _number(entry: Entry) -> Any:
+    return entry.stored(entry.default) if entry.choice is not None else np.asarray(entry.default).tolist()
 
 
 @lru_cache(maxsize=32)

@@ -176,8 +176,8 @@ def montecarlo(
     Raises:
         LeadscrewError: a name that does not exist, a value that is refused, tolerances that contradict each other.
     """
-    space = Space.of(over)
-    wanted = check(job, space, runs, tolerances)
+    space = Space.of(over).checked(job.sheet(), "--over")
+    wanted = check(job, runs, tolerances)
     check_method(method)
     kept = opened(journal, question(job, space, runs, seed, method), resume)
     began = time.perf_counter()
@@ -192,10 +192,9 @@ def opened(journal: Journal | str | Path | None, asked: dict[str, Any], resume: 
     return Journal(journal, asked, resume) if isinstance(journal, str | Path) else journal
 
 
-def check(job: Job, space: Space, runs: int, given: Sequence[str | Tolerance] = ()) -> tuple[Tolerance, ...]:
+def check(job: Job, runs: int, given: Sequence[str | Tolerance] = ()) -> tuple[Tolerance, ...]:
     """The tolerances, after everything was looked at that can be refused before the first run."""
     door.whole("runs", runs, 1, LARGEST)
-    space.check(job.sheet(), "--over")
     for scenario in job.where:
         job.loop(scenario).periods(job.seconds(scenario))
     return tolerances(given, job)

@@ -73,22 +73,30 @@ class Space:
     def __len__(self) -> int:
         return len(self.items)
 
-    def check(self, sheet: Mapping[str, Entry], where: str) -> None:
-        """Refuses keys that are no numbers of the loop, and ends outside their data sheets.
+    def checked(self, sheet: Mapping[str, Entry], where: str) -> Space:
+        """The space with names of options as their numbers; refuses ends outside the data sheets.
 
         Raises:
             NameUnknown, ValueRefused: names the key, the value and what is allowed.
         """
+        items: list[tuple[str, Distribution]] = []
         for key, dist in self.items:
             if key not in sheet:
                 raise NameUnknown(f"{where}: there is no parameter {key!r}{nearest(key, list(sheet))}")
             entry = sheet[key]
+            if entry.choice is not None:
+                items.append((key, _options(entry, dist, where)))
+                continue
+            if isinstance(dist, Choice) and dist.names:
+                raise ValueRefused(f"{where} {key} = {dist}: expected numbers")
             if entry.type not in ("float", "int"):
                 raise ValueRefused(f"{where} {key}: it is of type {entry.type}; only numbers vary")
             if entry.type == "int" and not (isinstance(dist, Choice) or getattr(dist, "whole", False)):
                 raise ValueRefused(f"{where} {key} = {dist}: it is a whole number; write LOW:HIGH:int")
             for end in dist.ends:
                 entry.check(int(end) if entry.type == "int" else end, where)
+            items.append((key, dist))
+        return Space(tuple(items))
 
     def values(self, unit: np.ndarray) -> dict[str, np.ndarray]:
         """The values of points of the unit cube, ``[point, key]``."""
@@ -101,6 +109,14 @@ class Space:
     def sample(self, count: int, seed: int = 0, method: Method = "lhs") -> dict[str, np.ndarray]:
         """Values of ``count`` points: a Latin hypercube, scrambled Sobol points (SciPy), or independent draws."""
         return self.values(cube(count, len(self), seed, method))
+
+
+def _options(entry: Entry, dist: Distribution, where: str) -> Choice:
+    if not isinstance(dist, Choice):
+        some = "|".join(entry.choice.names[:2]) if entry.choice else ""
+        raise ValueRefused(f"{where} {entry.key} = {dist}: it is one of {entry.range}; write {some}")
+    names = [entry.check(value, where) for value in dist.names or dist.values]
+    return Choice(tuple(float(entry.stored(name)) for name in names), tuple(names))
 
 
 def check_method(name: str) -> Method:

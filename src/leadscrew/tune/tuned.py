@@ -68,7 +68,7 @@ class Generation(NamedTuple):
 class Member:
     """A setting of a Pareto front."""
 
-    values: dict[str, float]
+    values: dict[str, Any]
     trained: Marks
     held_out: Marks
     chosen: bool = False
@@ -90,9 +90,9 @@ class Tuned:
     over: dict[str, str]
     goals: tuple[Goal, ...]
     constraints: tuple[Constraint, ...]
-    values: dict[str, float]
-    """The setting that was found, by dotted key."""
-    present: dict[str, float]
+    values: dict[str, Any]
+    """The setting that was found, by dotted key; options by their names."""
+    present: dict[str, Any]
     """The setting before."""
     before: Marks
     """The setting before, on the plants of the search."""

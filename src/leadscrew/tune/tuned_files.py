@@ -11,16 +11,10 @@ from typing import Any
 from leadscrew import controller_file, userfile
 from leadscrew.controller_file import ControllerFile
 from leadscrew.experiment import Experiment
-from leadscrew.tune.job import Job
+from leadscrew.tune.job import Job, typed
 from leadscrew.tune.tuned import Tuned
 
 PREFIX = "controller."
-
-
-def typed(job: Job, values: Mapping[str, float]) -> dict[str, Any]:
-    """Values with whole numbers as such."""
-    sheet = job.loop(job.where[0]).sheet
-    return {k: int(v) if sheet[k].type == "int" else float(v) for k, v in values.items()}
 
 
 def controller_of(job: Job, tuned: Tuned, values: Mapping[str, float] | None = None) -> ControllerFile:
@@ -30,7 +24,7 @@ def controller_of(job: Job, tuned: Tuned, values: Mapping[str, float] | None = N
     if userfile.is_controller_file(base):
         start = controller_file.read(base)
         base, parameters = start.controller, dict(start.parameters)
-    changes = {**experiment.changes, **typed(job, tuned.values if values is None else values)}
+    changes = {**experiment.changes, **typed(job.sheet(), tuned.values if values is None else values)}
     parameters |= {k.removeprefix(PREFIX): v for k, v in changes.items() if k.startswith(PREFIX)}
     rest = {k: v for k, v in changes.items() if not k.startswith(PREFIX)}
     return ControllerFile(
@@ -82,7 +76,7 @@ def command(job: Job, tuned: Tuned) -> str:
 def experiment_table(job: Job, tuned: Tuned) -> dict[str, Any]:
     """The whole loop that was found, as an experiment file says it."""
     experiment = job.experiment
-    changes = {**experiment.changes, **typed(job, tuned.values)}
+    changes = {**experiment.changes, **typed(job.sheet(), tuned.values)}
     controller = experiment.controller
     if controller is not None:
         file = controller_of(job, tuned)

@@ -10,6 +10,7 @@ from __future__ import annotations
 import time
 from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -117,7 +118,8 @@ def done(asked: Plan, rounds: Rounds) -> Tuned:
     began, before_runs = time.perf_counter(), rounds.finished
     job, vary = asked.job, asked.vary
     seen = Seen(asked, rounds)
-    present = {k: float(job.loop(job.where[0]).parameters[k]) for k in vary.keys}
+    sheet = job.loop(job.where[0]).sheet
+    present = {k: float(sheet[k].stored(sheet[k].default)) for k in vary.keys}
     grain = np.array([_grain(d) for _, d in vary.items])
     search = optimisers.Search(
         seen.evaluate,
@@ -138,6 +140,9 @@ def done(asked: Plan, rounds: Rounds) -> Tuned:
         far = rounds.measure(crossed(one, others, asked.held_out), first=HELD_OUT_NOISE)
         return marks(near, asked.goals, asked.constraints), marks(far, asked.goals, asked.constraints), far
 
+    def named(values: Mapping[str, float]) -> dict[str, Any]:
+        return {k: v if sheet[k].choice is None else sheet[k].check(v) for k, v in values.items()}
+
     def values_at(i: int) -> dict[str, float]:
         return {k: float(v[0]) for k, v in vary.values(seen.units[i : i + 1]).items()}
 
@@ -146,13 +151,14 @@ def done(asked: Plan, rounds: Rounds) -> Tuned:
     trained, far, far_samples = scored(values_at(best))
     for i in seen.front():
         near_i, far_i = (trained, far) if i == best else scored(values_at(i))[:2]
-        members.append(Member(values_at(i), near_i, far_i, i == best))
+        members.append(Member(named(values_at(i)), near_i, far_i, i == best))
     subject = job.experiment
     return Tuned(
         subject.study, subject.controller or "", job.where, {k: str(d) for k, d in vary.items},
-        {k: str(d) for k, d in asked.over.items}, asked.goals, asked.constraints, values_at(best), present, before,
-        before_far, trained, far, tuple(seen.history), tuple(members), asked.plants, asked.held_out, asked.budget,
-        len(seen.units), asked.optimiser, asked.seed, optimisers.versions(asked.optimiser),
+        {k: str(d) for k, d in asked.over.items}, asked.goals, asked.constraints, named(values_at(best)),
+        named(present), before, before_far, trained, far, tuple(seen.history), tuple(members), asked.plants,
+        asked.held_out, asked.budget, len(seen.units), asked.optimiser, asked.seed,
+        optimisers.versions(asked.optimiser),
         at_ends(vary, values_at(best)), rounds.crew.name,
         time.perf_counter() - began, rounds.finished - before_runs, {"before": before_samples, "tuned": far_samples},
         job.integration,

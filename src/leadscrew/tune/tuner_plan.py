@@ -122,8 +122,7 @@ def plan(
         if [str(w) for w in (*wanted, *kept)].count(text) > 1:
             raise ValueRefused(f"{text}: given twice")
     sheet = job.sheet()
-    space.check(sheet, "--vary")
-    other.check(sheet, "--over")
+    space, other = space.checked(sheet, "--vary"), other.checked(sheet, "--over")
     both = [k for k in space.keys if k in other.keys]
     if both:
         raise ValueRefused(f"{both[0]}: a key is either varied (--vary) or sampled (--over), not both")

@@ -13,6 +13,7 @@ from leadscrew.escape import file_name, one_line
 from leadscrew.experiment import SCHEMA_VERSION, Experiment
 from leadscrew.newfile import save
 from leadscrew.report.tables import number
+from leadscrew.tune.job import typed
 from leadscrew.tune.montecarlo import MonteCarlo
 
 DIVERGED = "diverged"
@@ -71,8 +72,7 @@ def _largest(values: np.ndarray, count: int) -> list[tuple[int, int]]:
 def experiment(found: MonteCarlo, run: int, scenario: str) -> Experiment:
     """The experiment that is this very run; it knows controller files by their contents."""
     sheet = found.job.loop(scenario).sheet
-    drawn: dict[str, Any] = {k: float(v[run]) for k, v in found.samples.columns.items()}
-    drawn = {k: int(v) if sheet[k].type == "int" else v for k, v in drawn.items()}
+    drawn = typed(sheet, {k: float(v[run]) for k, v in found.samples.columns.items()})
     asked = found.job.of(scenario)
     files = found.job.loop(scenario).origin.get("files", {})
     seconds = found.job.seconds(scenario)

@@ -2,13 +2,13 @@
 
     yhat = prediction of y(k+1) from y(k-4) ... y(k)            GM(1,1), (2) to (12)
     ehat(k+1)  = r(k) - yhat
-    echat(k+1) = ehat(k+1) - ehat(k)                            reading B, the analogue of (14)
-    echat(k+1) = ehat(k+1) - e(k)                               reading A
+    echat(k+1) = ehat(k+1) - ehat(k)                            reading B, predicted_error, the analogue of (14)
+    echat(k+1) = ehat(k+1) - e(k)                               reading A, measured_error
     u(k) = clip(u(k-1) + rules(ehat, echat), lower, upper)      as in leadscrew.controllers.grey_fuzzy.tfc
 
 The paper says that the predicted error and change replace the measured ones, not which difference it takes: both
-readings are here. Predictors: :mod:`leadscrew.grey.predictors`; ``2`` (GM, held to 0 .. 2 r) is the default and
-``8`` the printed equation (11), whose sign is wrong. Before five samples the prediction is the
+readings are here. Predictors: :mod:`leadscrew.grey.predictors`; ``gm11_clamped`` (held to 0 .. 2 r) is the default and
+``gm11_printed`` the printed equation (11), whose sign is wrong. Before five samples the prediction is the
 last sample; the change is 0 in the first period.
 
 Near the set-point GM(1,1) is the fixed filter ``y(k) + y(k-1)/2 - y(k-3)/2``, so the law is linear there,
@@ -42,13 +42,13 @@ from leadscrew.controllers.grey_fuzzy.surface import (
     driven,
     ready_surface,
 )
-from leadscrew.grey.predictors import predicted
+from leadscrew.grey.predictors import GM_CLAMPED, KINDS, predicted
 from leadscrew.grey.window import Window, filled, pushed
 from leadscrew.kernel.block import controller
-from leadscrew.kernel.sheet import Doc, Ge, Gt, Le, Unit
+from leadscrew.kernel.sheet import Choice, Doc, Ge, Gt, Le, Unit
 
-READING_B, READING_A = 0, 1
-"""What the predicted change of the error is the difference of."""
+READINGS = Choice("predicted_error", "measured_error", B=0, A=1)
+"""What the predicted change of the error is taken from."""
 
 
 class GpfcParams(NamedTuple):
@@ -62,8 +62,10 @@ class GpfcParams(NamedTuple):
     positional: Positional = False
     lower: Lower = 0.0
     upper: Upper = 1.0
-    predictor: Annotated[int, Ge(0), Le(14), Doc("which prediction, by its number in leadscrew.grey.predictors")] = 2
-    reading: Annotated[int, Ge(0), Le(1), Doc("0 B: change of the predicted error; 1 A: predicted less measured")] = 0
+    predictor: Annotated[int, Choice(*KINDS), Doc("prediction of the force, see leadscrew.grey.predictors")] = (
+        GM_CLAMPED
+    )
+    reading: Annotated[int, READINGS, Doc("from which error the predicted change counts")] = 0
     horizon: Annotated[float, Gt(0), Le(20), Doc("periods ahead that are predicted")] = 1.0
     shift: Annotated[float, Unit("N"), Ge(0), Doc("added to the samples before GM(1,1), for the shifted one")] = 0.0
 

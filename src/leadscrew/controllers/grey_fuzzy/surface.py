@@ -26,18 +26,16 @@ import numpy as np
 from leadscrew.controllers.grey_fuzzy.rule_tables import MOST
 from leadscrew.fuzzy.inference import RuleBase, rule_base
 from leadscrew.fuzzy.partition import inside_universe, interval_index, upper_membership
-from leadscrew.kernel.sheet import Doc, Ge, Gt, Le, Unit
+from leadscrew.kernel.sheet import Choice, Doc, Ge, Gt, Le, Unit
 
 CENTRES = 2.0 * np.arange(-MOST, MOST + 1)
 """Peaks of the sets, in scaling factors."""
-PRODUCT, MINIMUM = 0, 1
-"""Ways of inference."""
 
 ErrorScale = Annotated[float, Unit("N"), Gt(0), Doc("scaling factor S1 of the error: its sets peak every 2 S1")]
 ChangeScale = Annotated[float, Unit("N"), Gt(0), Doc("scaling factor S2 of the error's change in one period")]
 OutputScale = Annotated[float, Unit("V"), Gt(0), Doc("scaling factor S3 of the output: the rules say up to 6 S3")]
 Rules = Annotated[np.ndarray, Ge(-MOST), Le(MOST), Doc("consequents, -3 NB to 3 PB; rows by error, columns by change")]
-Inference = Annotated[int, Ge(0), Le(1), Doc("0 product (17), 1 minimum (16)")]
+Inference = Annotated[int, Choice("product", "minimum"), Doc("how a rule fires: by (17) or (16)")]
 Positional = Annotated[bool, Doc("the rules give the output itself; else what one period adds to it")]
 Lower = Annotated[float, Unit("V"), Doc("least output")]
 Upper = Annotated[float, Unit("V"), Doc("largest output")]

@@ -9,11 +9,11 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from leadscrew.controllers.grey_fuzzy.gpfc import READING_A, READING_B, gpfc
+from leadscrew.controllers.grey_fuzzy.gpfc import gpfc
 from leadscrew.controllers.grey_fuzzy.pi_incremental import pi_incremental
 from leadscrew.controllers.grey_fuzzy.smith import smith
 from leadscrew.controllers.grey_fuzzy.tfc import tfc
-from leadscrew.grey.predictors import FIR, GM, LINE, PRINTED, TWO_POINT
+from leadscrew.grey.predictors import FIR, GM, LINE, TWO_POINT
 from leadscrew.kernel.block import Block
 
 
@@ -76,14 +76,14 @@ def _tunings() -> dict[str, Block]:
         if name.startswith("smith"):
             continue
         found[f"corrected.tfc_{name}"] = at(tfc, factors)
-        found[f"corrected.gpfc_b_{name}"] = at(gpfc, factors, reading=READING_B)
-        found[f"corrected.gpfc_a_{name}"] = at(gpfc, factors, reading=READING_A)
+        found[f"corrected.gpfc_b_{name}"] = at(gpfc, factors, reading="predicted_error")
+        found[f"corrected.gpfc_a_{name}"] = at(gpfc, factors, reading="measured_error")
         found[f"ours.pi_{name}"] = pi_incremental(kp=factors.kp, ki=factors.ki)
         for other, code in PREDICTORS.items():
             found[f"ours.{other}_{name}"] = at(gpfc, factors, predictor=code)
     found["ours.smith_f"] = at(smith, FACTORS["smith_f"])
     found["ours.smith_n"] = at(smith, FACTORS["smith_n"], **SMITH_N)
-    found["paper.gpfc_printed_s9"] = at(gpfc, FACTORS["s9"], predictor=PRINTED)
+    found["paper.gpfc_printed_s9"] = at(gpfc, FACTORS["s9"], predictor="gm11_printed")
     found["ours.spindle_tfc"], found["ours.spindle_gpfc"] = tfc(**SPINDLE), gpfc(**SPINDLE)
     found["ours.depth_tfc"], found["ours.depth_gpfc"] = tfc(**DEPTH), gpfc(**DEPTH)
     return found

@@ -5,10 +5,10 @@ with the stage. A loop of such a controller has ``period=None`` and a plant that
 :func:`seen_in_mm`. The laws, their parameters and units are those of the sampled blocks; ``pieces``, ``speed_filter_s``
 and ``max_torque`` are not used, for there is no period and no limit.
 
-    z_hat' = v - abs(v) z_hat / g_hat(v),    v by ``friction_from``: 1 commanded, 2 and 3 measured speed
+    z_hat' = v - abs(v) z_hat / g_hat(v),    v by ``friction_from``: commanded or measured speed
     F_hat  = s0 z_hat + s1 z_hat' + s2 v     (2: without s1 z_hat'; 0: nothing)
 
-Source: Shams and Safdari (2010), equations (6) to (16). That f_hat takes the commanded speed (``friction_from`` 1) is
+Source: Shams and Safdari (2010), equations (6) to (16). That f_hat takes the commanded speed (``commanded``) is
 our reading; the letter of the paper is 3.
 """
 

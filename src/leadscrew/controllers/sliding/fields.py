@@ -17,9 +17,6 @@ Travel = Annotated[
 ]
 SpeedFilter = Annotated[float, Unit("s"), Ge(0), Doc("lag of the measured speed; 0 for none")]
 MaxTorque = Annotated[float, Unit("N m"), Ge(0), Doc("largest size of the torque; 0 for no limit")]
-FrictionFrom = Annotated[
-    int, Ge(0), Le(3), Doc("f_hat from: 0 nothing, 1 commanded, 2 measured speed without s1, 3 with it")
-]
 Pieces = Annotated[int, Ge(0), Le(1000), Doc("pieces of a period in the mean of f_hat; 0 for f_hat at the sample")]
 
 

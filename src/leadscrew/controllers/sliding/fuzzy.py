@@ -32,7 +32,6 @@ from collections.abc import Callable
 from typing import Annotated, Any, NamedTuple, cast
 
 from leadscrew.controllers.sliding.fields import (
-    FrictionFrom,
     Inertia,
     Lam,
     MaxTorque,
@@ -42,7 +41,7 @@ from leadscrew.controllers.sliding.fields import (
     stage_params,
 )
 from leadscrew.controllers.sliding.integral import equivalent, surface
-from leadscrew.controllers.sliding.stage import SlidingParams, ended, holding, standing, view
+from leadscrew.controllers.sliding.stage import FrictionFrom, SlidingParams, ended, holding, standing, view
 from leadscrew.friction.lugre import HAT, LuGre
 from leadscrew.fuzzy.build import mamdani, triangles
 from leadscrew.fuzzy.engine import Engine, engine

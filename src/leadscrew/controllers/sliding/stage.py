@@ -8,9 +8,10 @@ order in which it happens, once a period, with the command a :class:`~leadscrew.
    lag; in the first period ``y_r'``
 3. ``e = y - y_r,  e' = y' - y_r',  xi = xi + e dt``; from the second period on; xi waits at the torque's limit
 4. ``F_hat``: friction by the believed model ``hat``, one of the readings of the paper's f_hat:
-   ``friction_from`` 1: own bristles, driven by the commanded speed (a feed-forward; the default, and our reading);
-   2: own bristles, driven by the measured speed, without ``s1 dz/dt``; 3: the same with it, the letter of the paper,
-   whose believed damping exceeds the real one: with ``pieces`` 0 the torque leaps to kilonewton metres; 0: none
+   ``friction_from`` ``commanded``: own bristles, driven by the commanded speed (a feed-forward; the default, and our
+   reading); ``measured_undamped``: own bristles, driven by the measured speed, without ``s1 dz/dt``; ``measured``: the
+   same with it, the letter of the paper, whose believed damping exceeds the real one: with ``pieces`` 0 the torque
+   leaps to kilonewton metres; ``none``
 5. ``F~ = F_C + (F_S - F_C) exp(-(y' / v_s)^2) + s2 |y'|`` with the parameters ``bound``, ``K = F~ / J + eta``, and the
    slope inside the boundary layer ``K / boundary``, or ``layer_rate`` where that is positive
 6. the law of the controller: ``u = y_r'' + terms in e', e, xi - K sat(slope s / K)``
@@ -30,11 +31,18 @@ from typing import Annotated, NamedTuple
 
 from leadscrew.friction.lugre import HAT, LuGre, Stribeck, level, steady_bristle, steady_friction
 from leadscrew.friction.observer import held_friction
-from leadscrew.kernel.sheet import Doc, Ge, Gt, Le, Unit
+from leadscrew.kernel.sheet import Choice, Doc, Ge, Gt, Le, Unit
 from leadscrew.plants.ballscrew_stage import INERTIA
 
 TINY = 1e-30
 """Below this a filtered speed is 0: its tail would end in denormal numbers, which are slow."""
+
+
+FrictionFrom = Annotated[
+    int,
+    Choice("none", "commanded", "measured_undamped", "measured"),
+    Doc("speed that drives f_hat; the undamped one leaves out s1 dz/dt"),
+]
 
 
 class SlidingParams(NamedTuple):
@@ -52,9 +60,7 @@ class SlidingParams(NamedTuple):
     ] = 1.0
     speed_filter_s: Annotated[float, Unit("s"), Ge(0), Doc("lag of the measured speed; 0 for none")] = 0.0
     max_torque: Annotated[float, Unit("N m"), Ge(0), Doc("largest size of the torque; 0 for no limit")] = 0.0
-    friction_from: Annotated[
-        int, Ge(0), Le(3), Doc("f_hat from: 0 nothing, 1 commanded, 2 measured speed without s1, 3 with it")
-    ] = 1
+    friction_from: FrictionFrom = 1
     pieces: Annotated[
         int, Ge(0), Le(1000), Doc("pieces of a period in the mean of f_hat; 0 for f_hat at the sample")
     ] = 20

@@ -26,7 +26,6 @@ from typing import Annotated, NamedTuple
 
 from leadscrew.controllers.sliding.conventional import surface
 from leadscrew.controllers.sliding.fields import (
-    FrictionFrom,
     Inertia,
     Lam,
     MaxTorque,
@@ -36,7 +35,7 @@ from leadscrew.controllers.sliding.fields import (
     first_friction,
     stage_params,
 )
-from leadscrew.controllers.sliding.stage import SlidingParams, holding, sat, standing, view
+from leadscrew.controllers.sliding.stage import FrictionFrom, SlidingParams, holding, sat, standing, view
 from leadscrew.friction.lugre import HAT, LuGre
 from leadscrew.kernel.block import controller
 from leadscrew.kernel.sheet import Doc, Ge, Gt, Unit

@@ -70,6 +70,7 @@ from leadscrew.controllers.sofnn.organising import (
     PastEC,
     Source,
     Table,
+    Target,
     Weights,
     leak,
     learns,
@@ -109,7 +110,7 @@ class AllWeightsParams(NamedTuple):
     source: Source = 0
     table: Table = TABLE
     net: Performance = GOLDEN
-    target: Annotated[int, Ge(0), Le(1), Doc("0 stored, the paper's (3); 1 accumulate")] = 0
+    target: Target = 0
     delay: Delay = 6
     r: Annotated[float, Ge(1e-9), Le(1e6), Doc("variance of a target, levels squared, R")] = 0.01
     q: Annotated[float, Ge(0), Le(1e3), Doc("random walk of a consequent, levels squared a sample, Q")] = 0.05

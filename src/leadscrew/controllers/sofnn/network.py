@@ -11,8 +11,8 @@ Every sample ``k``, with the firing strengths ``h`` of the rules, of which four 
     D(k) = clip(h(k) . w, -6, 6),   d(k) = clip(k_d D(k), -most, most)        after the learning
 
 with the diagonal of ``P`` capped and the consequents clamped: :mod:`leadscrew.neural.kalman`. Without forgetting, which
-makes ``P`` grow without end where nothing excites it. ``learner = 1`` is the cheap alternative, normalised LMS on the
-four rules: ``w += mu h (target - h . w) / (h . h)``.
+makes ``P`` grow without end where nothing excites it. ``learner = "nlms"`` is the cheap alternative, normalised LMS on
+the four rules: ``w += mu h (target - h . w) / (h . h)``.
 
 **Stored or accumulate.** The stored form is ``d(k) = d(k - m_c) + g``: a comb of integrators, slow, and at a low gain
 indifferent to the true delay. The other form adds ``g`` every sample; it is faster and needs about the right delay, as
@@ -75,6 +75,7 @@ from leadscrew.controllers.sofnn.organising import (
     PastEC,
     Source,
     Table,
+    Target,
     Weights,
     leak,
     learns,
@@ -86,15 +87,11 @@ from leadscrew.controllers.sofnn.organising import (
 from leadscrew.controllers.sofnn.rules import shifted
 from leadscrew.fuzzy.partition import Axis
 from leadscrew.kernel.block import controller
-from leadscrew.kernel.sheet import Doc, Ge, Gt, Le, Lt, Unit
+from leadscrew.kernel.sheet import Choice, Doc, Ge, Gt, Le, Lt, Unit
 from leadscrew.neural.inference_net import AXIS, W0, fired, network_output
 from leadscrew.neural.kalman import kalman_learn
 from leadscrew.neural.performance import GOLDEN, TABLE, Performance
 
-STORED, ACCUMULATE = 0, 1
-"""What the rules are to reach."""
-KALMAN, NLMS = 0, 1
-"""How they get there."""
 UNSURE = np.eye(49)
 """Covariance after a bumpless start."""
 
@@ -113,9 +110,9 @@ class SofnnParams(NamedTuple):
     source: Source = 0
     table: Table = TABLE
     net: Performance = GOLDEN
-    target: Annotated[int, Ge(0), Le(1), Doc("0 stored, the paper's (3); 1 accumulate")] = 0
+    target: Target = 0
     delay: Delay = 6
-    learner: Annotated[int, Ge(0), Le(1), Doc("0 Kalman filter, 1 normalised LMS on the four rules")] = 0
+    learner: Annotated[int, Choice("kalman", "nlms"), Doc("Kalman filter, or normalised LMS on the four rules")] = 0
     r: Annotated[float, Ge(1e-9), Le(1e6), Doc("variance of a target, levels squared, R")] = 0.01
     q: Annotated[float, Ge(0), Le(1e3), Doc("random walk of a consequent, levels squared a sample, Q")] = 0.05
     cap: Annotated[float, Gt(0), Le(1e6), Doc("largest variance of a consequent, levels squared")] = 4.0

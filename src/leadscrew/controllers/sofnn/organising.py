@@ -2,9 +2,10 @@
 
     g(k) = kg P(E(k), EC(k)),     0 where abs(e) < dead_zone
 
-``P`` is the performance measure (:mod:`leadscrew.neural.performance`): the table between its cells (0), its nearest
-cell (1), the performance network (2), the odd part of the table (3). A deviation seen now was caused ``delay`` samples
-ago (``m_c``: measurement delay plus the lag of the axis, in samples), so the rules that fired *then* are corrected.
+``P`` is the performance measure (:mod:`leadscrew.neural.performance`): the table between its cells (``table``), its
+nearest cell (``table_rounded``), the performance network (``network``), the odd part of the table (``table_odd``).
+A deviation seen now was caused ``delay`` samples ago (``m_c``: measurement delay plus the lag of the axis, in samples),
+so the rules that fired *then* are corrected.
 
 **When nothing is learned**: in the first ``delay`` samples after the start and after the cut was lost from sight (what
 fired then is not known); while the offset is at its limit and the correction would push it further (``freeze``); with
@@ -24,8 +25,8 @@ import numpy as np
 
 from leadscrew.controllers.sofnn.fixed import Rules
 from leadscrew.controllers.sofnn.levels import ROOM
-from leadscrew.kernel.sheet import Doc, Ge, Gt, Le, Unit
-from leadscrew.neural.performance import MOST, ODD, Performance, correction, looked_up
+from leadscrew.kernel.sheet import Choice, Doc, Ge, Gt, Le, Unit
+from leadscrew.neural.performance import MOST, ODD, SOURCES, Performance, correction, looked_up
 
 FULL = 0.99
 """An offset at this share of its limit is at the limit."""
@@ -33,11 +34,12 @@ NOTHING = np.zeros(ROOM)
 """What is known of the past after a bumpless start."""
 
 Kg = Annotated[float, Ge(0), Le(1000), Doc("strength of the correction, kg")]
-Source = Annotated[int, Ge(0), Le(3), Doc("correction: 0 table between cells, 1 nearest cell, 2 network, 3 odd table")]
+Source = Annotated[int, Choice(*SOURCES), Doc("where the correction comes from")]
 Table = Annotated[np.ndarray, Ge(-MOST), Le(MOST), Doc("performance table, 13 x 13 levels, rows EC, columns E")]
 Delay = Annotated[int, Ge(1), Le(ROOM - 1), Doc("samples by which a correction is referred back, m_c")]
 DeadZone = Annotated[float, Unit("deg"), Ge(0), Le(90), Doc("a smaller deviation is not corrected")]
 Leak = Annotated[float, Ge(0), Le(1), Doc("share by which the rules go back to the prior, a sample")]
+Target = Annotated[int, Choice("stored", "accumulate"), Doc("what the corrected rules are to reach")]
 Clamp = Annotated[float, Gt(0), Le(MOST), Doc("largest consequent, either way, levels")]
 Learning = Annotated[bool, Doc("whether the rules are changed; off holds what was learned")]
 Freeze = Annotated[bool, Doc("no learning while the offset is at its limit and would be pushed further")]

@@ -10,7 +10,7 @@ from leadscrew.controllers.sofnn.levels import MOST_LEVEL
 from leadscrew.kernel.block import Block
 from leadscrew.kernel.errors import BlockError, ValueRefused
 from leadscrew.neural.inference_net import network_output
-from leadscrew.neural.performance import NETWORK, Performance
+from leadscrew.neural.performance import Performance
 
 
 def consequents(rules: Any) -> np.ndarray:
@@ -60,7 +60,7 @@ def with_network(block: Block, net: Performance) -> Block:
     """
     if not hasattr(block.params, "net"):
         raise BlockError(f"with_network({block.name}): has no performance measure")
-    return block(source=NETWORK, **{f"net.{key}": value for key, value in net._asdict().items()})
+    return block(source="network", **{f"net.{key}": value for key, value in net._asdict().items()})
 
 
 def shifted(weights, here, level, clamp):

@@ -61,6 +61,7 @@ from leadscrew.controllers.sofnn.organising import (
     PastEC,
     Source,
     Table,
+    Target,
     Weights,
     leak,
     learns,
@@ -72,7 +73,7 @@ from leadscrew.controllers.sofnn.organising import (
 from leadscrew.controllers.sofnn.rules import shifted
 from leadscrew.fuzzy.partition import Axis
 from leadscrew.kernel.block import controller
-from leadscrew.kernel.sheet import Doc, Ge, Le, Unit
+from leadscrew.kernel.sheet import Doc, Unit
 from leadscrew.neural.inference_net import AXIS, fired, initial_rules, network_output
 from leadscrew.neural.performance import GOLDEN, TABLE, Performance
 
@@ -94,7 +95,7 @@ class SofcParams(NamedTuple):
     source: Source = 0
     table: Table = TABLE
     net: Performance = GOLDEN
-    target: Annotated[int, Ge(0), Le(1), Doc("0 stored, Procyk and Mamdani's; 1 accumulate")] = 1
+    target: Target = 1
     delay: Delay = 6
     dead_zone: DeadZone = 0.0
     leak: Leak = 0.001

@@ -14,16 +14,16 @@ from typing import Any
 import numpy as np
 
 from leadscrew.controllers.sofnn.fixed import fnn
-from leadscrew.controllers.sofnn.network import ACCUMULATE, NLMS, STORED, sofnn
+from leadscrew.controllers.sofnn.network import sofnn
 from leadscrew.controllers.sofnn.rules import with_network, with_rules
 from leadscrew.controllers.sofnn.standard import sofc
 from leadscrew.kernel.block import Block
 from leadscrew.neural.inference_net import initial_rules
-from leadscrew.neural.performance import NETWORK, ODD, ROUNDED, Performance
+from leadscrew.neural.performance import Performance
 
 LITERAL: dict[str, Any] = {"delay": 4, "leak": 0.0, "freeze": False}
 """What all with the paper's scales have."""
-TUNED: dict[str, Any] = {"k_e": 6.0 / 45.0, "target": ACCUMULATE, "kg": 0.7}
+TUNED: dict[str, Any] = {"k_e": 6.0 / 45.0, "target": "accumulate", "kg": 0.7}
 """Twice the gain of the deviation, every correction added."""
 
 
@@ -37,20 +37,20 @@ BAD_SLOPE = _read_bad_slope()
 cells around the origin: least squares from 60 starts, the best. For demonstration: it drives the knife to its limit."""
 
 TUNINGS: dict[str, Block] = {
-    "paper.sofnn_pnn": sofnn(source=NETWORK, **LITERAL),
-    "paper.sofnn_rounded": sofnn(source=ROUNDED, **LITERAL),
-    "paper.sofnn_no_prior": with_rules(sofnn(source=NETWORK, **LITERAL), np.zeros(49)),
+    "paper.sofnn_pnn": sofnn(source="network", **LITERAL),
+    "paper.sofnn_rounded": sofnn(source="table_rounded", **LITERAL),
+    "paper.sofnn_no_prior": with_rules(sofnn(source="network", **LITERAL), np.zeros(49)),
     "paper.sofnn_bad_slope": with_network(sofnn(**LITERAL), BAD_SLOPE),
     "corrected.sofnn_table": sofnn(**LITERAL),
-    "corrected.sofnn_odd": sofnn(source=ODD, **LITERAL),
+    "corrected.sofnn_odd": sofnn(source="table_odd", **LITERAL),
     "corrected.fnn": fnn,
     "corrected.fnn_15": fnn(k_e=6.0 / 15.0),
     "corrected.fuzzy": fnn(rules=initial_rules().ravel()),
     "corrected.sofc": sofc(**LITERAL),
-    "corrected.sofc_stored": sofc(target=STORED, **LITERAL),
-    "corrected.sofnn_accumulate": sofnn(target=ACCUMULATE, **LITERAL),
+    "corrected.sofc_stored": sofc(target="stored", **LITERAL),
+    "corrected.sofnn_accumulate": sofnn(target="accumulate", **LITERAL),
     "ours.sofnn_tuned": sofnn(**TUNED),
-    "ours.sofnn_nlms": sofnn(learner=NLMS, **TUNED),
+    "ours.sofnn_nlms": sofnn(learner="nlms", **TUNED),
     "ours.sofc_tuned": sofc(k_e=6.0 / 45.0, kg=0.7),
 }
 """``fnn`` and ``fnn_15`` (levels per 15 deg), ``fuzzy`` with untrained rules; ``sofnn_pnn``, ``_table``, ``_odd`` and

@@ -20,7 +20,7 @@ Safe form: ``P`` stays symmetric to the bit, and its trace bounded where nothing
 ``weight_limit``. Learning and ``z`` stand still while the cut is not seen and while the last offset was at its limit;
 what is read then, even NaN, is not used. Seen again, learning and ``z`` take a share of each reading that grows to all
 of it within ``return_s``: what the loss has left over is no jump of the offset.
-Before the line there is no curvature; with ``before = 1`` it is taken to have been that of the first sample.
+Before the line there is no curvature; with ``before = "first_sample"`` that of the first sample.
 
 Takes the command of :mod:`leadscrew.references.cut_line` and the reading of
 :func:`leadscrew.sensors.cut_camera.cut_reading`. Bumpless start: ``z`` is set so that the next output is the last one
@@ -57,7 +57,7 @@ from leadscrew.controllers.tangent.believed import (
 )
 from leadscrew.kernel.block import Block, controller
 from leadscrew.kernel.errors import ValueRefused
-from leadscrew.kernel.sheet import Doc, Ge, Gt, Le, Unit
+from leadscrew.kernel.sheet import SWITCH, Choice, Doc, Gt, Le, Unit
 
 COUNT = 7
 """Weights."""
@@ -83,12 +83,12 @@ class CurvatureFeedForwardParams(NamedTuple):
     noise: Annotated[float, Unit("deg^2"), Gt(0), Doc("variance of what is learned from, R")] = 0.05
     trace_cap: Annotated[float, Unit("deg^2"), Gt(0), Doc("largest trace of the covariance")] = 10.0
     weight_limit: Annotated[float, Unit("deg"), Gt(0), Doc("largest weight, either way")] = 30.0
-    learning: Annotated[int, Ge(0), Le(1), Doc("1 learns; 0 keeps the prior")] = 1
+    learning: Annotated[int, SWITCH, Doc("whether it learns; off keeps the prior")] = 1
     gain: ObserverGain = 0.8
     filter_s: FilterS = 0.02
     return_s: ReturnS = 0.1
     preview: Preview = 1
-    before: Annotated[int, Ge(0), Le(1), Doc("curvature before the line: 0 none, 1 that of the first sample")] = 0
+    before: Annotated[int, Choice("none", "first_sample"), Doc("curvature that is taken before the line")] = 0
     plant_gain: PlantGain = 0.9
     axis_lag_s: AxisLag = 0.02
     delay_s: SensorDelay = 0.04

@@ -18,9 +18,9 @@ Two things are added to plain rules, both through ``prior_covariance`` alone (:f
   learned ones gets no offset. Here the rules start as a plane through 0 of unknown slopes plus a little roughness that
   is alike in neighbours, so that rules that never fired follow the plane that the others show.
 
-``prior`` and ``prior_covariance`` carry what was learned from piece to piece. ``learning = 0`` freezes it. Learning and
-``z`` stand still while the cut is not seen and while the last offset was at its limit; what is read then, even NaN, is
-not used. Seen again, both take a share of each reading that grows to all of it within ``return_s``.
+``prior`` and ``prior_covariance`` carry what was learned from piece to piece. ``learning = "off"`` freezes it. Learning
+and ``z`` stand still while the cut is not seen and while the last offset was at its limit; what is read then, even NaN,
+is not used. Seen again, both take a share of each reading that grows to all of it within ``return_s``.
 
 The scales, the high-pass and the start were chosen on other lines and seeds than the study's
 (``studies/sofnn_tangent/curvature_rules.py``). They matter: a high-pass of 0.06 s doubles what is left on a line that
@@ -61,7 +61,7 @@ from leadscrew.controllers.tangent.believed import (
 from leadscrew.fuzzy.partition import Axis
 from leadscrew.kernel.block import Block, controller
 from leadscrew.kernel.errors import ValueRefused
-from leadscrew.kernel.sheet import Doc, Ge, Gt, Le, Unit
+from leadscrew.kernel.sheet import SWITCH, Doc, Ge, Gt, Le, Unit
 from leadscrew.neural.inference_net import AXIS, CLAMP, RULES, SETS, fired, network_output
 
 COUNT = RULES + 2
@@ -107,7 +107,7 @@ class CurvatureNetworkParams(NamedTuple):
     highpass_s: Annotated[float, Unit("s"), Gt(0), Le(10), Doc("time over which the curvature is smoothed")] = 0.1
     k_d: Annotated[float, Unit("deg"), Gt(0), Doc("offset of one level")] = 2.5
     noise: Annotated[float, Gt(0), Doc("variance of what is learned from, level^2")] = 0.05
-    learning: Annotated[int, Ge(0), Le(1), Doc("1 learns; 0 keeps the prior")] = 1
+    learning: Annotated[int, SWITCH, Doc("whether it learns; off keeps the prior")] = 1
     gain: ObserverGain = 0.8
     filter_s: FilterS = 0.02
     return_s: ReturnS = 0.1

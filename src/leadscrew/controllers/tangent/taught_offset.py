@@ -4,8 +4,8 @@
 
 ``u`` is ``table``: what earlier pieces of the same path have shown to be needed
 (:func:`leadscrew.analysis.piece_learning.next_offsets` makes it). ``k`` counts samples from the first one, or from an
-align. Behind the last of the ``samples`` samples the last value is held, or the table starts again (``laps=1``: a
-closed path cut lap behind lap). ``samples = 0`` means the whole table. The array may be longer, so that pieces of
+align. Behind the last of the ``samples`` samples the last value is held, or the table starts again (``laps="repeat"``:
+a closed path cut lap behind lap). ``samples = 0`` means the whole table. The array may be longer, so that pieces of
 different length share one compiled loop.
 
 :func:`taught_alone` is the table without feedback. The two limits are the axis's: +-15 deg in the study. An inner
@@ -27,11 +27,11 @@ import numpy as np
 from leadscrew.controllers.tangent.believed import MOST_DEG, Most, within
 from leadscrew.kernel.block import Block, make
 from leadscrew.kernel.errors import BlockError, ValueRefused
-from leadscrew.kernel.sheet import Doc, Ge, Le, Unit
+from leadscrew.kernel.sheet import Choice, Doc, Ge, Unit
 
 Table = Annotated[np.ndarray, Unit("deg"), Doc("offset added, by sample")]
 Samples = Annotated[int, Ge(0), Doc("samples of the table that are used; 0: all")]
-Laps = Annotated[int, Ge(0), Le(1), Doc("behind the last sample: 0 holds its value, 1 starts again")]
+Laps = Annotated[int, Choice("hold", "repeat"), Doc("behind the last sample: its value, or the table again")]
 
 
 class TaughtParams(NamedTuple):

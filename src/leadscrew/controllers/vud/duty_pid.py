@@ -6,10 +6,11 @@
 period, which has no earlier error. Order of computation, limit and both anti-windup rules:
 :mod:`leadscrew.controllers.parallel`. The minus is the lathe's: a positive duty moves the slide towards negative ``x``.
 
-``anti_windup`` 1 holds the integral while the duty is at its limit, 2 brings it back, 0 lets it grow. The axis is an
-integrator itself, so whatever the integral has gathered on the way is paid back by overshoot: with back-calculation
-faster than the approach it arrives empty, with clamping the slide overshoots by a millimetre and more. The integral
-takes away what a constant drift leaves of the error; in a dead zone it hunts, as every integral does there.
+At the limit of the duty ``anti_windup`` ``clamping`` holds the integral, ``back-calculation`` brings it back. The axis
+is an integrator itself, so whatever the integral has gathered on the way is paid back by overshoot: with
+back-calculation faster than the approach it arrives empty, with clamping the slide overshoots by a millimetre and
+more. The integral takes away what a constant drift leaves of the error; in a dead zone it hunts, as every integral
+does there.
 
 Gains: ours, by differential evolution on the steps of the nominal axis to -50 and -170 mm (seed 1, 80 generations
 of 75): within 2 um after 0.29 and 0.71 s.

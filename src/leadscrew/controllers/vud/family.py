@@ -2,14 +2,14 @@
 
     xe = held(error_gain e),  xec = held(rate_gain lag(ec))                    e, ec by (5), (6)
     rho_(k+1) = clip(beta(z_k) shape(xe / alpha_e, xec / alpha_ec), -output_limit, output_limit)           (21)
-    alpha(x) = 1  |  |x|^tau + floor, (17), (18)  |  1 - depth exp(-steepness x^2)            kind 0, 1, 2
+    alpha(x) = 1  |  |x|^tau + floor, (17), (18)  |  1 - depth exp(-steepness x^2)            none, power, exponential
     beta(z) = output_gain (z + output_floor),  output_gain output_first in the first period             (19)
     z = 1  |  |rho|^t  |  |xe|^t  |  |xec|^t  |  (|xe| |xec|)^t  |  (|xe|^t + |xec|^t) / 2  |  max(|xe|, |xec|)^t
 
-with ``t = output_tau`` and ``output_from`` 0 to 6 in the order of the last line (at 0 ``beta = output_gain``). In the
-first period the factors ``alpha`` are 1 and ``ec`` is 0. ``held`` keeps a value inside [-1, 1] where ``inputs_held``
-is 1. A ``rate_gain`` of 0 ignores the rate, a negative one reverses it; ``rate_interval_s`` equal to the period takes
-the raw difference of two periods for ``ec``.
+with ``t = output_tau`` and ``output_from`` none, duty, error, rate, product, mean, maximum in the order of the last
+line (at none ``beta = output_gain``). In the first period the factors ``alpha`` are 1 and ``ec`` is 0. ``held`` keeps a
+value inside [-1, 1] where ``inputs_held`` is on. A ``rate_gain`` of 0 ignores the rate, a negative one reverses it;
+``rate_interval_s`` equal to the period takes the raw difference of two periods for ``ec``.
 
 With its defaults this is the printed law, but clipped; :data:`PRINTED` and :data:`BETA_E` are the parameters with which
 it is :mod:`leadscrew.controllers.vud.literal` and :mod:`leadscrew.controllers.vud.error_factor` to the last bit. Dozens
@@ -25,19 +25,15 @@ from typing import Annotated, NamedTuple
 from leadscrew.controllers.vud.universe import CENTRES, TABLE_2, Centres, ErrorScale, RateInterval, RateScale, Rules
 from leadscrew.fuzzy.inference import RuleBase, infer, rule_base
 from leadscrew.kernel.block import controller
-from leadscrew.kernel.sheet import Doc, Ge, Gt, Le, Unit
+from leadscrew.kernel.sheet import SWITCH, Choice, Doc, Ge, Gt, Le, Unit
 
 TINY = 1e-30
 """Below this the filtered rate is 0: its tail would end in denormal numbers, which are slow."""
 
-ONE, POWER, BELL = 0, 1, 2
-"""Kinds of a contraction factor: 1 throughout, power of the magnitude, one minus a bell."""
-
-UNITY, DUTY, ERROR, RATE, PRODUCT, MEAN, MAXIMUM = range(7)
-"""What the output's factor follows."""
-
 Kind = Annotated[
-    int, Ge(0), Le(2), Doc("contraction factor: 0 one, 1 |x|^tau + floor, 2 1 - depth exp(-steepness x^2)")
+    int,
+    Choice("none", "power", "exponential"),
+    Doc("contraction factor: 1, |x|^tau + floor, 1 - depth exp(-steepness x^2)"),
 ]
 Exponent = Annotated[float, Ge(0), Le(2), Doc("exponent of this contraction factor")]
 Least = Annotated[float, Gt(0), Le(1), Doc("smallest value of this contraction factor")]
@@ -52,18 +48,20 @@ class VudFamilyParams(NamedTuple):
     error_gain: Annotated[float, Gt(0), Le(1000), Doc("gain of e before the rules")] = 1.0
     rate_gain: Annotated[float, Ge(-1000), Le(1000), Doc("gain of ec; 0 ignores it, below 0 reverses it")] = 1.0
     filter_s: Annotated[float, Unit("s"), Ge(0), Doc("lag of the low-pass of ec; 0 for none")] = 0.0
-    inputs_held: Annotated[int, Ge(0), Le(1), Doc("1: both inputs inside [-1, 1] before they are contracted")] = 0
-    e_kind: Kind = POWER
+    inputs_held: Annotated[int, SWITCH, Doc("both inputs inside [-1, 1] before they are contracted")] = 0
+    e_kind: Kind = 1
     e_tau: Exponent = 0.9
     e_floor: Least = 1e-4
-    ec_kind: Kind = POWER
+    ec_kind: Kind = 1
     ec_tau: Exponent = 0.9
     ec_floor: Least = 1e-4
     bell_depth: Annotated[float, Ge(0), Le(0.999), Doc("depth of the exponential factors")] = 0.9
     bell_steepness: Annotated[float, Ge(0), Doc("steepness of the exponential factors")] = 5.0
     output_from: Annotated[
-        int, Ge(0), Le(6), Doc("beta from: 0 nothing, 1 last duty, 2 e, 3 ec, 4 product, 5 mean, 6 maximum of e and ec")
-    ] = DUTY
+        int,
+        Choice("none", "duty", "error", "rate", "product", "mean", "maximum"),
+        Doc("what beta follows: nothing, the last duty, e, ec, or product, mean or maximum of e and ec"),
+    ] = 1
     output_tau: Annotated[float, Ge(0), Le(2), Doc("exponent of the output's factor")] = 0.9
     output_floor: Annotated[float, Ge(0), Le(1), Doc("floor of the output's factor")] = 1e-4
     output_gain: Annotated[float, Gt(0), Le(1000), Doc("gain of the output's factor")] = 1.0
@@ -100,7 +98,7 @@ class VudFamily(NamedTuple):
 PRINTED = {"output_limit": 2.0}
 """With these parameters the family is the block ``vud``, whose duty stays below 1.01 without a limit."""
 
-BETA_E = {"output_from": ERROR, "output_tau": 0.6, "output_gain": 1.5}
+BETA_E: dict[str, str | float] = {"output_from": "error", "output_tau": 0.6, "output_gain": 1.5}
 """With these parameters the family is the block ``vud_beta_e``."""
 
 

@@ -52,7 +52,8 @@ def fields(cls: Any) -> dict[str, str]:
     for name in cls._fields:
         said = sheet.get(name, SILENT).found
         parts = [said.get("doc") or below.get(name, ""), said.get("unit", "")]
-        found[name] = c_comment(", ".join(p for p in parts if p))
+        choice = f": {said['choice']}" if "choice" in said else ""
+        found[name] = c_comment(", ".join(p for p in parts if p) + choice)
     return found
 
 

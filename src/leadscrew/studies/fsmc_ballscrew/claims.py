@@ -396,7 +396,7 @@ def stable_with_equal_scales(lab):
 @claim("4.4", "stability", says="arrives", basis="printed plant")
 def stable_with_the_measured_speed(lab):
     """The fuzzy controller is stable: bare step with f̂ from the measured speed, without σ₁ dz/dt, U = 120 N·m"""
-    changes = laws.scales(120.0, 4.0) | {"controller.friction_from": 2}
+    changes = laws.scales(120.0, 4.0) | {"controller.friction_from": "measured_undamped"}
     printed, corrected = (what_becomes(lab, law, changes, 1e5) for law in ("paper.fsmc", "corrected.fsmc"))
     return Measured(
         printed, corrected, note="a bounded output guarantees nothing: σ₂ is believed three times too large"
@@ -407,7 +407,8 @@ def stable_with_the_measured_speed(lab):
 def stable_by_the_letter(lab):
     """f̂ by the letter, σ₁ dz/dt of the measured speed included: the fuzzy controller is stable on a bare step"""
     printed, corrected = (
-        what_becomes(lab, law, {"controller.friction_from": 3}, 1e3) for law in ("paper.fsmc", "corrected.fsmc")
+        what_becomes(lab, law, {"controller.friction_from": "measured"}, 1e3)
+        for law in ("paper.fsmc", "corrected.fsmc")
     )
     growth = 1e6 / laws.feedback_growth()
     return Measured(printed, corrected, note=f"σ̂₁ is twice σ₁: a stuck stage runs away, e-fold every {growth:.1f} µs")

@@ -5,8 +5,8 @@ integral; the fuzzy rules act along s + s_c. Both run in continuous time with th
 and more. ``ours.*`` are for a machine: sampled at 4 kHz; ``tuned.*`` are seven laws with gains of equal searches.
 
 In all of them the friction estimate f_hat is driven by the *commanded* speed. That is our reading: the paper writes
-f_hat as a function of the state, which with the parameters of Table 2 is unstable (``friction_from`` 3; 2 leaves out
-the term sigma_1 dz/dt, 0 the estimate).
+f_hat as a function of the state, which with the parameters of Table 2 is unstable (``friction_from``
+``measured``; ``measured_undamped`` leaves out the term sigma_1 dz/dt).
 """
 
 from __future__ import annotations

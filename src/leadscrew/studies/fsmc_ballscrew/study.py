@@ -12,7 +12,7 @@ from leadscrew.studies.study import Assumption, Study
 ASSUMED = (
     Assumption(
         "speed of the friction estimate f̂",
-        "the commanded speed (`friction_from` 1)",
+        "the commanded speed (`friction_from = 'commanded'`)",
         "Our reading. The paper writes f̂ as a function of the state; with the parameters of Table 2 that is unstable, "
         "because σ̂₁ is twice σ₁. See the friction estimate.",
     ),

@@ -35,7 +35,11 @@ SEEDS = 20
 FALLING = {"reference.depth.step": -0.2, "reference.depth.steps": 3}
 AXES = ("spindle", "feed", "radial")
 RECORD = ("actual", "feedback", "applied", "plant.peak", "plant.removed", "plant.over_s")
-WAYS = {"tfc": (0, 0), "gpfc": (2, 0), "gpfc_a": (2, 1)}
+WAYS = {
+    "tfc": ("last", "predicted_error"),
+    "gpfc": ("gm11_clamped", "predicted_error"),
+    "gpfc_a": ("gm11_clamped", "measured_error"),
+}
 """Predictor and reading by law."""
 TFC6, GPFC6, TFC9, GPFC9 = (f"corrected.{law}_{s}" for s in ("s6", "s9") for law in ("tfc", "gpfc_b"))
 
@@ -64,7 +68,7 @@ def whole_lathe(controller: Block, **more: Any) -> Loop:
     return Loop(**(given | more))
 
 
-def law(axis: str, name: str) -> dict[str, int]:
+def law(axis: str, name: str) -> dict[str, str]:
     """Changes that make one loop a ``tfc``, ``gpfc`` (reading B) or ``gpfc_a``."""
     predictor, reading = WAYS[name]
     return {f"controller.{axis}.predictor": predictor, f"controller.{axis}.reading": reading}

@@ -93,7 +93,7 @@ class Kinks(NamedTuple):
 
 
 @measure
-def kinks(lab: Lab, inference: int) -> Kinks:
+def kinks(lab: Lab, inference: str) -> Kinks:
     """Of the standard table with the product or the minimum."""
     axis = np.linspace(-2.0, 2.0, 81)
     given = answers(tfc(inference=inference), axis, axis)

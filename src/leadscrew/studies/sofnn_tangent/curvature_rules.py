@@ -76,7 +76,7 @@ def recalled(lab: Lab, form: str) -> Recall:
     for name in LINES:
         lessons = pieces(lab, block, plan, lines=(name,))
         start = Learned(dict.fromkeys(LINES, lessons.learned.prior[name]), {})
-        again = pieces(lab, block(learning=0), plan._replace(total=1, carry=False, first=LESSONS), start=start)
+        again = pieces(lab, block(learning="off"), plan._replace(total=1, carry=False, first=LESSONS), start=start)
         learning.append(lessons.rms[-1, 0, 0])
         frozen.append(again.rms[0, :, 0])
     none = pieces(lab, NONE, plan._replace(total=1, carry=False, first=LESSONS))
@@ -168,7 +168,7 @@ def tried(lab: Lab, setting: Setting) -> Tried:
         start = Learned({"wave": lessons.learned.prior["wave"]}, {})
         replay = plan._replace(total=1, carry=False, first=LESSONS)
         for other in (line for line in lines if line is not own):
-            again = pieces(lab, block(learning=0), replay, ("wave",), start, other, SEED)
+            again = pieces(lab, block(learning="off"), replay, ("wave",), start, other, SEED)
             found.append(again.rms[0].mean(axis=-1))
     return Tried(setting, float(np.max(found)), float(np.mean(found)))
 

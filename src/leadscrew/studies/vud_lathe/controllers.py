@@ -13,7 +13,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from leadscrew.controllers.vud import duty_pd, duty_pd_observed, duty_pid, power_law, vud, vud_beta_e
-from leadscrew.controllers.vud.family import BELL, BETA_E, ERROR, MAXIMUM, MEAN, ONE, PRODUCT, UNITY, vud_family
+from leadscrew.controllers.vud.family import BETA_E, vud_family
 from leadscrew.controllers.vud.fast import vud_fast
 from leadscrew.controllers.vud.incremental import vud_incremental
 from leadscrew.controllers.vud.integral_factor import vud_integral_factor
@@ -21,7 +21,7 @@ from leadscrew.controllers.vud.scaled import ROBUST, vud_scaled
 from leadscrew.kernel.block import Block
 from leadscrew.studies.tuned import tuned
 
-FIXED = {"output_from": UNITY, "e_kind": ONE, "ec_tau": 0.0}
+FIXED = {"output_from": "none", "e_kind": "none", "ec_tau": 0.0}
 """No universe contracts."""
 
 _SET: dict[str, tuple[Block, str]] = {
@@ -42,23 +42,23 @@ _SET: dict[str, tuple[Block, str]] = {
         "ec with the other sign: swings by millimetres and never settles.",
     ),
     "corrected.vud_beta_one": (
-        vud_family(output_from=UNITY),
+        vud_family(output_from="none"),
         "No output factor: no creep, but a limit cycle of millimetres.",
     ),
     "corrected.vud_beta_product": (
-        vud_family(output_from=PRODUCT),
+        vud_family(output_from="product"),
         "Output factor from the product of e and ec: hardly leaves its place.",
     ),
     "corrected.vud_beta_mean": (
-        vud_family(output_from=MEAN, output_tau=0.6),
+        vud_family(output_from="mean", output_tau=0.6),
         "Output factor from the mean of |e|^0.6 and |ec|^0.6: arrives, overshoots.",
     ),
     "corrected.vud_beta_max": (
-        vud_family(output_from=MAXIMUM, output_tau=0.7),
+        vud_family(output_from="maximum", output_tau=0.7),
         "Output factor from the larger of |e| and |ec|, to the 0.7: arrives, overshoots.",
     ),
     "corrected.vud_beta_e_tau9": (
-        vud_family(output_from=ERROR),
+        vud_family(output_from="error"),
         "Output factor from the error with the printed exponent: slow at the end.",
     ),
     "ours.fuzzy_plain": (
@@ -70,11 +70,11 @@ _SET: dict[str, tuple[Block, str]] = {
         "The rules alone, inputs scaled by 20 and 2: quick, overshoots.",
     ),
     "ours.vud_alpha_only": (
-        vud_family(output_from=UNITY, e_tau=0.4, ec_tau=0.4),
+        vud_family(output_from="none", e_tau=0.4, ec_tau=0.4),
         "No output factor, inputs contracted with exponent 0.4: hardly overshoots, slow at the end.",
     ),
     "ours.vud_exponential": (
-        vud_family(output_from=UNITY, e_kind=BELL, ec_kind=BELL),
+        vud_family(output_from="none", e_kind="exponential", ec_kind="exponential"),
         "No output factor, alpha = 1 - 0.9 exp(-5 x^2): hardly overshoots, slow at the end.",
     ),
     "ours.vud_incremental": (
@@ -184,7 +184,7 @@ CONTROLLERS: dict[str, Block] = {
     "corrected.vud_beta_e_filtered": vud_family(**BETA_E, filter_s=0.005),
     "ours.original_fit": power_law,
     "ours.original_p": power_law(exponent=1.0, gain=2.73),
-    "ours.original_pid": duty_pid(kp=0.0139, ki=0.00086, kd=0.0, filter_s=0.0005, anti_windup=1),
+    "ours.original_pid": duty_pid(kp=0.0139, ki=0.00086, kd=0.0, filter_s=0.0005, anti_windup="clamping"),
     "ours.pd": duty_pd,
     **VARIANTS,
     **FAST,

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from leadscrew.analysis.single_lag import single_lag_time
-from leadscrew.controllers.vud.family import BETA_E, ERROR, MAXIMUM, MEAN, UNITY, vud_family
+from leadscrew.controllers.vud.family import BETA_E, vud_family
 from leadscrew.controllers.vud.universe import TABLE_2
 from leadscrew.figures.table import Table
 from leadscrew.identify.gain import HOLDS
@@ -180,12 +180,12 @@ BETA_ONE = {f"beta = 1, both exponents {tau:g}": {"e_tau": tau, "ec_tau": tau} f
 }
 TRIED = {
     "corrected.vud_beta_e": vud_family(**BETA_E),
-    "corrected.vud_beta_e_half": vud_family(output_from=ERROR, output_tau=0.5),
+    "corrected.vud_beta_e_half": vud_family(output_from="error", output_tau=0.5),
     "corrected.vud_beta_e_filtered": vud_family(**BETA_E, filter_s=0.005),
     **{name: block for name, block in VARIANTS.items() if name not in ("ours.vud_incremental", "ours.vud_opt_robust")},
-    "beta from the mean of |e|^0.9 and |ec|^0.9": vud_family(output_from=MEAN),
-    "beta from the larger of |e|^0.9 and |ec|^0.9": vud_family(output_from=MAXIMUM),
-    **{name: vud_family(output_from=UNITY, **changes) for name, changes in BETA_ONE.items()},
+    "beta from the mean of |e|^0.9 and |ec|^0.9": vud_family(output_from="mean"),
+    "beta from the larger of |e|^0.9 and |ec|^0.9": vud_family(output_from="maximum"),
+    **{name: vud_family(output_from="none", **changes) for name, changes in BETA_ONE.items()},
 }
 """The corrected law and other changes of the printed one, one at a time."""
 

@@ -25,7 +25,7 @@ KP, KI, KD = "controller.kp", "controller.ki", "controller.kd"
 SPEED, TARGET = "plant.full_duty_speed_mm_s", "reference.target"
 MAX_CONDITION = 1e3
 """Twice what a fit allows by default: gain and derivative of the PD can nearly take each other's place."""
-LINEAR = duty_pid(filter_s=0.0005, anti_windup=1)
+LINEAR = duty_pid(filter_s=0.0005, anti_windup="clamping")
 """PID with the integral held while the duty is at its limit; with other rules the fits differ."""
 TARGETS_MM = (-50.0, -170.0)
 """The steps of Figure 11."""
