@@ -104,10 +104,8 @@ def test_each_factor_is_its_formula_over_all_36_rules(followed, kind):
         bell_steepness=3.0, output_from=followed, output_tau=0.7, output_floor=0.02, output_gain=1.3, error_gain=1.5,
         rate_gain=-0.5, output_limit=0.9,
     )  # fmt: skip
-    p, random = (
-        block.prepare(block.params, DT),
-        np.random.default_rng(seed),
-    )
+    seed = 3 * list(FOLLOWED).index(followed) + list(FACTORS).index(kind)
+    p, random = block.prepare(block.params, DT), np.random.default_rng(seed)
     for _ in range(50):
         before, now, rho = random.uniform(-190.0, 190.0), random.uniform(-0.3, 0.3), random.uniform(-1.0, 1.0)
         state = block.state._replace(e=before / 190.0, rho=rho, started=1.0)
@@ -138,7 +136,8 @@ def test_the_first_period_knows_no_rate_and_contracts_nothing():
 
 @pytest.mark.parametrize(
     ("changes", "said"),
-    [({"output_from": 7}, "output_from = 7"), ({"e_kind": 1.5}, "none, power, exponential"), ({"ec_floor": 0.0}, "ec_floor"),
+    [({"output_from": 7}, "output_from = 7"), ({"e_kind": 1.5}, "none, power, exponential"),
+         ({"ec_floor": 0.0}, "ec_floor"),
      ({"e_centres": np.array([-1.0, -0.67, -0.33, -0.33, 0.67, 1.0])}, "increasing")],
 )  # fmt: skip
 def test_a_factor_that_there_is_not_is_refused(changes, said):

@@ -168,6 +168,22 @@ def test_the_default_stays_the_studys_over_a_reset_and_what_was_set_stays_set(ma
 
 
 @pytest.mark.slow
+def test_an_option_is_shown_set_refused_and_undone_by_its_name(machine):
+    key, names = "controller.anti_windup", ["none", "clamping", "back-calculation"]
+    shown = parameter(machine, key)
+    assert (shown["type"], shown["choices"], shown["value"], shown["live"]) == ("choice", names, "clamping", True)
+    ran(machine, 20)
+    assert did(machine, "set", changes={key: "none"})["new"] == {key: "none"}
+    assert (
+        parameter(machine, key)["value"] == "none" and machine._here().loop.blocks["controller"].params.anti_windup == 0
+    )
+    with pytest.raises(ValueRefused, match=r"controller.anti_windup = 'nothing'.*there are none, clamping"):
+        did(machine, "set", changes={key: "nothing"})
+    assert 'anti_windup = "none"' in session_file.text(machine._here().session())
+    did(machine, "undo")
+    assert parameter(machine, key)["value"] == "clamping"
+
+
 def test_an_armed_trigger_goes_on_waiting_in_the_next_run(machine):
     did(machine, "arm", **ARM)
     ran(machine, 10)

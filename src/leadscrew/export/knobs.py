@@ -10,6 +10,7 @@ import math
 from collections.abc import Iterable, Iterator
 from typing import Any
 
+from leadscrew.escape import c_comment
 from leadscrew.export.core import Knob
 from leadscrew.kernel.block import Block
 from leadscrew.kernel.c99.names import safe, safe_field
@@ -94,7 +95,9 @@ def named_options(name: str, knobs: Iterable[Knob]) -> str:
             taken.add(constant)
             rows.append(f"    {constant} = {number}")
         if rows:
-            parts.append(f"/* for params.{knob.places[0]} */\nenum {{\n" + ",\n".join(rows) + "\n};\n")
+            parts.append(
+                f"/* params.{knob.places[0]}: {c_comment(knob.doc)} */\nenum {{\n" + ",\n".join(rows) + "\n};\n"
+            )
     return "\n".join(parts)
 
 

@@ -99,7 +99,7 @@ class Entry:
         if self.choice is not None:
             number = self.choice.number(value)
             if number is None:
-                close = difflib.get_close_matches(str(value), self.choice.names, n=1, cutoff=0.4)
+                close = difflib.get_close_matches(value, self.choice.names, 1, 0.4) if isinstance(value, str) else []
                 hint = f"; did you mean {close[0]}?" if close else ""
                 raise ValueRefused(f"{label}: there are {self.range}{hint}")
             return self.choice.names[number]

@@ -17,10 +17,11 @@ Name = Annotated[str, StringConstraints(pattern=r"^[A-Za-z0-9][A-Za-z0-9 _.-]{0,
 File = Annotated[str, StringConstraints(pattern=r"^[A-Za-z0-9][A-Za-z0-9 _.-]{0,71}$")]
 Key = Annotated[str, StringConstraints(pattern=r"^[A-Za-z0-9_]+(\.[A-Za-z0-9_]+)*$", max_length=200)]
 Pin = Annotated[str, StringConstraints(pattern=r"^[A-Za-z0-9_.\-]{1,200}$")]
+Option = Annotated[str, StringConstraints(pattern=r"^[A-Za-z][A-Za-z0-9_-]{0,63}$")]
 Text = Annotated[str, StringConstraints(max_length=300)]
 Number = Annotated[float, Field(allow_inf_nan=False)]
 Row = Annotated[list[Number], Field(max_length=512)]
-Value = bool | int | Number | Name | Row | Annotated[list[Row], Field(max_length=128)]
+Value = bool | int | Number | Option | Row | Annotated[list[Row], Field(max_length=128)]
 Changes = Annotated[dict[Key | Pin, Value], Field(min_length=1, max_length=256)]
 
 

@@ -27,7 +27,7 @@ import numpy as np
 from leadscrew.controllers.tangent.believed import MOST_DEG, Most, within
 from leadscrew.kernel.block import Block, make
 from leadscrew.kernel.errors import BlockError, ValueRefused
-from leadscrew.kernel.sheet import Choice, Doc, Ge, Unit
+from leadscrew.kernel.sheet import Choice, Doc, Ge, Unit, checked_replace
 
 Table = Annotated[np.ndarray, Unit("deg"), Doc("offset added, by sample")]
 Samples = Annotated[int, Ge(0), Doc("samples of the table that are used; 0: all")]
@@ -56,6 +56,13 @@ class TaughtState(NamedTuple):
     """Where in the table."""
 
     at: Annotated[int, Doc("sample of the piece")] = 0
+
+
+def taught_params(table: Any, samples: int, laps: str | int, most: float) -> TaughtParams:
+    """The parameters of a table, its option by name."""
+    params = TaughtParams(np.array(table, dtype=np.float64), samples, 0, most)
+    checked: TaughtParams = checked_replace(params, {"laps": laps}, "taught")
+    return checked
 
 
 def plan(params: Any, dt: float) -> TaughtPlan:
@@ -89,9 +96,9 @@ def alone(p, s, command, feedback, dt):
     return TaughtState(following(p, s.at)), within(p.table[s.at], p.most)
 
 
-def taught_alone(table: Any = (0.0,), samples: int = 0, laps: int = 0, most: float = MOST_DEG) -> Block:
+def taught_alone(table: Any = (0.0,), samples: int = 0, laps: str | int = "hold", most: float = MOST_DEG) -> Block:
     """The table without feedback: iterative learning alone."""
-    params = TaughtParams(np.array(table, dtype=np.float64), samples, laps, most)
+    params = taught_params(table, samples, laps, most)
     return make(
         "controller", alone, params, TaughtState(), prepare=plan, align=align_alone, name="taught_alone", unit="deg",
         drive="position", doc="Offsets of a tangential axis from a table, without feedback; deg.",
@@ -99,7 +106,12 @@ def taught_alone(table: Any = (0.0,), samples: int = 0, laps: int = 0, most: flo
 
 
 def taught_offset(
-    inner: Block, table: Any = (0.0,), samples: int = 0, laps: int = 0, most: float = MOST_DEG, name: str = ""
+    inner: Block,
+    table: Any = (0.0,),
+    samples: int = 0,
+    laps: str | int = "hold",
+    most: float = MOST_DEG,
+    name: str = "",
 ) -> Block:
     """The controller ``inner`` with a table added; its parameters are those of ``inner`` below ``inner.``.
 
@@ -136,7 +148,7 @@ def taught_offset(
         return state_type(after, taught), within(d + p.taught.table[s.taught.at], p.taught.most)
 
     cast(Any, with_table).takes_cut_line = getattr(law, "takes_cut_line", False)
-    params = TaughtParams(np.array(table, dtype=np.float64), samples, laps, most)
+    params = taught_params(table, samples, laps, most)
     return make(
         "controller", with_table, params_type(inner.params, params), state_type(inner.state, TaughtState()),
         prepare=prepare, align=None if align_inner is None else align, name=name or f"{inner.name}_taught",
