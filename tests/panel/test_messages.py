@@ -102,7 +102,7 @@ def test_a_refused_hello_never_repeats_the_secret():
 
 def test_a_refused_value_names_its_key():
     with pytest.raises(Refused) as refused:
-        parse(said("set", changes={"controller.ki": 1.0, "controller.kp": "much"}))
+        parse(said("set", changes={"controller.ki": 1.0, "controller.kp": "1 V"}))
     assert refused.value.key == "controller.kp" and "expected a number" in str(refused.value)
 
 

@@ -179,6 +179,8 @@ def test_an_option_is_shown_set_refused_and_undone_by_its_name(machine):
     )
     with pytest.raises(ValueRefused, match=r"controller.anti_windup = 'nothing'.*there are none, clamping"):
         did(machine, "set", changes={key: "nothing"})
+    with pytest.raises(ValueRefused, match=r"kp = 'none'.*expected a number"):
+        did(machine, "set", changes={"controller.kp": "none"})
     assert 'anti_windup = "none"' in session_file.text(machine._here().session())
     did(machine, "undo")
     assert parameter(machine, key)["value"] == "clamping"

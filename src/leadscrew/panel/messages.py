@@ -172,7 +172,7 @@ def _refused(error: ValidationError, id: int | None, do: str) -> Refused:
     place = key or ".".join(p for p in path[:2]) or do
     text = first["msg"][:1].lower() + first["msg"][1:]
     if path[:1] == ["changes"] and len(path) > 1:
-        text = "expected a number, true or false, or a list of numbers, under the dotted key of a parameter"
+        text = "expected a number, true or false, an option, or a list of numbers, under the dotted key of a parameter"
     elif first["type"] == "string_pattern_mismatch":
         text = "allowed are letters, digits, blanks and _ . -, a letter or digit first, 64 at most"
     return Refused(f"{do}: {place}: {text}", id, do, key)
