@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from leadscrew.kernel.loop import DivergenceWarning, Loop
     from leadscrew.kernel.noise import normal, uniform
     from leadscrew.kernel.run import Run, load
-    from leadscrew.kernel.sheet import Choice, Doc, Ge, Gt, Le, Lt, Unit
+    from leadscrew.kernel.sheet import Doc, Ge, Gt, Le, Lt, Unit
     from leadscrew.tune.compare import compare
     from leadscrew.tune.job import Job
     from leadscrew.tune.montecarlo import montecarlo
@@ -42,7 +42,6 @@ __all__ = [
     "Batch",
     "Block",
     "BlockError",
-    "Choice",
     "CodeNotTrusted",
     "DataError",
     "Diverged",
@@ -90,7 +89,7 @@ _HOMES = {
     "kernel.loop": "DivergenceWarning Loop",
     "kernel.noise": "normal uniform",
     "kernel.run": "Run load",
-    "kernel.sheet": "Choice Doc Ge Gt Le Lt Unit",
+    "kernel.sheet": "Doc Ge Gt Le Lt Unit",
     "tune.compare": "compare",
     "tune.job": "Job",
     "tune.montecarlo": "montecarlo",

@@ -21,9 +21,9 @@ A controller that ends in this law has in its module a function ``terms(params, 
 
 from __future__ import annotations
 
-from typing import Annotated, NamedTuple
+from typing import Annotated, Literal, NamedTuple
 
-from leadscrew.kernel.sheet import Choice, Doc, Ge, Unit
+from leadscrew.kernel.sheet import Doc, Ge, Unit
 
 TINY = 1e-30
 """Below this a filtered derivative is remembered as 0: its tail would end in denormal numbers, which are slow."""
@@ -34,7 +34,7 @@ Kd = Annotated[float, Unit("V s/mm"), Ge(0), Doc("derivative gain, Table I")]
 Filter = Annotated[float, Unit("s"), Ge(0), Doc("lag of the derivative, by backward Euler; 0 for none")]
 MaxOutput = Annotated[float, Unit("V"), Ge(0), Doc("largest size of the output; 0 for no limit")]
 AntiWindup = Annotated[
-    int, Choice("none", "clamping", "back-calculation", conditional=1), Doc("of the integral, at the limit of output")
+    Literal["none", "clamping", "back-calculation"] | int, Doc("of the integral, at the limit of output")
 ]
 Tracking = Annotated[float, Unit("s"), Ge(0), Doc("time constant of the back-calculation; 0 for one period")]
 

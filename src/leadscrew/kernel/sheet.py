@@ -14,7 +14,7 @@ from annotated_types import Ge, Gt, Interval, Le, Lt, Unit
 
 from leadscrew.kernel.errors import NameUnknown, ValueRefused
 
-__all__ = ["SWITCH", "Choice", "Doc", "Entry", "Ge", "Gt", "Le", "Lt", "Unit", "checked_replace", "entries", "nearest"]
+__all__ = ["Choice", "Doc", "Entry", "Ge", "Gt", "Le", "Lt", "Unit", "checked_replace", "entries", "nearest"]
 
 
 @dataclass(frozen=True)
@@ -24,36 +24,28 @@ class Doc:
     text: str
 
 
+@dataclass(frozen=True)
 class Choice:
-    """One of several names, inside the annotation of an ``int``: blocks compute with its number, which counts from 0.
+    """The options of a parameter annotated ``Literal["sine", "square"] | int``: blocks compute with their numbers."""
 
-    ``also``: further names that are read, by their numbers.
-    """
-
-    def __init__(self, *names: str, **also: int) -> None:
-        self.names = names
-        self.also = also
+    names: tuple[str, ...]
 
     def number(self, value: Any) -> int | None:
-        """The number of a name; of a number, as files of 0.1.0 and arrays have it, itself. None: there is none."""
+        """The number of a name, from 0; of a number, as files of 0.1.0 and arrays have it, itself. None: there is none.
+
+        A choice of off and on takes true and false too.
+        """
         import numpy as np
 
         if isinstance(value, bool | np.bool_):
-            value = str(value).lower()
+            value = "on" if value else "off"
         if isinstance(value, str):
-            return self.names.index(value) if value in self.names else self.also.get(value)
+            return self.names.index(value) if value in self.names else None
         return int(value) if isinstance(value, int | float | np.number) and value in range(len(self.names)) else None
-
-    def __repr__(self) -> str:
-        return f"Choice({', '.join(map(repr, self.names))})"
 
     def __str__(self) -> str:
         """The names with their numbers, for C and HAL."""
-        return ", ".join(f"{i} {name}" for i, name in enumerate(self.names))
-
-
-SWITCH = Choice("off", "on", false=0, true=1)
-"""A switch that blocks compute with as a number."""
+        return ", ".join(f"{number} {name}" for number, name in enumerate(self.names))
 
 
 @dataclass(frozen=True)
@@ -185,14 +177,16 @@ def note_of(hint: Any) -> Note:
     """What an annotation says."""
     base, *extras = typing.get_args(hint) if typing.get_origin(hint) is typing.Annotated else (hint,)
     found: dict[str, Any] = {}
+    parts = (base,) if typing.get_origin(base) is typing.Literal else typing.get_args(base)
+    names = [name for p in parts if typing.get_origin(p) is typing.Literal for name in typing.get_args(p)]
+    if names:
+        base, found["choice"] = int, Choice(tuple(names))
     for extra in extras:
         for part in extra if isinstance(extra, Interval) else (extra,):
             if isinstance(part, Unit):
                 found["unit"] = part.unit
             elif isinstance(part, Doc):
                 found["doc"] = part.text
-            elif isinstance(part, Choice):
-                found["choice"] = part
             elif isinstance(part, Ge | Gt):
                 found["above"] = float(part.ge if isinstance(part, Ge) else part.gt)  # type: ignore[arg-type]
                 found["above_open"] = isinstance(part, Gt)

@@ -32,8 +32,6 @@ LEVELS = np.arange(-6.0, 7.0)
 
 BILINEAR, ROUNDED, NETWORK, ODD = 0, 1, 2, 3
 """Where the correction comes from, see :func:`correction`."""
-SOURCES = ("table", "table_rounded", "network", "table_odd")
-"""The same by name."""
 
 FORMAT, VERSION = "leadscrew performance network", 1
 """What a file of a network says of itself."""

@@ -18,10 +18,10 @@ from the wrong number, ``y = keep y + (1 - keep) raw``. Encoders are not touched
 
 from __future__ import annotations
 
-from typing import Annotated, NamedTuple
+from typing import Annotated, Literal, NamedTuple
 
 from leadscrew.kernel.block import sensor
-from leadscrew.kernel.sheet import Choice, Doc, Ge, Unit
+from leadscrew.kernel.sheet import Doc, Ge, Unit
 from leadscrew.references.cutting_program import NEVER_S
 from leadscrew.sensors.load_cell import TINY, CutReading, LatheReadingParams, LoadCellState, lathe_reading
 
@@ -29,8 +29,7 @@ TRUE, CONSTANT, DEAD, SATURATED, CODE, SHIFTED, DRIFT, SCALE, FROZEN = range(9)
 """Faults."""
 
 Fault = Annotated[
-    int,
-    Choice("none", "constant", "dead", "saturated", "error_code", "jump", "drift", "wrong_scale", "frozen"),
+    Literal["none", "constant", "dead", "saturated", "error_code", "jump", "drift", "wrong_scale", "frozen"] | int,
     Doc("what breaks, see the table"),
 ]
 

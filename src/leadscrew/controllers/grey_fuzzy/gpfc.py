@@ -25,7 +25,7 @@ Bumpless start, incremental only: the window is filled with the feedback of the 
 
 from __future__ import annotations
 
-from typing import Annotated, NamedTuple
+from typing import Annotated, Literal, NamedTuple
 
 from leadscrew.controllers.grey_fuzzy.rule_tables import STANDARD
 from leadscrew.controllers.grey_fuzzy.surface import (
@@ -42,13 +42,15 @@ from leadscrew.controllers.grey_fuzzy.surface import (
     driven,
     ready_surface,
 )
-from leadscrew.grey.predictors import GM_CLAMPED, KINDS, predicted
+from leadscrew.grey.predictors import GM_CLAMPED, Kind, predicted
 from leadscrew.grey.window import Window, filled, pushed
 from leadscrew.kernel.block import controller
-from leadscrew.kernel.sheet import Choice, Doc, Ge, Gt, Le, Unit
+from leadscrew.kernel.sheet import Doc, Ge, Gt, Le, Unit
 
-READINGS = Choice("predicted_error", "measured_error", B=0, A=1)
-"""What the predicted change of the error is taken from."""
+Predictor = Annotated[Kind | int, Doc("prediction of the force, see leadscrew.grey.predictors")]
+Reading = Annotated[
+    Literal["predicted_error", "measured_error"] | int, Doc("from which error the predicted change counts")
+]
 
 
 class GpfcParams(NamedTuple):
@@ -62,10 +64,8 @@ class GpfcParams(NamedTuple):
     positional: Positional = False
     lower: Lower = 0.0
     upper: Upper = 1.0
-    predictor: Annotated[int, Choice(*KINDS), Doc("prediction of the force, see leadscrew.grey.predictors")] = (
-        GM_CLAMPED
-    )
-    reading: Annotated[int, READINGS, Doc("from which error the predicted change counts")] = 0
+    predictor: Predictor = GM_CLAMPED
+    reading: Reading = 0
     horizon: Annotated[float, Gt(0), Le(20), Doc("periods ahead that are predicted")] = 1.0
     shift: Annotated[float, Unit("N"), Ge(0), Doc("added to the samples before GM(1,1), for the shifted one")] = 0.0
 
@@ -93,7 +93,7 @@ class GpfcState(NamedTuple):
 
 def ready(params: GpfcParams, dt: float) -> Plan:
     """The parameters as the step reads them."""
-    return Plan(ready_surface(params), params.predictor, params.reading, params.horizon, params.shift)
+    return Plan(ready_surface(params), int(params.predictor), int(params.reading), params.horizon, params.shift)
 
 
 def align(params, command, feedback, output):

@@ -19,14 +19,14 @@ does not say is ours.
 
 from __future__ import annotations
 
-from typing import Annotated, NamedTuple
+from typing import Annotated, Literal, NamedTuple
 
 import numpy as np
 
 from leadscrew.controllers.grey_fuzzy.rule_tables import MOST
 from leadscrew.fuzzy.inference import RuleBase, rule_base
 from leadscrew.fuzzy.partition import inside_universe, interval_index, upper_membership
-from leadscrew.kernel.sheet import Choice, Doc, Ge, Gt, Le, Unit
+from leadscrew.kernel.sheet import Doc, Ge, Gt, Le, Unit
 
 CENTRES = 2.0 * np.arange(-MOST, MOST + 1)
 """Peaks of the sets, in scaling factors."""
@@ -35,7 +35,7 @@ ErrorScale = Annotated[float, Unit("N"), Gt(0), Doc("scaling factor S1 of the er
 ChangeScale = Annotated[float, Unit("N"), Gt(0), Doc("scaling factor S2 of the error's change in one period")]
 OutputScale = Annotated[float, Unit("V"), Gt(0), Doc("scaling factor S3 of the output: the rules say up to 6 S3")]
 Rules = Annotated[np.ndarray, Ge(-MOST), Le(MOST), Doc("consequents, -3 NB to 3 PB; rows by error, columns by change")]
-Inference = Annotated[int, Choice("product", "minimum"), Doc("how a rule fires: by (17) or (16)")]
+Inference = Annotated[Literal["product", "minimum"] | int, Doc("how a rule fires: by (17) or (16)")]
 Positional = Annotated[bool, Doc("the rules give the output itself; else what one period adds to it")]
 Lower = Annotated[float, Unit("V"), Doc("least output")]
 Upper = Annotated[float, Unit("V"), Doc("largest output")]

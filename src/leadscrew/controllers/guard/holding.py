@@ -20,11 +20,11 @@ a cause holds the axes all the same.
 
 from __future__ import annotations
 
-from typing import Annotated, NamedTuple
+from typing import Annotated, Literal, NamedTuple
 
 from leadscrew.controllers.guard.answering import awaited
 from leadscrew.controllers.guard.watching import NONE, SLACK_S
-from leadscrew.kernel.sheet import SWITCH, Doc, Ge, Gt, Le, Unit
+from leadscrew.kernel.sheet import Doc, Ge, Gt, Le, Unit
 
 RUNNING, HOLDING, TRIPPED = range(3)
 """Modes of the guard."""
@@ -45,7 +45,7 @@ class Recovery(NamedTuple):
     restart: Annotated[float, Ge(0), Le(1), Doc("share of the output before the trip that it restarts with")] = 0.3
     retries: Annotated[int, Ge(0), Le(1000), Doc("restarts before a hold stays until reset")] = 3
     forget_s: Annotated[float, Unit("s"), Ge(0), Doc("of running after which earlier holds do not count")] = 2.0
-    reset: Annotated[int, SWITCH, Doc("on ends a hold that stays; set it back to off")] = 0
+    reset: Annotated[Literal["off", "on"] | int, Doc("on ends a hold that stays; set it back to off")] = 0
 
 
 class AirCut(NamedTuple):

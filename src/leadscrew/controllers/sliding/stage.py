@@ -27,11 +27,11 @@ Inside ``e = y - y_r`` as in the paper; a positive torque moves the stage in the
 
 from __future__ import annotations
 
-from typing import Annotated, NamedTuple
+from typing import Annotated, Literal, NamedTuple
 
 from leadscrew.friction.lugre import HAT, LuGre, Stribeck, level, steady_bristle, steady_friction
 from leadscrew.friction.observer import held_friction
-from leadscrew.kernel.sheet import Choice, Doc, Ge, Gt, Le, Unit
+from leadscrew.kernel.sheet import Doc, Ge, Gt, Le, Unit
 from leadscrew.plants.ballscrew_stage import INERTIA
 
 TINY = 1e-30
@@ -39,8 +39,7 @@ TINY = 1e-30
 
 
 FrictionFrom = Annotated[
-    int,
-    Choice("none", "commanded", "measured_undamped", "measured"),
+    Literal["none", "commanded", "measured_undamped", "measured"] | int,
     Doc("speed that drives f_hat; the undamped one leaves out s1 dz/dt"),
 ]
 

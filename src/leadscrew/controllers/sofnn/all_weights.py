@@ -175,8 +175,8 @@ class AllWeightsState(NamedTuple):
 def ready(params: AllWeightsParams, dt: float) -> AllWeightsPlan:
     """The parameters as the step reads them."""
     kalman = Filter(
-        params.target, params.r, params.q, params.q_certainty, params.q_centre, params.cap, params.clamp, params.gap,
-        params.passes, params.tolerance, params.forgetting,
+        int(params.target), params.r, params.q, params.q_certainty, params.q_centre, params.cap, params.clamp,
+        params.gap, params.passes, params.tolerance, params.forgetting,
     )  # fmt: skip
     return AllWeightsPlan(scales(params, dt), measure(params), kalman, np.array(params.prior, dtype=float))
 

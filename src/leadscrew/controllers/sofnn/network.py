@@ -34,7 +34,7 @@ reconstruction. With ``K_p*`` of its step (4) the paper means ``k_d``.
 
 from __future__ import annotations
 
-from typing import Annotated, Any, NamedTuple, cast
+from typing import Annotated, Any, Literal, NamedTuple, cast
 
 import numpy as np
 
@@ -87,7 +87,7 @@ from leadscrew.controllers.sofnn.organising import (
 from leadscrew.controllers.sofnn.rules import shifted
 from leadscrew.fuzzy.partition import Axis
 from leadscrew.kernel.block import controller
-from leadscrew.kernel.sheet import Choice, Doc, Ge, Gt, Le, Lt, Unit
+from leadscrew.kernel.sheet import Doc, Ge, Gt, Le, Lt, Unit
 from leadscrew.neural.inference_net import AXIS, W0, fired, network_output
 from leadscrew.neural.kalman import kalman_learn
 from leadscrew.neural.performance import GOLDEN, TABLE, Performance
@@ -112,7 +112,7 @@ class SofnnParams(NamedTuple):
     net: Performance = GOLDEN
     target: Target = 0
     delay: Delay = 6
-    learner: Annotated[int, Choice("kalman", "nlms"), Doc("Kalman filter, or normalised LMS on the four rules")] = 0
+    learner: Annotated[Literal["kalman", "nlms"] | int, Doc("Kalman filter, or normalised LMS on the four rules")] = 0
     r: Annotated[float, Ge(1e-9), Le(1e6), Doc("variance of a target, levels squared, R")] = 0.01
     q: Annotated[float, Ge(0), Le(1e3), Doc("random walk of a consequent, levels squared a sample, Q")] = 0.05
     cap: Annotated[float, Gt(0), Le(1e6), Doc("largest variance of a consequent, levels squared")] = 4.0
@@ -169,7 +169,14 @@ class SofnnState(NamedTuple):
 def ready(params: SofnnParams, dt: float) -> SofnnPlan:
     """The parameters as the step reads them."""
     learner = Learner(
-        params.target, params.learner, params.r, params.q, params.cap, params.mu, params.passes, params.tolerance
+        int(params.target),
+        int(params.learner),
+        params.r,
+        params.q,
+        params.cap,
+        params.mu,
+        params.passes,
+        params.tolerance,
     )
     return SofnnPlan(scales(params, dt), AXIS, measure(params), learner, np.array(params.prior, dtype=float))
 

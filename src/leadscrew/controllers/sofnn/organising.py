@@ -19,14 +19,14 @@ study's.
 
 from __future__ import annotations
 
-from typing import Annotated, NamedTuple
+from typing import Annotated, Literal, NamedTuple
 
 import numpy as np
 
 from leadscrew.controllers.sofnn.fixed import Rules
 from leadscrew.controllers.sofnn.levels import ROOM
-from leadscrew.kernel.sheet import Choice, Doc, Ge, Gt, Le, Unit
-from leadscrew.neural.performance import MOST, ODD, SOURCES, Performance, correction, looked_up
+from leadscrew.kernel.sheet import Doc, Ge, Gt, Le, Unit
+from leadscrew.neural.performance import MOST, ODD, Performance, correction, looked_up
 
 FULL = 0.99
 """An offset at this share of its limit is at the limit."""
@@ -34,12 +34,14 @@ NOTHING = np.zeros(ROOM)
 """What is known of the past after a bumpless start."""
 
 Kg = Annotated[float, Ge(0), Le(1000), Doc("strength of the correction, kg")]
-Source = Annotated[int, Choice(*SOURCES), Doc("where the correction comes from")]
+Source = Annotated[
+    Literal["table", "table_rounded", "network", "table_odd"] | int, Doc("where the correction comes from")
+]
 Table = Annotated[np.ndarray, Ge(-MOST), Le(MOST), Doc("performance table, 13 x 13 levels, rows EC, columns E")]
 Delay = Annotated[int, Ge(1), Le(ROOM - 1), Doc("samples by which a correction is referred back, m_c")]
 DeadZone = Annotated[float, Unit("deg"), Ge(0), Le(90), Doc("a smaller deviation is not corrected")]
 Leak = Annotated[float, Ge(0), Le(1), Doc("share by which the rules go back to the prior, a sample")]
-Target = Annotated[int, Choice("stored", "accumulate"), Doc("what the corrected rules are to reach")]
+Target = Annotated[Literal["stored", "accumulate"] | int, Doc("what the corrected rules are to reach")]
 Clamp = Annotated[float, Gt(0), Le(MOST), Doc("largest consequent, either way, levels")]
 Learning = Annotated[bool, Doc("whether the rules are changed; off holds what was learned")]
 Freeze = Annotated[bool, Doc("no learning while the offset is at its limit and would be pushed further")]

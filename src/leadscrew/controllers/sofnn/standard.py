@@ -131,7 +131,7 @@ class SofcState(NamedTuple):
 
 def ready(params: SofcParams, dt: float) -> SofcPlan:
     """The parameters as the step reads them."""
-    return SofcPlan(scales(params, dt), AXIS, measure(params), params.target, np.array(params.prior, dtype=float))
+    return SofcPlan(scales(params, dt), AXIS, measure(params), int(params.target), np.array(params.prior, dtype=float))
 
 
 def credit(weights, past, g, clamp):

@@ -33,7 +33,7 @@ K. J. Astrom, B. Wittenmark, *Adaptive Control*, 2nd ed., chapter 2.
 from __future__ import annotations
 
 import math
-from typing import Annotated, NamedTuple
+from typing import Annotated, Literal, NamedTuple
 
 import numpy as np
 
@@ -57,7 +57,7 @@ from leadscrew.controllers.tangent.believed import (
 )
 from leadscrew.kernel.block import Block, controller
 from leadscrew.kernel.errors import ValueRefused
-from leadscrew.kernel.sheet import SWITCH, Choice, Doc, Gt, Le, Unit
+from leadscrew.kernel.sheet import Doc, Gt, Le, Unit
 
 COUNT = 7
 """Weights."""
@@ -83,12 +83,12 @@ class CurvatureFeedForwardParams(NamedTuple):
     noise: Annotated[float, Unit("deg^2"), Gt(0), Doc("variance of what is learned from, R")] = 0.05
     trace_cap: Annotated[float, Unit("deg^2"), Gt(0), Doc("largest trace of the covariance")] = 10.0
     weight_limit: Annotated[float, Unit("deg"), Gt(0), Doc("largest weight, either way")] = 30.0
-    learning: Annotated[int, SWITCH, Doc("whether it learns; off keeps the prior")] = 1
+    learning: Annotated[Literal["off", "on"] | int, Doc("whether it learns; off keeps the prior")] = 1
     gain: ObserverGain = 0.8
     filter_s: FilterS = 0.02
     return_s: ReturnS = 0.1
     preview: Preview = 1
-    before: Annotated[int, Choice("none", "first_sample"), Doc("curvature that is taken before the line")] = 0
+    before: Annotated[Literal["none", "first_sample"] | int, Doc("curvature that is taken before the line")] = 0
     plant_gain: PlantGain = 0.9
     axis_lag_s: AxisLag = 0.02
     delay_s: SensorDelay = 0.04

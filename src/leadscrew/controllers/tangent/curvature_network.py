@@ -36,7 +36,7 @@ Source: ours, for the study ``sofnn_tangent``; network and filter are its paper'
 from __future__ import annotations
 
 import math
-from typing import Annotated, NamedTuple
+from typing import Annotated, Literal, NamedTuple
 
 import numpy as np
 
@@ -61,7 +61,7 @@ from leadscrew.controllers.tangent.believed import (
 from leadscrew.fuzzy.partition import Axis
 from leadscrew.kernel.block import Block, controller
 from leadscrew.kernel.errors import ValueRefused
-from leadscrew.kernel.sheet import SWITCH, Doc, Ge, Gt, Le, Unit
+from leadscrew.kernel.sheet import Doc, Ge, Gt, Le, Unit
 from leadscrew.neural.inference_net import AXIS, CLAMP, RULES, SETS, fired, network_output
 
 COUNT = RULES + 2
@@ -107,7 +107,7 @@ class CurvatureNetworkParams(NamedTuple):
     highpass_s: Annotated[float, Unit("s"), Gt(0), Le(10), Doc("time over which the curvature is smoothed")] = 0.1
     k_d: Annotated[float, Unit("deg"), Gt(0), Doc("offset of one level")] = 2.5
     noise: Annotated[float, Gt(0), Doc("variance of what is learned from, level^2")] = 0.05
-    learning: Annotated[int, SWITCH, Doc("whether it learns; off keeps the prior")] = 1
+    learning: Annotated[Literal["off", "on"] | int, Doc("whether it learns; off keeps the prior")] = 1
     gain: ObserverGain = 0.8
     filter_s: FilterS = 0.02
     return_s: ReturnS = 0.1

@@ -20,18 +20,18 @@ between its places is :func:`leadscrew.controllers.feed_forward_table.feed_forwa
 
 from __future__ import annotations
 
-from typing import Annotated, Any, NamedTuple, cast
+from typing import Annotated, Any, Literal, NamedTuple, cast
 
 import numpy as np
 
 from leadscrew.controllers.tangent.believed import MOST_DEG, Most, within
 from leadscrew.kernel.block import Block, make
 from leadscrew.kernel.errors import BlockError, ValueRefused
-from leadscrew.kernel.sheet import Choice, Doc, Ge, Unit, checked_replace
+from leadscrew.kernel.sheet import Doc, Ge, Unit, checked_replace
 
 Table = Annotated[np.ndarray, Unit("deg"), Doc("offset added, by sample")]
 Samples = Annotated[int, Ge(0), Doc("samples of the table that are used; 0: all")]
-Laps = Annotated[int, Choice("hold", "repeat"), Doc("behind the last sample: its value, or the table again")]
+Laps = Annotated[Literal["hold", "repeat"] | int, Doc("behind the last sample: its value, or the table again")]
 
 
 class TaughtParams(NamedTuple):
@@ -58,7 +58,7 @@ class TaughtState(NamedTuple):
     at: Annotated[int, Doc("sample of the piece")] = 0
 
 
-def taught_params(table: Any, samples: int, laps: str | int, most: float) -> TaughtParams:
+def taught_params(table: Any, samples: int, laps: Laps, most: float) -> TaughtParams:
     """The parameters of a table, its option by name."""
     params = TaughtParams(np.array(table, dtype=np.float64), samples, 0, most)
     checked: TaughtParams = checked_replace(params, {"laps": laps}, "taught")
@@ -96,7 +96,7 @@ def alone(p, s, command, feedback, dt):
     return TaughtState(following(p, s.at)), within(p.table[s.at], p.most)
 
 
-def taught_alone(table: Any = (0.0,), samples: int = 0, laps: str | int = "hold", most: float = MOST_DEG) -> Block:
+def taught_alone(table: Any = (0.0,), samples: int = 0, laps: Laps = "hold", most: float = MOST_DEG) -> Block:
     """The table without feedback: iterative learning alone."""
     params = taught_params(table, samples, laps, most)
     return make(
@@ -109,7 +109,7 @@ def taught_offset(
     inner: Block,
     table: Any = (0.0,),
     samples: int = 0,
-    laps: str | int = "hold",
+    laps: Laps = "hold",
     most: float = MOST_DEG,
     name: str = "",
 ) -> Block:

@@ -20,19 +20,18 @@ exponential ``alpha`` are in the literature on variable universes, and here to c
 from __future__ import annotations
 
 import math
-from typing import Annotated, NamedTuple
+from typing import Annotated, Literal, NamedTuple
 
 from leadscrew.controllers.vud.universe import CENTRES, TABLE_2, Centres, ErrorScale, RateInterval, RateScale, Rules
 from leadscrew.fuzzy.inference import RuleBase, infer, rule_base
 from leadscrew.kernel.block import controller
-from leadscrew.kernel.sheet import SWITCH, Choice, Doc, Ge, Gt, Le, Unit
+from leadscrew.kernel.sheet import Doc, Ge, Gt, Le, Unit
 
 TINY = 1e-30
 """Below this the filtered rate is 0: its tail would end in denormal numbers, which are slow."""
 
 Kind = Annotated[
-    int,
-    Choice("none", "power", "exponential"),
+    Literal["none", "power", "exponential"] | int,
     Doc("contraction factor: 1, |x|^tau + floor, 1 - depth exp(-steepness x^2)"),
 ]
 Exponent = Annotated[float, Ge(0), Le(2), Doc("exponent of this contraction factor")]
@@ -48,7 +47,7 @@ class VudFamilyParams(NamedTuple):
     error_gain: Annotated[float, Gt(0), Le(1000), Doc("gain of e before the rules")] = 1.0
     rate_gain: Annotated[float, Ge(-1000), Le(1000), Doc("gain of ec; 0 ignores it, below 0 reverses it")] = 1.0
     filter_s: Annotated[float, Unit("s"), Ge(0), Doc("lag of the low-pass of ec; 0 for none")] = 0.0
-    inputs_held: Annotated[int, SWITCH, Doc("both inputs inside [-1, 1] before they are contracted")] = 0
+    inputs_held: Annotated[Literal["off", "on"] | int, Doc("both inputs inside [-1, 1] before they are contracted")] = 0
     e_kind: Kind = 1
     e_tau: Exponent = 0.9
     e_floor: Least = 1e-4
@@ -58,8 +57,7 @@ class VudFamilyParams(NamedTuple):
     bell_depth: Annotated[float, Ge(0), Le(0.999), Doc("depth of the exponential factors")] = 0.9
     bell_steepness: Annotated[float, Ge(0), Doc("steepness of the exponential factors")] = 5.0
     output_from: Annotated[
-        int,
-        Choice("none", "duty", "error", "rate", "product", "mean", "maximum"),
+        Literal["none", "duty", "error", "rate", "product", "mean", "maximum"] | int,
         Doc("what beta follows: nothing, the last duty, e, ec, or product, mean or maximum of e and ec"),
     ] = 1
     output_tau: Annotated[float, Ge(0), Le(2), Doc("exponent of the output's factor")] = 0.9

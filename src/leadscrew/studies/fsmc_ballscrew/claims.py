@@ -127,7 +127,7 @@ def share_in_mm(lab: Lab, law: str, half: float = 1.0) -> float:
     return worst / (1e3 * half * laws.PHI / laws.LAM)
 
 
-def what_becomes(lab: Lab, law: str, changes: dict[str, float], bound: float) -> str:
+def what_becomes(lab: Lab, law: str, changes: Mapping[str, float | str], bound: float) -> str:
     """Whether a law survives the bare step of 1 mm."""
     return "diverges" if lab.run(law, "step_raw", changes=changes, bound=bound).diverged else "arrives"
 

@@ -12,7 +12,7 @@ Source: Shams and Safdari (2010), equations (8) to (15).
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
+from typing import TYPE_CHECKING, Annotated, Any, Literal, NamedTuple
 
 from leadscrew.controllers.sliding.continuous import IdealState, ideal_view, in_motion, seen
 from leadscrew.controllers.sliding.fuzzy import RULES, FsmcParams, fsmc, fuzzy_law, sliding_system
@@ -20,7 +20,7 @@ from leadscrew.controllers.sliding.stage import SlidingParams, sat
 from leadscrew.friction.lugre import LuGre, bristle_after
 from leadscrew.fuzzy.engine import engine
 from leadscrew.kernel.block import Block, make
-from leadscrew.kernel.sheet import SWITCH, Doc
+from leadscrew.kernel.sheet import Doc
 from leadscrew.plants.ballscrew_stage import TRAVEL_MM_PER_RAD, ballscrew_stage
 from leadscrew.studies.fsmc_ballscrew.scenarios import SCENARIOS, command, sliding, start_speed
 from leadscrew.studies.lab import Lab
@@ -38,7 +38,7 @@ class Weights(NamedTuple):
     s_rate: Annotated[float, Doc("of e'")] = 1.0
     s_e: Annotated[float, Doc("of lam e")] = 1.0
     s_xi: Annotated[float, Doc("of lam^2 xi")] = 0.0
-    signed: Annotated[int, SWITCH, Doc("F~ is sign(y') times itself, so 0 at rest")] = 0
+    signed: Annotated[Literal["off", "on"] | int, Doc("F~ is sign(y') times itself, so 0 at rest")] = 0
 
 
 CONVENTIONAL = Weights()

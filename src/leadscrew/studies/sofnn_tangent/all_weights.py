@@ -9,7 +9,7 @@ from __future__ import annotations
 import csv
 from collections.abc import Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -21,9 +21,9 @@ from leadscrew.studies.sofnn_tangent.scenarios import LINES, MATERIAL_NAMES, sam
 if TYPE_CHECKING:
     from leadscrew.studies.lab import Lab
 
-LITERAL: dict[str, float] = {"source": "network", "delay": 4, "leak": 0.0, "freeze": False}
+LITERAL: dict[str, Any] = {"source": "network", "delay": 4, "leak": 0.0, "freeze": False}
 """The paper's scales and performance network, m_c = m, no safeguard that the paper does not have."""
-TUNED: dict[str, float] = {"k_e": 6.0 / 45.0, "target": "accumulate", "kg": 0.7}
+TUNED: dict[str, Any] = {"k_e": 6.0 / 45.0, "target": "accumulate", "kg": 0.7}
 TEXTURES = 5
 FILE = Path(__file__).parent / "data" / "all_weights.csv"
 VARIANTS: Mapping[str, Mapping[str, float]] = {
