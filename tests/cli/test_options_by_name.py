@@ -58,10 +58,11 @@ def test_files_hold_names_and_those_of_before_numbers(tmp_path, value):
         'schema_version = 1\nkind = "controller"\nstudy = "grey_turning"\ncontroller = "corrected.tfc_s6"\n'
         f"[set]\ninference = {value}\n"
     )
-    assert controller_file.block(own).params.inference == 1
+    tuned = experiment.Experiment("grey_turning", str(own), "fig6_fixed_depth")
+    assert tuned.loop().parameters["controller.inference"] == "minimum"
     own.write_text(own.read_text().replace(f"inference = {value}", 'inference = "min"'))
     with pytest.raises(DataError, match=r"inference = 'min' \(\[set\]\): there are product, minimum; did you mean"):
-        controller_file.block(own)
+        tuned.loop()
 
 
 def job():
