@@ -267,7 +267,7 @@ def manifest(core: Core, loop: Loop, source: Source, record: Record, double: Rec
         "inputs": [vars(p) for p in core.inputs],
         "outputs": [vars(p) for p in core.outputs],
         "parameters": {e.key: e.default for e in entries(block.params)} if block.params is not None else {},
-        "knobs": [vars(k) for k in core.knobs],
+        "knobs": [{key: v for key, v in vars(k).items() if key != "names" or v} for k in core.knobs],
         "baked": list(core.baked),
         "limits": vars(core.limits),
         "source_hash": source.module.identity(),
