@@ -13,7 +13,7 @@ HEAD = {"schema_version": 1, "study": "vud_lathe"}
 @pytest.mark.parametrize(
     ("key", "good", "bad"),
     [
-        ("run", (0, 2**31 - 1), (-1, 2**31, 1.0)),
+        ("replicate", (0, 2**31 - 1), (-1, 2**31, 1.0)),
         ("seed", (0, 2**62), (-1, 0.5)),
         ("every", (1, 1000), (0, -1, 2.5)),
         ("duration", (1e-9, 3.5), (0.0, -1.0, math.inf, math.nan, "1")),

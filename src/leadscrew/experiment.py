@@ -8,7 +8,7 @@
     scenario = "fig11a_step_m50"
     duration = 4.0                      # seconds; the scenario's own unless given
     seed = 7                            # of all noise
-    run = 4711                          # number of the run in the noise, as in a batch; 0 unless given
+    replicate = 4711                    # which stream of noise, as in a batch; 0 unless given
 
     [set]
     scenario.target_mm = -120
@@ -54,8 +54,8 @@ class Experiment:
     every: int = 1
     record: tuple[str, ...] | None = None
     seed: int | None = None
-    run: int = 0
-    """Number of the run in the noise: run ``k`` of a batch is the experiment with ``run=k``."""
+    replicate: int = 0
+    """Which stream of noise: run ``k`` of a batch is the experiment with ``replicate=k``."""
     substeps: int | None = None
     """Integration steps of the plant a period; the study's unless given."""
     files: Mapping[str, str] = field(default_factory=dict)

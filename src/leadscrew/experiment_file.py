@@ -30,7 +30,7 @@ class ExperimentFile(BaseModel):
     substeps: Annotated[int, Field(ge=1)] | None = None
     record: list[str] | None = None
     seed: Annotated[int, Field(ge=0)] | None = None
-    run: Annotated[int, Field(ge=0, lt=2**31)] = 0
+    replicate: Annotated[int, Field(ge=0, lt=2**31)] = 0
     files: dict[str, str] = {}
     changes: Annotated[dict[str, Any], Field(alias="set")] = {}
 
@@ -41,6 +41,9 @@ def validated(table: Mapping[str, Any], where: str) -> Experiment:
     Raises:
         DataError: names file and key of what is wrong.
     """
+    table = dict(table)
+    if "replicate" not in table and "run" in table:  # its name in 0.1.0
+        table["replicate"] = table.pop("run")
     try:
         file = ExperimentFile.model_validate(table)
     except ValidationError as error:
@@ -63,7 +66,7 @@ def validated(table: Mapping[str, Any], where: str) -> Experiment:
         substeps=file.substeps,
         record=None if file.record is None else tuple(file.record),
         seed=file.seed,
-        run=file.run,
+        replicate=file.replicate,
         files=file.files,
         source=where,
     )

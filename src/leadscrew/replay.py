@@ -56,7 +56,11 @@ def replay(folder: str | Path) -> Replay:
     path = path.parent if path.name == "run.json" else path
     loop = rebuilt(manifest, str(path))
     try:
-        number, every, engine = int(manifest["run"]), int(manifest["every"]), without_numba(str(manifest["engine"]))
+        number, every, engine = (
+            int(manifest["replicate"]),
+            int(manifest["every"]),
+            without_numba(str(manifest["engine"])),
+        )
         duration, start = float(manifest["duration_s"]), float(manifest["start_s"])
         record = [name for name in manifest["record"] if name != "time"]
     except (KeyError, TypeError, ValueError) as error:
@@ -69,7 +73,7 @@ def replay(folder: str | Path) -> Replay:
         raise DataError(f"{path}: signals.parquet has {held} rows, but a run of {duration:g} s would have {rows}")
     with warnings.catch_warnings(), _of(str(path), manifest["origin"]):
         warnings.simplefilter("ignore")
-        run = loop.run(duration, record=record, every=every if saved else 0, engine=engine, run=number)
+        run = loop.run(duration, record=record, every=every if saved else 0, engine=engine, replicate=number)
     difference = first_difference(saved, run.signals) or _other_end(manifest, run)
     return Replay(
         path, not difference, difference, (*_causes(manifest, loop.manifest(engine)), *_files(manifest["origin"])),

@@ -289,5 +289,5 @@ def test_a_batch_is_its_single_runs():
     varied = {"controller.delay": np.arange(2, 10), "controller.learner": np.array([0, 1] * 4)}
     many = loop.batch(2.0, varied, record="output")["output"]
     for k in (0, 5, 7):
-        alone = loop.using({"controller.delay": k + 2, "controller.learner": k % 2}).run(2.0, run=k)
+        alone = loop.using({"controller.delay": k + 2, "controller.learner": k % 2}).run(2.0, replicate=k)
         assert np.array_equal(alone["output"], many[k])

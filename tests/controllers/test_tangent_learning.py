@@ -133,7 +133,7 @@ def test_the_second_piece_is_better_and_frozen_it_stays_so(controller):
         controller(prior=state.weights, prior_covariance=state.covariance),
         controller(prior=state.weights, learning=0),
     ):
-        errors.append(knife(block, noise=0.15).run(6.0, every=0, run=1).metrics["rms_error"])
+        errors.append(knife(block, noise=0.15).run(6.0, every=0, replicate=1).metrics["rms_error"])
     assert errors[1] < 0.6 * errors[0] and errors[2] < 0.6 * errors[0]
 
 

@@ -157,7 +157,7 @@ def test_a_turn_that_a_machine_draws_has_the_figures_of_the_ball_bar_test() -> N
     pair = [with_reference(own, made(**values)) for made in (command.circle_x_motion, command.circle_y_motion)]
     columns = ["time", "actual", "y.actual"]
     circle = Circle(pair, columns)
-    lives = [loop.start(run=k) for k, loop in enumerate(pair)]
+    lives = [loop.start(replicate=k) for k, loop in enumerate(pair)]
     per_turn = round(math.pi / own.period)
     for _ in range(23):
         runs = [live.advance(per_turn // 10, record="actual") for live in lives]

@@ -79,7 +79,7 @@ def test_candidates_beside_each_other_have_the_noise_of_the_run_that_is_told():
     done = told.batch(0.5, {"sensor.which": np.array([3, 5, 3])}, record=("feedback",))["feedback"]
     plain = lab().loop(block, SCENARIO, machine=row.plant)
     for k, which in enumerate((3, 5, 3)):
-        assert np.array_equal(done[k], plain.run(0.5, record=("feedback",), run=which)["feedback"])
+        assert np.array_equal(done[k], plain.run(0.5, record=("feedback",), replicate=which)["feedback"])
     assert not np.array_equal(done[0], done[1])
 
 
@@ -88,7 +88,7 @@ def test_candidates_beside_each_other_have_the_noise_of_the_run_that_is_told():
 def test_the_kept_factors_cost_what_their_searches_said(under):
     cost = COSTS[under]
     for row in [row for row in tuned(under) if row.search == 1]:
-        runs = [loop_of(row).run(cost.horizon_s, record=RECORDED, run=k) for k in TUNED_ON]
+        runs = [loop_of(row).run(cost.horizon_s, record=RECORDED, replicate=k) for k in TUNED_ON]
         assert np.mean([cost_by_hand(run, cost.penalty) for run in runs]) == pytest.approx(row.cost, rel=1e-3), row
 
 

@@ -20,7 +20,7 @@ def test_a_run_has_the_same_bits_in_any_chunk_and_alone():
     part = j.run(Chunk("small", {k: v[4:6].copy() for k, v in columns.items()}, 7))
     loop = j.loop("small")
     for k in (4, 5):
-        alone = loop.using({key: float(v[k]) for key, v in columns.items()}).run(0.1, every=0, run=3 + k)
+        alone = loop.using({key: float(v[k]) for key, v in columns.items()}).run(0.1, every=0, replicate=3 + k)
         for m in j.metrics():
             assert whole[m][k].tobytes() == part[m][k - 4].tobytes() == np.float64(alone.metrics[m]).tobytes()
 

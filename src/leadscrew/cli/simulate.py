@@ -49,9 +49,7 @@ def simulate(
     duration: Annotated[float | None, typer.Option(metavar="S", help="Seconds; the scenario's unless given.")] = None,
     engine: Annotated[str | None, typer.Option(help="What runs the loop; the fastest unless given.")] = None,
     seed: Annotated[int | None, typer.Option(help="Of all noise.")] = None,
-    number: Annotated[
-        int | None, typer.Option("--run", metavar="K", help="Number of the run in the noise, as in a batch.")
-    ] = None,
+    replicate: Annotated[int | None, typer.Option(metavar="K", help="Which stream of noise, as in a batch.")] = None,
     substeps: Annotated[
         int | None, typer.Option(metavar="N", help="Integration steps of the plant a period; the study's unless given.")
     ] = None,
@@ -72,7 +70,7 @@ def simulate(
     experiment = experiment_of(study)
     given = {
         "controller": controller, "scenario": scenario, "duration_s": duration, "engine": engine, "seed": seed,
-        "every": every, "record": tuple(record) if record else None, "run": number, "substeps": substeps,
+        "every": every, "record": tuple(record) if record else None, "replicate": replicate, "substeps": substeps,
     }  # fmt: skip
     experiment = replace(experiment, **{k: v for k, v in given.items() if v is not None})  # type: ignore[arg-type]
     if experiment.every < 1:
@@ -107,7 +105,7 @@ def executed(experiment: Experiment, keep: bool) -> Run:
     with warnings.catch_warnings(), busy(f"{loop.name}, {seconds:g} s"):
         warnings.simplefilter("ignore", DivergenceWarning)
         warnings.simplefilter("ignore", RunWarning)
-        run = loop.run(seconds, record, every, engine=experiment.engine, run=experiment.run)
+        run = loop.run(seconds, record, every, engine=experiment.engine, replicate=experiment.replicate)
     return replace(run, signals={k: run.signals[k] for k in wanted if k in run.signals} if keep else {})
 
 
@@ -123,7 +121,7 @@ def as_object(experiment: Experiment, run: Run, out: Path | None) -> dict[str, A
         "duration_s": run.duration,
         "engine": run.engine,
         "seed": run.loop.seed,
-        "run": run.run_number,
+        "replicate": run.replicate,
         **run.loop.integration,
         "wall_s": run.wall_s,
         "metrics": {r.name: r.value for r in rows},

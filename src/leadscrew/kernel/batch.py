@@ -305,7 +305,7 @@ def _one_by_one(
         }
         done.append(
             loop.using(changes).run(
-                duration, record=names or (), every=every if names else 0, engine="python", run=first + k
+                duration, record=names or (), every=every if names else 0, engine="python", replicate=first + k
             )
         )
     diverged_at = np.array([r.diverged.time if r.diverged else np.nan for r in done])

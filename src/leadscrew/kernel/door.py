@@ -58,6 +58,12 @@ def in_steps(key: str, value: Any, step: float) -> int:
     return n
 
 
+def renamed(old: str, value: Any, new: str) -> None:
+    """Refuses an argument under a name that it had before."""
+    if value is not None:
+        raise ValueRefused(f"{old}={value!r}: this argument is {new}= now; write {new}={value!r}")
+
+
 def one_of(key: str, value: Any, known: list[str]) -> str:
     """A name among several, or a refusal."""
     if value not in known:

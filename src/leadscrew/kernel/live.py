@@ -45,12 +45,12 @@ class Saved:
 class Live:
     """One loop in motion. Ten times ``advance(100)`` gives the same bits as ``advance(1000)``."""
 
-    def __init__(self, loop: Loop, engine: str, run: int = 0, duration: float = math.inf) -> None:
+    def __init__(self, loop: Loop, engine: str, replicate: int = 0, duration: float = math.inf) -> None:
         self.loop = loop
         self.duration = duration
         """Seconds after which the run ends; infinite where that is not known."""
         self.engine = engine
-        self.run_number = door.whole("run", run, 0, 2**31 - 1)
+        self.replicate = door.whole("replicate", replicate, 0, 2**31 - 1)
         self.program = loop.program
         self.entry = self.program.entry("single", engine)
         self.period = 0
@@ -96,7 +96,7 @@ class Live:
             select, table = self._nothing
         metrics = self._metrics
         counters = self._counters if not columns else np.zeros(6, dtype=np.int64)
-        counters[:] = (self.period, self.period + periods, every, self.run_number, 0, 0)
+        counters[:] = (self.period, self.period + periods, every, self.replicate, 0, 0)
         start = self.period
         began = time.perf_counter()
         if self.diverged is None:
@@ -112,7 +112,7 @@ class Live:
         signals = {c: table[i, : counters[4]] for i, c in enumerate(columns)}
         return Run(
             loop=self.loop, signals=signals, diverged=self.diverged, engine=self.engine, wall_s=wall,
-            duration=self.time, start=start * self.loop.period, run_number=self.run_number, every=every,
+            duration=self.time, start=start * self.loop.period, replicate=self.replicate, every=every,
             metrics=Metrics(zip(self.loop.metrics, measured.tolist(), strict=False)),
             explained=self._explained() if np.isnan(measured).any() else None,
         )  # fmt: skip
@@ -252,7 +252,7 @@ class Live:
         for built in ("program", "signals", "module"):
             loop.__dict__.pop(built, None)
         loop.blocks["controller"] = controller
-        new = Live(loop, self.engine, self.run_number)
+        new = Live(loop, self.engine, self.replicate)
         old_state = self.program.plan.state.unpack(*self.state)
         params, fresh = loop.values()
         kept = {s: getattr(old_state, s) for s in fresh._fields if s not in ("controller", "metrics")}

@@ -367,9 +367,10 @@ class Loop:
         every: int = 1,
         *,
         engine: str | None = None,
-        run: int = 0,
+        replicate: int = 0,
+        run: None = None,
     ) -> Run:
-        """One run from the start; ``run`` is its number in the noise, as in a batch.
+        """One run from the start; ``replicate`` chooses the stream of noise, as in a batch.
 
         A loop that diverges stops: the run then holds the signals up to there, ``run.diverged`` says at what time and
         in what, its metrics are NaN, and a DivergenceWarning is issued. ``every=0`` records nothing.
@@ -380,8 +381,9 @@ class Loop:
         """
         from leadscrew.kernel.live import Live
 
+        door.renamed("run", run, "replicate")
         periods = self.periods(duration)
-        done = Live(self, engine or self.engine, run, periods * self.period).advance(
+        done = Live(self, engine or self.engine, replicate, periods * self.period).advance(
             periods, record=record, every=every
         )
         found = notes(done)
@@ -389,14 +391,15 @@ class Loop:
             warnings.warn(f"{self.name}: {note.message}", RunWarning, stacklevel=2)
         return replace(done, notes=found) if found else done
 
-    def start(self, *, engine: str | None = None, run: int = 0) -> Live:
+    def start(self, *, engine: str | None = None, replicate: int = 0, run: None = None) -> Live:
         """A live loop, to be advanced a number of periods at a time.
 
         Its end is not known, so a metric of the last part of a run has a value only with a ``from_time`` of its own.
         """
         from leadscrew.kernel.live import Live
 
-        return Live(self, engine or self.engine, run)
+        door.renamed("run", run, "replicate")
+        return Live(self, engine or self.engine, replicate)
 
     def batch(
         self,
@@ -413,7 +416,7 @@ class Loop:
     ) -> Batch:
         """Many runs with parameters varied by dotted key (arrays, one value a run); metrics, and signals if asked for.
 
-        Run ``k`` has the same bits as ``loop.using({key: values[k]}).run(duration, run=first + k)``.
+        Run ``k`` has the same bits as ``loop.using({key: values[k]}).run(duration, replicate=first + k)``.
         """
         from leadscrew.kernel.batch import run_batch
 

@@ -83,7 +83,8 @@ class Run:
     wall_s: float
     duration: float
     start: float = 0.0
-    run_number: int = 0
+    replicate: int = 0
+    """Which stream of noise it had."""
     every: int = 1
     notes: tuple[Note, ...] = ()
     """What the metrics do not show: a loop that moves away from its target, fuzzy inputs outside of their universes."""
@@ -128,7 +129,7 @@ class Run:
         """Everything needed to run it again."""
         return {
             **self.loop.manifest(self.engine),
-            "run": self.run_number,
+            "replicate": self.replicate,
             "start_s": self.start,
             "duration_s": self.duration,
             "every": self.every,
@@ -188,7 +189,7 @@ def strict(value: Any) -> Any:
 
 MANIFEST: dict[str, Any] = {
     "parameters": dict, "origin": dict | None, "metrics": dict | None, "metrics_without_value": dict | None,
-    "blocks": dict, "record": list, "run": int, "every": int, "engine": str, "duration_s": float | int,
+    "blocks": dict, "record": list, "replicate": int, "every": int, "engine": str, "duration_s": float | int,
     "start_s": float | int, "seed": int | None, "bound": float | int | str | None,
 }  # fmt: skip
 """What stands in the manifest of a run, where something does."""
@@ -212,6 +213,8 @@ def load(folder: str | Path) -> tuple[dict[str, Any], dict[str, np.ndarray]]:
     manifest = reading.json_object(path / "run.json")
     if manifest.get("schema_version") != 1:
         raise DataError(f"{path}/run.json: schema_version = {manifest.get('schema_version')!r}; this version reads 1")
+    if "replicate" not in manifest and "run" in manifest:  # its name in 0.1.0
+        manifest["replicate"] = manifest.pop("run")
     for key, kind in MANIFEST.items():
         if key in manifest and not isinstance(manifest[key], kind):
             raise DataError(f"{path}/run.json: is not a whole manifest: {key} = {str(manifest[key])[:40]!r}")

@@ -68,7 +68,7 @@ class Axes:
         """The same place again, sharing no array: what happens to one does not reach the other."""
         lives = []
         for live in self.lives:
-            other = Live(live.loop, live.engine, live.run_number)
+            other = Live(live.loop, live.engine, live.replicate)
             other.restore(live.save())
             other.diverged = live.diverged
             lives.append(other)

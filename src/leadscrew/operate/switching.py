@@ -52,7 +52,7 @@ def built(start: Start, profile: Profile, controller: str | None) -> Loop:
 def beginning(loop: Loop, start: Start) -> Axes:
     """The machine at its start.
 
-    On a circle the second axis runs as the study has it, with the run number 1 in the noise; the first is a quarter of
+    On a circle the second axis runs as the study has it, with the replicate 1 of the noise; the first is a quarter of
     a turn ahead, at rest at its reversal with its bristles unbent.
 
     Raises:
@@ -60,7 +60,7 @@ def beginning(loop: Loop, start: Start) -> Axes:
     """
     if not start.circle:
         return Axes([loop.start(engine=start.engine)])
-    return Axes([ahead(loop).start(engine=start.engine), loop.start(engine=start.engine, run=1)])
+    return Axes([ahead(loop).start(engine=start.engine), loop.start(engine=start.engine, replicate=1)])
 
 
 def ahead(loop: Loop) -> Loop:

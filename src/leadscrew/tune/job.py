@@ -2,7 +2,7 @@
 
 A job can be sent to another process or machine: it holds names and numbers only, and builds its loops where it runs. A
 run has the same bits wherever, beside whatever other runs, and in whatever chunk it is done: run ``k`` of a scenario
-is ``loop.using({key: values[k]}).run(duration, run=first + k)``.
+is ``loop.using({key: values[k]}).run(duration, replicate=first + k)``.
 """
 
 from __future__ import annotations
@@ -126,7 +126,9 @@ class Job:
         changes = {k: int(v) if k in whole else float(v) for k, v in values.items()}
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
-            alone = loop.using(changes).run(self.seconds(scenario), every=0, engine=self.experiment.engine, run=run)
+            alone = loop.using(changes).run(
+                self.seconds(scenario), every=0, engine=self.experiment.engine, replicate=run
+            )
         return alone.metrics_without_value
 
     @cached_property

@@ -1,7 +1,7 @@
 """Monte Carlo: many runs of a loop whose parameters are distributed; what its metrics then are.
 
 Run ``k`` has the parameters of sample ``k`` and the noise of run ``k``: it is
-``loop.using({key: columns[key][k]}).run(duration, run=k)``, wherever it was done.
+``loop.using({key: columns[key][k]}).run(duration, replicate=k)``, wherever it was done.
 """
 
 from __future__ import annotations

@@ -76,7 +76,7 @@ def experiment(found: MonteCarlo, run: int, scenario: str) -> Experiment:
     asked = found.job.of(scenario)
     files = found.job.loop(scenario).origin.get("files", {})
     seconds = found.job.seconds(scenario)
-    return replace(asked, changes={**asked.changes, **drawn}, duration_s=seconds, run=run, files=files)
+    return replace(asked, changes={**asked.changes, **drawn}, duration_s=seconds, replicate=run, files=files)
 
 
 def write(found: MonteCarlo, rows: tuple[Worst, ...], folder: str | Path) -> list[Path]:
@@ -105,7 +105,7 @@ def toml(asked: Experiment, comment: str = "") -> str:
         "duration": asked.duration_s,
         "engine": asked.engine,
         "seed": asked.seed,
-        "run": asked.run,
+        "replicate": asked.replicate,
     }
     table = {**head, "set": dict(asked.changes), "files": dict(asked.files)}
     return (f"# {one_line(comment)}\n" if comment else "") + controller_file.toml(table)

@@ -137,7 +137,7 @@ def _started(machine: Machine, circle: Circle, direction: str, scale: float, eng
             ready = with_reference(loop, reference_of(loop, which, both).using(**values))
             _refuse_length(ready, circle)
             # Numbers of the runs in the noise: each axis and direction has noise of its own.
-            live = ready.start(engine=engine, run=which + (0 if direction == CCW else 2))
+            live = ready.start(engine=engine, replicate=which + (0 if direction == CCW else 2))
         found.append(_Axis(live, key, centre[which]))
     return found
 

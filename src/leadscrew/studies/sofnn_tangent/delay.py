@@ -115,7 +115,7 @@ def on_the_wave(lab: Lab, controller: str, late: int, **values: float) -> float:
     """RMS on the wave in fabric with a camera that is ``late`` samples late, deg, mean of four textures."""
     changes = {"sensor.trailing_s": late * PERIOD_S} | {f"controller.{k}": v for k, v in values.items()}
     loop = lab.loop(controller, "wave_fabric").using(changes)
-    return float(np.mean([rms(deviations(loop.start(run=k), 923)) for k in range(TEXTURES)]))
+    return float(np.mean([rms(deviations(loop.start(replicate=k), 923)) for k in range(TEXTURES)]))
 
 
 class Map(NamedTuple):

@@ -174,7 +174,7 @@ def _one_by_one(
     arrays = {key: column for key, column in columns.items() if column.ndim > 1}
     for k in range(len(next(iter(columns.values())))):
         changes: dict[str, Any] = {key: float(column[k]) for key, column in numbers.items()}
-        live = loop.using(changes | {key: column[k] for key, column in arrays.items()}).start(run=first + k)
+        live = loop.using(changes | {key: column[k] for key, column in arrays.items()}).start(replicate=first + k)
         done.append(live.advance(periods, record=(), every=0))
         ends.append(live.save().arrays)
     leaves = {x.key: x for x in loop.program.plan.state.arrays}
