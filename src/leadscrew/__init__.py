@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from leadscrew.kernel import views
 from leadscrew.lazy import doors
 
 __version__ = "0.1.0"
@@ -98,5 +99,11 @@ _HOMES = {
 }
 """The module of each public name. The function ``tune`` is in the package that has its name here."""
 
+
+views.HOMES.update(
+    linearize="leadscrew.analysis.linearization:linearize",
+    margins="leadscrew.analysis.linearization:margins",
+    step_response="leadscrew.analysis.linearization:step_response",
+)
 
 __getattr__, __dir__ = doors(globals(), _HOMES)

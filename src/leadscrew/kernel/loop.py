@@ -28,8 +28,13 @@ from leadscrew.kernel.probe import example_signals
 from leadscrew.kernel.program import Program, programs
 from leadscrew.kernel.sheet import Entry, entries, nearest
 from leadscrew.kernel.treework import treework
+from leadscrew.kernel.views import view
 
 if TYPE_CHECKING:
+    from control import TimeResponseData
+
+    from leadscrew.analysis.linearization import Linearization
+    from leadscrew.analysis.stability.margins import Margins
     from leadscrew.kernel.batch import Batch
     from leadscrew.kernel.live import Live
     from leadscrew.kernel.run import Run
@@ -429,6 +434,45 @@ class Loop:
         done = self.batch(duration, {k: m.ravel() for k, m in zip(grid, mesh, strict=True)}, **options)
         done.shape = tuple(len(a) for a in axes)
         return done
+
+    # ---- the linear view
+    def linearize(
+        self, time: float | None = None, state: Mapping[str, float] | None = None, *, ideal: Sequence[str] = ()
+    ) -> Linearization:
+        """The loop around an operating point, as python-control's ``StateSpace``: ``open_loop``, ``closed_loop``.
+
+        The point is at rest at the start (error zero), or what a run has reached after ``time`` seconds; ``state``
+        sets states of it by dotted key (``{"plant.speed": 20.0}``). A sampled loop gives discrete systems of its
+        period. ``ideal=["sensor"]`` (or ``"actuator"``) leaves out a sensor that is quantised.
+
+        Raises:
+            ValueRefused: a block has no linear view there, for example a relay or a quantiser; names it.
+        """
+        return view("linearize")(self, time, state, ideal)  # type: ignore[no-any-return]
+
+    def margins(
+        self, time: float | None = None, state: Mapping[str, float] | None = None, *, ideal: Sequence[str] = ()
+    ) -> Margins:
+        """Margins of the linear view at an operating point: gain, phase, delay, disk, Ms, Mt and their frequencies.
+
+        The arguments are those of :meth:`linearize`.
+        """
+        return view("margins")(self, time, state, ideal)  # type: ignore[no-any-return]
+
+    def step_response(
+        self,
+        duration: float | None = None,
+        time: float | None = None,
+        state: Mapping[str, float] | None = None,
+        *,
+        ideal: Sequence[str] = (),
+    ) -> TimeResponseData:
+        """The true output after a unit step of the command, by python-control: ``.time``, ``.outputs``, ``.plot()``.
+
+        The other arguments are those of :meth:`linearize`. A nonlinear loop, its limits included, answers in
+        :meth:`run` with ``references.step``.
+        """
+        return view("step_response")(self, duration, time, state, ideal)  # type: ignore[no-any-return]
 
     def manifest(self, engine: str) -> dict[str, Any]:
         """Everything needed to know what ran."""
