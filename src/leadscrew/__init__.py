@@ -16,6 +16,7 @@ __version__ = "0.1.0"
 if TYPE_CHECKING:
     from leadscrew.catalogue import block, study
     from leadscrew.experiment import Experiment
+    from leadscrew.figures.runs import plot_runs
     from leadscrew.kernel.batch import Batch
     from leadscrew.kernel.block import Block, actuator, controller, disturbance, metric, plant, reference, sensor
     from leadscrew.kernel.errors import (
@@ -73,6 +74,7 @@ __all__ = [
     "montecarlo",
     "normal",
     "plant",
+    "plot_runs",
     "reference",
     "sensor",
     "study",
@@ -83,6 +85,7 @@ __all__ = [
 _HOMES = {
     "catalogue": "block study",
     "experiment": "Experiment",
+    "figures.runs": "plot_runs",
     "kernel.batch": "Batch",
     "kernel.block": "Block actuator controller disturbance metric plant reference sensor",
     "kernel.errors": "BlockError CodeNotTrusted DataError Diverged LeadscrewError NameUnknown SubsetError ValueRefused",
@@ -101,6 +104,7 @@ _HOMES = {
 
 
 views.HOMES.update(
+    run_figure="leadscrew.figures.runs:run_figure",
     linearize="leadscrew.analysis.linearization:linearize",
     margins="leadscrew.analysis.linearization:margins",
     step_response="leadscrew.analysis.linearization:step_response",

@@ -7,11 +7,11 @@ import pytest
 
 from leadscrew import catalogue
 from leadscrew.experiment import Experiment
+from leadscrew.figures.signals import signal_unit
 from leadscrew.kernel.errors import NameUnknown, ValueRefused
 from leadscrew.operate.profile import fitted, profile_of
 from leadscrew.operate.profiles.sofnn_tangent import MATERIALS
 from leadscrew.plants import flexible_cut
-from leadscrew.report.tables import signal_unit
 from tests.operate.playing import STUDIES, loop_of
 
 LENGTHS = {"mm": 1.0, "um": 1e-3, "nm": 1e-6}

@@ -8,11 +8,12 @@ import numpy as np
 import pytest
 from matplotlib.figure import Figure
 
+from leadscrew.figures.runs import run_figure
+from leadscrew.figures.signals import signal_unit
 from leadscrew.kernel.block import controller
 from leadscrew.kernel.loop import Loop
 from leadscrew.references.sine import sine_motion
 from leadscrew.report import html, tables
-from leadscrew.report.plots import run_figure
 from leadscrew.report.strict import strict
 from tests.cli.plain_study import LOOP, gain, slide
 
@@ -65,7 +66,7 @@ def test_metric_units_follow_the_loop():
     units = {r.name: r.unit for r in tables.metric_rows(loop.run(0.01))}
     assert units["rms_error"] == "mm" and units["settling_time"] == "s"
     assert all("[" not in u for u in units.values())
-    assert tables.signal_unit(loop, "time") == "s" and tables.signal_unit(loop, "disturbance") == ""
+    assert signal_unit(loop, "time") == "s" and signal_unit(loop, "disturbance") == ""
 
 
 def test_strict_json_has_no_infinity():

@@ -105,8 +105,8 @@ def linearize(
     from control import ss
 
     dt = 0.0 if loop.continuous else loop.period
-    errors = _plain([under("error", p.suffix.removeprefix(".")) for p in pairs_of])
-    seen = _plain([under("feedback", p.other) for p in pairs_of])
+    errors = [_plain(under("error", p.suffix.removeprefix("."))) for p in pairs_of]
+    seen = [_plain(under("feedback", p.other)) for p in pairs_of]
     label = loop.name
     opened = ss(open_a, open_b, open_c, d, dt, inputs=errors, outputs=seen, states=open_names or None, name=label)
     ca, cb, cc, cd = parts.joined(None)
@@ -121,7 +121,7 @@ def linearize(
             parts.refuse_cut()
     return Linearization(
         opened, closed, point.signals, cut,
-        tuple((*_plain([under("command", p.command)]), *_plain([under("actual", p.other)])) for p in shown),
+        tuple((_plain(under("command", p.command)), _plain(under("actual", p.other))) for p in shown),
     )  # fmt: skip
 
 
@@ -329,7 +329,7 @@ def _jacobian(
     start = f(at)
     rows = np.arange(len(start))
     jacobian = np.zeros((len(start), len(at)))
-    for k in np.flatnonzero(moved):
+    for k in np.flatnonzero(moved).tolist():
         steps = STEPS * max(1.0, abs(at[k]))
         unit = np.zeros(len(at))
         unit[k] = 1.0
@@ -386,8 +386,8 @@ class _Parts:
         self.sensor = self._of("sensor", ("actual",))
         self.controller = self._of("controller", ("command", "feedback"))
         self.actuator = self._of("actuator", ("output",))
-        self.inputs = _plain([*self._labels("command"), *self._labels("disturbance")])
-        self.outputs = _plain([*self._labels("actual"), *self._labels("output")])
+        self.inputs = [_plain(n) for n in (*self._labels("command"), *self._labels("disturbance"))]
+        self.outputs = [_plain(n) for n in (*self._labels("actual"), *self._labels("output"))]
 
     def _labels(self, signal: str) -> list[str]:
         return [under(signal, leaf.key) for leaf in leaves(Layout(self.point.signals[signal]).tree)]
@@ -538,9 +538,9 @@ class _Parts:
         return moved[0][0], np.column_stack([drive for _, drive in moved])
 
 
-def _plain(names: Sequence[str]) -> list[str]:
-    """Dotted names as python-control takes them: ``command_position``."""
-    return [name.replace(".", "_") for name in names]
+def _plain(name: str) -> str:
+    """A dotted name as python-control takes it: ``command_position``."""
+    return name.replace(".", "_")
 
 
 def _added(u: Any, load: Any) -> Any:
@@ -583,7 +583,7 @@ def _minimal(
         shown = shown | (shown @ (a != 0.0))
     kept = reached & shown
     every = [*names, *(f"delayed[{i}]" for i in range(len(a) - len(names)))]
-    return a[np.ix_(kept, kept)], b[kept], c[:, kept], _plain([n for n, k in zip(every, kept, strict=True) if k])
+    return a[np.ix_(kept, kept)], b[kept], c[:, kept], [_plain(every[k]) for k in np.flatnonzero(kept).tolist()]
 
 
 __all__ = ["Linearization", "linearize", "margins", "step_response"]

@@ -32,7 +32,7 @@ from typing import Any, NamedTuple
 
 from leadscrew.escape import checked_line
 from leadscrew.kernel.errors import BlockError
-from leadscrew.kernel.sheet import checked_replace
+from leadscrew.kernel.sheet import checked_replace, entries
 
 KINDS: dict[str, tuple[str, ...]] = {
     "reference": ("t", "dt", "noise"),
@@ -65,7 +65,7 @@ class InputRange(NamedTuple):
     feedback: str = "feedback"
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Block:
     """A block: its step, its parameters and its state at the start.
 
@@ -111,6 +111,11 @@ class Block:
     """Controller: the ranges for which its inputs are made."""
     doc: str = field(default="", repr=False)
 
+    def __repr__(self) -> str:
+        values = [f"{e.key}={_short(e.default)}" for e in entries(self.params)] if self.params is not None else []
+        more = f", and {len(values) - SHOWN} more" if len(values) > SHOWN else ""
+        return f"<{self.kind} {self.name}{': ' if values else ''}{', '.join(values[:SHOWN])}{more}>"
+
     def __call__(self, *args: Any, **changes: Any) -> Any:
         if args:
             return self.step(*args, **changes)
@@ -125,6 +130,15 @@ class Block:
     def starting(self, **changes: Any) -> Block:
         """The block with some fields of its state at the start changed."""
         return replace(self, state=checked_replace(self.state, changes, where=f"{self.name} state"), initial=None)
+
+
+SHOWN = 6
+"""Parameters that the short form of a block shows."""
+
+
+def _short(value: Any) -> str:
+    shape = getattr(value, "shape", ())
+    return f"array {' x '.join(map(str, shape))}" if shape else f"{value:g}" if isinstance(value, float) else str(value)
 
 
 def takes(function: Callable[..., Any], argument: str) -> bool:

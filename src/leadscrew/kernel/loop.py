@@ -122,6 +122,13 @@ class Loop:
         """How to build this loop again: study, controller, scenario and changes; goes into the manifest."""
         door.check_continuous(self, method)
 
+    def __repr__(self) -> str:
+        main = " -> ".join(b.name for s in ("reference", "controller", "plant") if (b := self.blocks[s]) is not None)
+        others = ("sensor", "actuator", "disturbance", "output_disturbance")
+        rest = [f"{s} {b.name}" for s in others if (b := self.blocks[s]) is not None]
+        clock = "continuous" if self.continuous else f"{1e3 * self.period:g} ms"
+        return f"<Loop {self.name}: {'; '.join([main, *rest, clock])}>"
+
     # ---- parameters
     @cached_property
     def sheet(self) -> dict[str, Entry]:
@@ -448,7 +455,7 @@ class Loop:
         Raises:
             ValueRefused: a block has no linear view there, for example a relay or a quantiser; names it.
         """
-        return view("linearize")(self, time, state, ideal)  # type: ignore[no-any-return]
+        return view("linearize")(self, time, state, ideal)
 
     def margins(
         self, time: float | None = None, state: Mapping[str, float] | None = None, *, ideal: Sequence[str] = ()
@@ -457,7 +464,7 @@ class Loop:
 
         The arguments are those of :meth:`linearize`.
         """
-        return view("margins")(self, time, state, ideal)  # type: ignore[no-any-return]
+        return view("margins")(self, time, state, ideal)
 
     def step_response(
         self,
@@ -472,7 +479,7 @@ class Loop:
         The other arguments are those of :meth:`linearize`. A nonlinear loop, its limits included, answers in
         :meth:`run` with ``references.step``.
         """
-        return view("step_response")(self, duration, time, state, ideal)  # type: ignore[no-any-return]
+        return view("step_response")(self, duration, time, state, ideal)
 
     def manifest(self, engine: str) -> dict[str, Any]:
         """Everything needed to know what ran."""

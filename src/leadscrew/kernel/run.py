@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
@@ -17,10 +17,12 @@ from leadscrew.kernel.layout import is_branch
 from leadscrew.kernel.notes import Note
 from leadscrew.kernel.plan import LIMITS
 from leadscrew.kernel.sheet import nearest
+from leadscrew.kernel.views import view
 from leadscrew.newfolder import appearing
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
+    from pandas import DataFrame
 
     from leadscrew.kernel.loop import Loop
 
@@ -160,11 +162,26 @@ class Run:
             )
         return Path(folder)
 
-    def plot(self) -> Figure:
-        """Command, true output, error and controller output against time."""
-        from leadscrew.report.plots import run_figure
+    def to_dataframe(self) -> DataFrame:
+        """The signals as a pandas ``DataFrame``, a column each, by time.
 
-        return run_figure(self)
+        Raises:
+            ImportError: pandas is not installed.
+        """
+        try:
+            import pandas as pd
+        except ImportError as error:
+            raise ImportError("to_dataframe() needs pandas: pip install pandas, or leadscrew[pandas]") from error
+
+        rows = {name: values for name, values in self.signals.items() if name != "time"}
+        return pd.DataFrame(rows, index=pd.Index(self.time, name="time"))
+
+    def plot(self, signals: str | Sequence[str] | None = None) -> Figure:
+        """A Matplotlib figure: command, true output, error and output against time, or a panel for each of ``signals``.
+
+        A notebook shows it as it is; ``leadscrew.plot_runs`` draws several runs over one another.
+        """
+        return view("run_figure")(self, signals)
 
     def _repr_html_(self) -> str:
         cells = {k: html(self.metrics_without_value.get(k, f"{v:.6g}")) for k, v in self.metrics.items()}

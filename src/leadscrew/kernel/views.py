@@ -17,4 +17,4 @@ HOMES: dict[str, str] = {}
 def view(name: str) -> Callable[..., Any]:
     """The function that computes or draws this view."""
     module, function = HOMES[name].split(":")
-    return getattr(import_module(module), function)  # type: ignore[no-any-return]
+    return getattr(import_module(module), function)

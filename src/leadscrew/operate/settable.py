@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from leadscrew.figures.signals import signal_unit
 from leadscrew.kernel.errors import LeadscrewError, NameUnknown, ValueRefused
 from leadscrew.kernel.layout import Layout, is_branch
 from leadscrew.kernel.sheet import Entry, entries, nearest, put
-from leadscrew.report.tables import signal_unit
 
 if TYPE_CHECKING:
     from leadscrew.kernel.block import Block

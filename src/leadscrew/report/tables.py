@@ -8,6 +8,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import asdict, dataclass, replace
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+from leadscrew.figures.signals import signal_unit
 from leadscrew.kernel.sheet import Entry, entries
 
 if TYPE_CHECKING:
@@ -48,22 +49,6 @@ def first_line(text: str) -> str:
 
 
 # ---- metrics and units
-def signal_unit(loop: Loop, signal: str) -> str:
-    """The unit of a loop's signal as far as its blocks say."""
-
-    def of(*slots: str) -> str:
-        return next((b.unit for s in slots if (b := loop.blocks[s]) is not None and b.unit), "")
-
-    root = signal.split(".")[0]
-    if root == "time":
-        return "s"
-    if root in ("output", "applied"):
-        return of("controller")
-    if root == "disturbance":
-        return of("disturbance")
-    return of("plant", "sensor", "reference")
-
-
 class MetricRow(NamedTuple):
     """One metric of a run."""
 

@@ -39,7 +39,7 @@ class Assumption(NamedTuple):
     why: str
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Study:
     """One published system."""
 
@@ -65,6 +65,9 @@ class Study:
     """How the numbers came about, a paragraph each."""
     limits: tuple[str, ...] = ()
     """What the results do not say, a paragraph each."""
+
+    def __repr__(self) -> str:
+        return f"<Study {self.name}: {len(self.controllers)} controllers, {len(self.scenarios)} scenarios>"
 
     def judged(self) -> Contents:
         """What the study claims and shows.

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from matplotlib.figure import Figure
 
-from leadscrew.report.plots import AXIS_COLOURS
+from leadscrew.figures.runs import AXIS_COLOURS
 from leadscrew.report.style import BLACK, BLUE, VERMILION
 from leadscrew.tune.montecarlo_tolerances import Tolerance
 from leadscrew.tune.statistics import PERCENTILES

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from leadscrew.figures.signals import signal_unit
 from leadscrew.kernel.layout import is_branch
 from leadscrew.kernel.sheet import entries
 from leadscrew.operate.profile import Disturbance, Field, Plot, Profile, Role, Trace
 from leadscrew.operate.profiles.parts import load_pulse, moved_on, noise, to_value, with_blocks, with_pulse
-from leadscrew.report.tables import signal_unit
 
 if TYPE_CHECKING:
     from leadscrew.kernel.loop import Loop
