@@ -15,6 +15,7 @@ __version__ = "0.1.0"
 
 if TYPE_CHECKING:
     from leadscrew.catalogue import block, study
+    from leadscrew.controllers.series import series
     from leadscrew.experiment import Experiment
     from leadscrew.figures.runs import plot_runs
     from leadscrew.kernel.batch import Batch
@@ -77,6 +78,7 @@ __all__ = [
     "plot_runs",
     "reference",
     "sensor",
+    "series",
     "study",
     "trust",
     "uniform",
@@ -84,6 +86,7 @@ __all__ = [
 
 _HOMES = {
     "catalogue": "block study",
+    "controllers.series": "series",
     "experiment": "Experiment",
     "figures.runs": "plot_runs",
     "kernel.batch": "Batch",

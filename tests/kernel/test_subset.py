@@ -490,3 +490,26 @@ def test_a_namedtuple_can_be_chosen_whole_and_read_field_by_field():
     assert np.array_equal(runs[0]["output"], runs[1]["output"])
     for k in range(300):
         assert runs[0]["output"][k] == either_end(runs[0]["command"][k], runs[0]["feedback"][k])
+
+
+FIELD = "gain"
+
+
+def test_a_field_can_be_read_by_a_name_that_is_constant_and_by_no_other():
+    class Gains(NamedTuple):
+        gain: float = 3.0
+
+    def named(p, command, feedback):
+        return getattr(p, FIELD) * (command - feedback)
+
+    def computed(p, command, feedback):
+        name = command
+        return getattr(p, name)
+
+    parts = {"reference": zoo.sine, "plant": zoo.mass, "metrics": {}}
+    loop = Loop(controller=make("controller", named, Gains()), **parts)
+    fast, plain = (loop.run(0.01, engine=e)["output"] for e in ("llvm", "python"))
+    assert np.array_equal(fast, plain) and np.ptp(fast) > 0.0
+    module = Loop(controller=make("controller", named, Gains()), **parts).module
+    with pytest.raises(SubsetError, match="no constant text"):
+        module.callable(computed)

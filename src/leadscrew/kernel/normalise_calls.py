@@ -145,6 +145,13 @@ class Calls(ast.NodeTransformer):
         given = {f: changes.get(f, ast.Attribute(copied(read), f, ast.Load())) for f in cls._fields}
         return self.constructed(node, cls, given)
 
+    def field(self, node: ast.Call) -> ast.expr:
+        """``getattr(x, NAME)``, of a name that is a constant outside of the step, as ``x.name``."""
+        name = self.value(node.args[1])
+        if not isinstance(name, str):
+            self.refuse(node, "getattr() by a name that is no constant text outside of the step")
+        return ast.copy_location(ast.Attribute(self.visit(node.args[0]), name, ast.Load()), node)
+
     def mathematics(self, node: ast.Call, found: Any, name: str) -> ast.expr:
         args = [self.visit(a) for a in node.args]
         if name == "float64" and len(args) == 1:
@@ -166,6 +173,8 @@ class Calls(ast.NodeTransformer):
     def builtin(self, node: ast.Call, name: str) -> ast.expr:
         if node.keywords:
             self.refuse(node, f"keywords in {name}()")
+        if name == "getattr" and len(node.args) == 2:
+            return self.field(node)
         args = [self.visit(a) for a in node.args]
         if name in ("min", "max") and len(args) >= 2:
             pick = self.module.function(portable.maximum if name == "max" else portable.minimum)
