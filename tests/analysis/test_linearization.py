@@ -175,6 +175,13 @@ def test_a_limit_far_away_is_not_seen_and_a_limit_reached_is_named():
         xy(actuator=limits(lower=-0.1, upper=0.1)).margins(time=0.5e-3)
 
 
+def test_a_moved_plant_is_at_rest_there_with_a_controller_that_remembers_where_it_was():
+    """Otherwise the derivative's first difference would drive the output to its limit."""
+    limited = xy(actuator=limits(lower=-10.0, upper=10.0))
+    assert limited.margins(state={"plant.position": 500.0}).gm == pytest.approx(xy().margins().gm, rel=1e-9)
+    assert limited.linearize(state={"plant.position": 500.0}).point["command"] == 500.0
+
+
 # ---- what has no linear view
 @pytest.mark.parametrize(
     ("parts", "text"),

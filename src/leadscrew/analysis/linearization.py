@@ -49,7 +49,7 @@ ROUNDING = 2.0**-50
 CONVERGED = 1e-4
 """How far two differences of neighbouring steps may part, as a share, where there is a derivative."""
 SETTLING = 64
-"""Periods after which the flags and counters of a block stay, where they ever do."""
+"""Periods after which the flags of a block stay, where they ever do."""
 KINK = 1e-3
 """Share by which the slopes on both sides differ at a kink."""
 
@@ -201,9 +201,9 @@ class _Point:
         self.loop.__dict__["signals"] = loop.signals
         self.noise = Noise(loop.seed, 0, 0, 0)
         self._place(states)
-        self.signals = self._signals(at_rest=time is None)
-        for slot in ("sensor", "controller", "actuator"):
-            self._settle(slot, keep=time is None)
+        self.at_rest = time is None
+        self.given = {key.split(".")[0] for key in state}
+        self.signals = self._signals()
 
     def _place(self, states: Mapping[str, Any]) -> None:
         for slot, value in states.items():
@@ -211,21 +211,24 @@ class _Point:
             assert block is not None
             self.loop.blocks[slot] = replace(block, state=value, initial=None)
 
-    def _signals(self, at_rest: bool) -> dict[str, Any]:
+    def _signals(self) -> dict[str, Any]:
         loop = self.loop
         plant = loop.blocks["plant"]
         assert plant is not None
         command, load = self.result("reference", {}), self.result("disturbance", {})
         actual = filled(loop.signals["actual"], self.shown(plant.state))
+        self._settle("sensor", {"actual": actual})
         feedback = self._passed("sensor", "feedback", "actual", actual)
-        if at_rest:
+        if self.at_rest:
             tree = Layout(loop.signals["command"])
             values, seen = numbers(command), numbers(feedback)
             places = [leaf.key for leaf in leaves(Layout(loop.signals["feedback"]).tree)]
             for pair in pairs(tree.tree, Layout(loop.signals["feedback"]).tree):
                 values[tree.keys[pair.command].at] = seen[places.index(pair.other)]
             command = filled(loop.signals["command"], values)
+        self._settle("controller", {"command": command, "feedback": feedback})
         output = self.result("controller", {"command": command, "feedback": feedback})
+        self._settle("actuator", {"output": output})
         return {
             "command": command, "feedback": feedback, "output": output,
             "applied": self._passed("actuator", "applied", "output", output), "actual": actual,
@@ -281,8 +284,8 @@ class _Point:
         """The signal that a block gives at the point."""
         return self.stepped(slot, given)[1]
 
-    def _settle(self, slot: str, keep: bool) -> None:
-        """Runs a block at the point until its flags stay; ``keep``: it is linearised as it is then.
+    def _settle(self, slot: str, signals: Mapping[str, Any]) -> None:
+        """Runs a block under constant signals until its state stays; at rest it is linearised as it is then.
 
         Raises:
             ValueRefused: its state counts on: no two of its periods are alike.
@@ -293,15 +296,15 @@ class _Point:
         before, counting = block.state, [""]
         counts: dict[str, float] = {}
         for _ in range(SETTLING):
-            following = self.stepped(slot, self.signals)[0]
+            following = self.stepped(slot, signals)[0]
             layout = Layout(following)
             scalars = layout.pack(following)[0]
-            last, counts = counts, {x.key: float(scalars[x.at]) for x in layout.scalars if x.kind != "float"}
+            last, counts = counts, {x.key: float(scalars[x.at]) for x in layout.scalars}
             self._place({slot: following})
-            counting = [key for key, value in counts.items() if value != last.get(key)]
-            if not counting:
+            counting = [x.key for x in layout.scalars if x.kind != "float" and counts[x.key] != last.get(x.key)]
+            if counts == last:
                 break
-        if not keep:
+        if not self.at_rest or slot in self.given:
             self._place({slot: before})
         if counting:
             raise ValueRefused(
