@@ -11,7 +11,9 @@ import leadscrew as ls
 from leadscrew.actuators.limits import limits
 from leadscrew.analysis.stability import margins, sampled_loop
 from leadscrew.controllers.pid import pid
+from leadscrew.friction.asymmetric import one_way_lugre
 from leadscrew.kernel.errors import NameUnknown, ValueRefused
+from leadscrew.plants.mass_lugre import mass_lugre
 from leadscrew.plants.xy_table import xy_table
 from leadscrew.references.ramp import ramp
 from leadscrew.references.sine import sine
@@ -166,6 +168,27 @@ def test_a_point_of_a_run_is_where_the_run_is():
     assert here == at[1500] > 1.0
     poles = np.log(linear.open_loop.poles()) / loop.period
     assert np.sort(poles.real) == pytest.approx(np.sort(np.roots([1.0, 10.0, 3.0 * here**2]).real), rel=1e-6)
+
+
+def test_friction_at_rest_is_the_spring_of_its_bristles():
+    """``m x'' + (s1 + s2) x' + s0 x = u``; bristle less position stays as it is and is no pole of the loop."""
+    loop = ls.Loop(reference=sine, controller=proportional, plant=mass_lugre, period=None, metrics={})
+    f, s = one_way_lugre(mass_lugre.params.friction, 0.0), control.tf("s")
+    spring = 4.0 / (mass_lugre.params.mass * s**2 + (f.damping + f.viscous) * s + f.stiffness)
+    found = loop.linearize().cut
+    w = np.geomspace(1.0, 1e4, 40)
+    assert len(found.a) == 2 and np.allclose(found.response(w), spring(1j * w), rtol=1e-6)
+    assert loop.margins().ms == pytest.approx(np.abs(1.0 / (1.0 + spring(1j * w))).max(), rel=1e-2)
+
+
+def test_friction_in_motion_has_the_jacobian_that_is_written_in_the_block():
+    state = {"plant.position": 0.01, "plant.speed": 2e-3, "plant.bristle": 8e-6}
+    loop = ls.Loop(reference=sine, controller=proportional, plant=mass_lugre, period=None, metrics={})
+    opened = loop.linearize(state=state).open_loop
+    exact = np.array(
+        mass_lugre.jacobian(mass_lugre.params, mass_lugre.state._replace(position=0.01, speed=2e-3, bristle=8e-6))
+    )
+    assert pytest.approx(exact, rel=1e-5) == opened.A
 
 
 def test_a_limit_far_away_is_not_seen_and_a_limit_reached_is_named():

@@ -50,6 +50,8 @@ CONVERGED = 1e-4
 """How far two differences of neighbouring steps may part, as a share, where there is a derivative."""
 SETTLING = 64
 """Periods after which the flags of a block stay, where they ever do."""
+CONSTANT = 1e-11
+"""Size of a singular value, as a share of the largest, that counts as none."""
 KINK = 1e-3
 """Share by which the slopes on both sides differ at a kink."""
 
@@ -115,8 +117,18 @@ def linearize(
     shown = pairs(Layout(loop.signals["command"]).tree, Layout(loop.signals["actual"]).tree)
     cut = None
     if len(pairs_of) == 1:
-        cut = LinearLoop(open_a, open_b, open_c, d, None if loop.continuous else loop.period, name=label,
-                         from_blocks=True)  # fmt: skip
+        free_a, free_b, free_c = _without_constants(open_a, open_b, open_c, sampled=not loop.continuous)
+        notes = ("A state that nothing moves and nothing shows is left out.",) if len(free_a) < len(open_a) else ()
+        cut = LinearLoop(
+            free_a,
+            free_b,
+            free_c,
+            d,
+            None if loop.continuous else loop.period,
+            name=label,
+            notes=notes,
+            from_blocks=True,
+        )
         if not len(open_a) and not d.any():
             parts.refuse_cut()
     return Linearization(
@@ -574,6 +586,30 @@ def _held(a: np.ndarray, b: np.ndarray, steps: int) -> tuple[np.ndarray, np.ndar
     one = np.block([[a, b], [np.zeros((inputs, order)), np.eye(inputs)]])
     whole = np.linalg.matrix_power(one, steps)
     return whole[:order, :order], whole[:order, order:]
+
+
+def _without_constants(
+    a: np.ndarray, b: np.ndarray, c: np.ndarray, sampled: bool
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """The system without what keeps its value and is not reached by the input, or not shown by the output.
+
+    A bristle at rest moves with its axis, so the difference of the two is such a constant: no pole of the loop.
+    """
+    from scipy.linalg import matrix_balance, null_space
+
+    if not len(a):
+        return a, b, c
+    scale = np.diag(matrix_balance(a, permute=False)[1])
+    small = a / scale[:, None] * scale, b / scale[:, None], c * scale
+    for dual in (False, True):
+        x, y, z = (small[0].T, small[2].T, small[1].T) if dual else small
+        still = (np.eye(len(x)) if sampled else 0.0) - x
+        constant = null_space(np.hstack([still, y / (np.linalg.norm(y) or 1.0)]).T, rcond=CONSTANT)
+        if constant.shape[1]:
+            kept = null_space(constant.T)
+            x, y, z = kept.T @ x @ kept, kept.T @ y, z @ kept
+            small = (x.T, z.T, y.T) if dual else (x, y, z)
+    return small if len(small[0]) < len(a) else (a, b, c)
 
 
 def _minimal(
