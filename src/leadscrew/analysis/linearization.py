@@ -10,9 +10,8 @@ step. Two systems come out:
 - the open loop, cut at the feedback: from ``error`` to ``feedback``, with the sign of negative feedback;
 - the closed loop: from ``command`` and ``disturbance`` to ``actual`` and ``output``, feed-forward included.
 
-Times of the point: at rest where the loop starts (error zero, the default), or as a run has it at a time. Sensors and
-actuators that are not smooth (quantised, saturated) are refused by name, or left out where the caller counts them as
-ideal.
+The point is at rest where the loop starts (error zero, the default), or where a run is at a time. A block that is not
+smooth there (a relay, a quantiser) is refused by name; a sensor or an actuator may count as ideal instead.
 """
 
 from __future__ import annotations
@@ -109,7 +108,7 @@ def linearize(
     dt = 0.0 if loop.continuous else loop.period
     errors = [_plain(under("error", p.suffix.removeprefix("."))) for p in pairs_of]
     seen = [_plain(under("feedback", p.other)) for p in pairs_of]
-    label = loop.name
+    label = _plain(loop.name)
     opened = ss(open_a, open_b, open_c, d, dt, inputs=errors, outputs=seen, states=open_names or None, name=label)
     ca, cb, cc, cd = parts.joined(None)
     ca, cb, cc, closed_names = _minimal(ca, cb, cc, names)
@@ -125,7 +124,7 @@ def linearize(
             free_c,
             d,
             None if loop.continuous else loop.period,
-            name=label,
+            name=loop.name,
             notes=notes,
             from_blocks=True,
         )
