@@ -16,7 +16,7 @@ from leadscrew.kernel.errors import NameUnknown, ValueRefused
 from leadscrew.plants.mass_lugre import mass_lugre
 from leadscrew.plants.xy_table import xy_table
 from leadscrew.references.ramp import ramp
-from leadscrew.references.sine import sine
+from leadscrew.references.sine import sine, sine_motion
 from leadscrew.references.step import step
 from leadscrew.sensors.ruler import ruler
 
@@ -230,3 +230,64 @@ def test_a_ruler_that_counts_as_ideal_leaves_the_margins_of_the_rest():
 def test_an_unknown_state_is_refused_with_the_nearest():
     with pytest.raises(NameUnknown, match=r"there is no state 'plant.positon'; did you mean plant.position"):
         xy().linearize(state={"plant.positon": 1.0})
+
+
+# ---- several axes, motions
+class Two(NamedTuple):
+    x: float = 0.0
+    y: float = 0.0
+
+
+class TwoLags(NamedTuple):
+    x: LagParams = LagParams(0.1)
+    y: LagParams = LagParams(0.2)
+
+
+class TwoPositions(NamedTuple):
+    x: Position = Position()
+    y: Position = Position()
+
+
+@ls.reference()
+def corner(t):
+    return Two(1.0, 2.0)
+
+
+@ls.controller(Gain())
+def both(p, command, feedback):
+    return Two(p.kp * (command.x - feedback.x), p.kp * (command.y - feedback.y))
+
+
+def where(s):
+    return Two(s.x.y, s.y.y)
+
+
+@ls.plant(TwoLags(), TwoPositions(), output=where)
+def table(p, s, u):
+    return TwoPositions(lag(p.x, s.x, u.x), lag(p.y, s.y, u.y))
+
+
+@ls.controller(Gain())
+def with_feed_forward(p, command, feedback):
+    return p.kp * (command.position - feedback) + command.velocity
+
+
+def test_two_axes_have_an_open_loop_of_two_errors_and_no_margins():
+    loop = ls.Loop(reference=corner, controller=both(kp=1.0), plant=table, period=0.05, metrics={})
+    opened = loop.linearize().open_loop
+    assert opened.input_labels == ["error_x", "error_y"] and opened.output_labels == ["feedback_x", "feedback_y"]
+    a = np.exp([-0.05 / 0.1, -0.05 / 0.2])
+    assert np.allclose(opened(-1.0), np.diag((1.0 - a) / (-1.0 - a)))
+    with pytest.raises(ValueRefused, match="compares 2 axes"):
+        loop.margins()
+    response = loop.step_response(1.0)
+    assert response.outputs.shape == (2, 2, 21) and np.allclose(response.outputs[:, :, -1], 0.5 * np.eye(2), atol=1e-3)
+
+
+def test_feed_forward_is_in_the_closed_loop_and_not_in_the_open_one():
+    loop = ls.Loop(reference=sine_motion, controller=with_feed_forward, plant=lag, period=0.05, metrics={})
+    linear = loop.linearize()
+    assert linear.open_loop.ninputs == 1
+    closed = linear.closed_loop
+    assert closed.input_labels[:2] == ["command_position", "command_velocity"]
+    assert closed.dcgain()[0, :2] == pytest.approx([4.0 / 5.0, 1.0 / 5.0])
