@@ -23,7 +23,7 @@ help:
 	@echo "make outdated newer releases of what is installed, and the advisories that the index knows"
 	@echo "make bench   speed, beside C, plain Python and other libraries"
 	@echo "make peers   other fuzzy toolboxes to be measured against, in an environment of their own, .peers"
-	@echo "make lint    ruff and mypy"
+	@echo "make lint    ruff, mypy, layers and circles of imports"
 	@echo "make docs    the HTML documentation, in docs/_build/html"
 	@echo "make clean   removes what the other targets made, .venv included"
 
@@ -62,6 +62,8 @@ lint: .venv/.dev
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
+	$(BIN)/lint-imports
+	$(BIN)/python -m tests.circles
 
 docs: .venv/.docs
 	$(BIN)/python -m sphinx -W --keep-going -q -b html docs docs/_build/html
@@ -69,7 +71,7 @@ docs: .venv/.docs
 
 clean:
 	rm -rf .venv .peers .audit build dist docs/_build docs/studies/generated docs/reference/generated report .coverage .coverage.* \
-	  .pytest_cache .ruff_cache .mypy_cache .hypothesis
+	  .pytest_cache .ruff_cache .mypy_cache .import_linter_cache .hypothesis
 	find src tests docs -name __pycache__ -type d -prune -exec rm -rf {} +
 
 # ---- installing: a stamp in .venv for each set of extras

@@ -9,16 +9,16 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from leadscrew import catalogue
+from leadscrew import resolve
 from leadscrew.analysis.circular.paths import CircularTest
 from leadscrew.analysis.friction import friction_along, friction_velocity
 from leadscrew.figures.panels import grid, with_legend
+from leadscrew.figures.style import BLACK, BLUE, GREEN, ORANGE, VERMILION, pen
 from leadscrew.friction.lugre import LuGre
 from leadscrew.identify.friction import FrictionFit, fit_friction
-from leadscrew.plants.ballscrew_stage import TRAVEL_MM_PER_RAD
-from leadscrew.references.friction_test import ROWS
-from leadscrew.report.ballbar_picture import CIRCLE, centred, division_um
-from leadscrew.report.style import BLACK, BLUE, GREEN, ORANGE, VERMILION, pen
+from leadscrew.plants import TRAVEL_MM_PER_RAD
+from leadscrew.references._friction_test import ROWS
+from leadscrew.report.ballbar import CIRCLE, centred, division_um
 from leadscrew.studies.fsmc_ballscrew.circles import CIRCLES, circle_of
 from leadscrew.studies.fsmc_ballscrew.figures import GUIDE, draw_circles, thinned
 from leadscrew.studies.fsmc_ballscrew.learned import BEFORE, OURS, SECONDS, by_reversal_um, half_period_s, learned_run
@@ -204,7 +204,7 @@ def _errors(axes: Axes, found: dict[str, FrictionFit]) -> None:
 
 def images() -> dict[str, Figure]:
     """The images by name."""
-    lab = Lab(catalogue.study("fsmc_ballscrew"))
+    lab = Lab(resolve.study("fsmc_ballscrew"))
     learned = {
         "learned_sines": learned_sines,
         "learned_way": learned_way,

@@ -16,13 +16,14 @@ import sys
 from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 
-from leadscrew import catalogue, escape
-from leadscrew.kernel.sheet import entries
-from leadscrew.report import tables
+from leadscrew import catalogue, resolve
+from leadscrew.figures import formats
+from leadscrew.kernel.parameters import entries
 from leadscrew.report.report import Picture, Report, Section, TextTable
 from leadscrew.report.study import report_of
 from leadscrew.studies.results import Results, evaluate
-from leadscrew.studies.study import Study
+from leadscrew.study_data import Study
+from leadscrew.util import escape
 
 
 def kept() -> bool:
@@ -32,7 +33,7 @@ def kept() -> bool:
 
 def cell(value: object) -> str:
     """A value inside a table of Markdown."""
-    text = tables.number(value).replace("\n", " ").replace("<", "&lt;")
+    text = formats.number(value).replace("\n", " ").replace("<", "&lt;")
     return re.sub(r"([|*_])", r"\\\1", text)
 
 
@@ -110,7 +111,7 @@ def study_page(study: Study, folder: Path, result: Results) -> str:
         *report_parts(report_of(result), folder),
     ]
     parts += ["## Controllers", table(["name", "block", "what it is"], (
-        (name, block.name, tables.first_line(block.doc)) for name, block in study.controllers.items()
+        (name, block.name, formats.first_line(block.doc)) for name, block in study.controllers.items()
     ))]  # fmt: skip
     parts += ["## Scenarios", table(["name", "seconds", "what it asks"], (
         (s.name, s.duration_s, s.doc) for s in study.scenarios.values()
@@ -125,14 +126,14 @@ def blocks_page() -> str:
         "# Blocks by name",
         "What `leadscrew list` shows: every block, its parameters, units, defaults and ranges.",
     ]
-    found = [(name, catalogue.block(name)) for name in catalogue.BLOCKS]
+    found = [(name, resolve.block(name)) for name in catalogue.BLOCKS]
     for kind in dict.fromkeys(block.kind for _, block in found):
         parts.append(f"## {kind.capitalize()}s")
         for name, block in found:
             if block.kind != kind:
                 continue
             module = catalogue.BLOCKS[name].split(":")[0]
-            parts += [f"### {name}", f"{tables.first_line(block.doc)} In `{module}`."]
+            parts += [f"### {name}", f"{formats.first_line(block.doc)} In `{module}`."]
             rows = [(e.key, e.default, e.unit, e.range, e.doc) for e in entries(block.params)]
             if rows:
                 parts.append(table(["parameter", "default", "unit", "range", "meaning"], rows))
@@ -153,7 +154,7 @@ def everything(docs: Path) -> None:
     write(docs / "reference" / "generated" / "blocks_by_name.md", blocks_page())
     for name in catalogue.STUDIES:
         if not (kept() and page_of(docs, name).exists()):
-            study = catalogue.study(name)
+            study = resolve.study(name)
             write_study(docs, study, evaluate(study))
 
 

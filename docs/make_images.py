@@ -10,22 +10,21 @@ from pathlib import Path
 import numpy as np
 from friction_images import images as friction_images_of_the_stage
 
-from leadscrew import Loop, catalogue, experiment, fuzzy
+from leadscrew import Loop, experiment, fuzzy, resolve
 from leadscrew.bench import stage_picture
-from leadscrew.controllers.axis_cascade import axis_cascade
+from leadscrew.controllers import axis_cascade
 from leadscrew.experiment import Experiment
 from leadscrew.identify.axis.fit import identify_axis
 from leadscrew.logs import axis_log
-from leadscrew.plants.servo_axis import servo_axis
-from leadscrew.references.waypoints import waypoints
-from leadscrew.report import backlash, friction
+from leadscrew.plants import servo_axis
+from leadscrew.references import waypoints
+from leadscrew.report import friction
 from leadscrew.report import fuzzy as pictures
-from leadscrew.report.identified_axis_picture import friction_figure, position_figure
-from leadscrew.sensors.axis_reading import axis_reading
+from leadscrew.report.identified_axis import friction_figure, position_figure
+from leadscrew.report.tuned import figures, units
+from leadscrew.sensors import axis_reading
 from leadscrew.studies.lab import Lab
 from leadscrew.tune.job import Job
-from leadscrew.tune.tuned_figures import figures
-from leadscrew.tune.tuned_report import units
 from leadscrew.tune.tuner import tune
 
 IMAGES = {
@@ -72,8 +71,8 @@ def friction_images(folder: Path) -> None:
         ("friction_presliding", friction.presliding_figure),
         ("friction_break_away", friction.break_away_figure),
         ("friction_stick_slip", friction.stick_slip_figure),
-        ("backlash_classic", backlash.classic_figure),
-        ("backlash_modern", backlash.modern_figure),
+        ("backlash_classic", friction.classic_figure),
+        ("backlash_modern", friction.modern_figure),
     ):
         draw().savefig(folder / f"{name}.png", dpi=90)
 
@@ -112,7 +111,7 @@ def identification_images(folder: Path) -> None:
 def main(folder: Path = Path(__file__).parent / "images") -> None:
     """Draws every image."""
     folder.mkdir(exist_ok=True)
-    labs = {study: Lab(catalogue.study(study)) for study, _ in IMAGES.values()}
+    labs = {study: Lab(resolve.study(study)) for study, _ in IMAGES.values()}
     for image, (study, wanted) in IMAGES.items():
         assert labs[study].study.contents is not None
         shown = next(f for f in labs[study].study.contents().figures if f.name == wanted)

@@ -10,11 +10,11 @@ import math
 from dataclasses import replace
 
 from leadscrew import Loop
-from leadscrew.controllers.sliding import csmc, smc
+from leadscrew.controllers import csmc, smc
 from leadscrew.kernel.metrics import max_error, rms_error
-from leadscrew.plants.ballscrew_stage import TRAVEL_MM_PER_RAD, ballscrew_stage
-from leadscrew.references.sine import sine_motion
-from leadscrew.sensors.ruler import ruler
+from leadscrew.plants import TRAVEL_MM_PER_RAD, ballscrew_stage
+from leadscrew.references import sine_motion
+from leadscrew.sensors import ruler
 
 PERIOD = 0.25e-3
 """4 kHz, s: the boundary layer of the blocks is made for it; the printed one would need 80 kHz and more."""

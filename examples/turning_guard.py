@@ -9,13 +9,12 @@ A cut of 1 mm at 150 N, with a hard spot that doubles the force at 1.5 s; the to
 
 from typing import Annotated, NamedTuple
 
-from leadscrew import Doc, Gt, Loop, Unit, actuator, reference
-from leadscrew.controllers.grey_fuzzy.tunings import TUNINGS
-from leadscrew.controllers.guard import Clock, FeedCommand, feed_override, force_guard
-from leadscrew.disturbances.hard_spot import hard_spot
-from leadscrew.plants.turning import turning
-from leadscrew.references.cutting_program import NEVER_S
-from leadscrew.sensors.load_cell import lathe_reading
+from leadscrew import Doc, Gt, Loop, Unit, actuator, reference, study
+from leadscrew.controllers import Clock, FeedCommand, feed_override, force_guard
+from leadscrew.disturbances import hard_spot
+from leadscrew.plants import turning
+from leadscrew.references import NEVER_S
+from leadscrew.sensors import lathe_reading
 
 FEED = 120.0
 """Programmed feed, mm/min: the F word."""
@@ -49,7 +48,8 @@ def overridden_feed(p, output):
     return p.feed * output / p.gain
 
 
-controller = feed_override(force_guard(TUNINGS["corrected.tfc_stfc"]), programmed_feed=FEED, machine=True)
+TFC = study("grey_turning").controllers["corrected.tfc_stfc"]
+controller = feed_override(force_guard(TFC), programmed_feed=FEED, machine=True)
 
 loop = Loop(
     reference=machine,
@@ -64,7 +64,7 @@ loop = Loop(
     name="turning under guard",
 )
 
-guarded = force_guard(TUNINGS["corrected.tfc_stfc"], clock=Clock(every=20))
+guarded = force_guard(TFC, clock=Clock(every=20))
 fast = Loop(
     reference=machine,
     controller=feed_override(guarded, programmed_feed=FEED, machine=True),

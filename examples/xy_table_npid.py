@@ -6,11 +6,10 @@ Run it, and export its controller:
     leadscrew export examples/xy_table_npid.py:loop --duration 2 --target hal --out npid_hal
 """
 
-from leadscrew import Loop
-from leadscrew.controllers.npid import READINGS
+from leadscrew import Loop, study
 from leadscrew.kernel.metrics import max_error, rms_error
-from leadscrew.plants.xy_table import xy_table
-from leadscrew.references.sine import sine
+from leadscrew.plants import xy_table
+from leadscrew.references import sine
 
 PERIOD = 0.5e-3
 """2 kHz, s."""
@@ -23,7 +22,7 @@ def loop():
     """The loop: the gain grows with the error in um."""
     return Loop(
         reference=sine(amplitude=1.0, frequency=0.7),
-        controller=READINGS["corrected.npid_um"],
+        controller=study("npid_xytable").controllers["corrected.npid_um"],
         plant=xy_table,
         period=PERIOD,
         substeps=20,

@@ -5,7 +5,7 @@
 
 An edge leads from a file to each file that it imports (also in functions, in strings of code, in the Python of a page)
 or names. A name of a lazy package leads to the file that defines it. Tables of strings (``{"sine":
-"leadscrew.references.sine:sine"}``) and typer's commands lead to those entries whose key is in a string of the test.
+"leadscrew.references._sine:sine"}``) and typer's commands lead to those entries whose key is in a string of the test.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from fnmatch import fnmatch
 from functools import cache, cached_property
 from pathlib import Path, PurePath
 
-from tests.links import EVALUATES, MAY, STUDY, Links, Scan, strings
+from tests.links import EVALUATES, MAY, STUDY, Links, Scan
 
 ROOT = Path(__file__).parents[1]
 EVERYTHING = ("pyproject.toml", "constraints.txt", "tests/conftest.py")
@@ -51,14 +51,16 @@ class Tree:
 
     def _exports(self, package: str) -> dict[str, str]:
         """The module of each public name of a lazy package."""
-        file = self.module(package)
-        homes: dict[str, str] = {}
-        if file.endswith("/__init__.py"):
-            for node in ast.walk(ast.parse((self.root / file).read_text(encoding="utf-8"))):
-                rows = strings(node)
-                if rows and all(self.module(f"{package}.{home}") for home in rows):
-                    homes |= {name: f"{package}.{home}" for home, names in rows.items() for name in names.split()}
-        return homes
+        stub = f"{self.module(package)}i"
+        if stub not in self.files:
+            return {}
+        body = ast.parse((self.root / stub).read_text(encoding="utf-8")).body
+        return {
+            alias.name: f"{package}.{node.module}"
+            for node in body
+            if isinstance(node, ast.ImportFrom) and node.level == 1 and node.module
+            for alias in node.names
+        }
 
     def _links(self, file: str) -> Links:
         scan = Scan(self, file)

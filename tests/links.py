@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from tests.closure import Tree
 
-WHOLE = {"blocks": "BLOCKS", "block_names": "BLOCKS", "makers": "MAKERS", "study_names": "STUDIES"}
+WHOLE = {"blocks": "BLOCKS", "block_names": "BLOCKS", "factories": "FACTORIES", "study_names": "STUDIES"}
 """Functions that go through a whole table of the catalogue."""
 WORD, DOTTED = re.compile(r"[\w.*-]*\w"), re.compile(r"\b(?:leadscrew|tests)(?:\.\w+)+")
 TARGET = re.compile(r"(leadscrew(?:\.\w+)+):(\w+)")

@@ -5,29 +5,27 @@ import pytest
 from tests.closure import Tree
 
 LAZY = """
-from typing import TYPE_CHECKING
-from leadscrew.lazy import doors
-if TYPE_CHECKING:
-    from leadscrew.tune.slow import slow
-__getattr__, __dir__ = doors(globals(), {"job": "Job", "slow": "slow"})
+from leadscrew.exports import exports
+__getattr__, __dir__, __all__ = exports(__name__, __file__)
 """
 FILES = {
     "src/leadscrew/__init__.py": "",
     "src/leadscrew/__main__.py": "from leadscrew.cli import main",
-    "src/leadscrew/lazy.py": "",
+    "src/leadscrew/exports.py": "",
     "src/leadscrew/catalogue.py": """
 BLOCKS: dict[str, str] = {
-    "sine": "leadscrew.references.sine:sine",
-    "ramp": "leadscrew.references.ramp:ramp",
+    "sine": "leadscrew.references._sine:sine",
+    "ramp": "leadscrew.references._ramp:ramp",
 }
 STUDIES = {"lathe": "leadscrew.studies.lathe.study:STUDY"}
 def block(name): ...
 def blocks(): return [block(name) for name in BLOCKS]
 """,
     "src/leadscrew/references/__init__.py": "",
-    "src/leadscrew/references/sine.py": "",
-    "src/leadscrew/references/ramp.py": "",
+    "src/leadscrew/references/_sine.py": "",
+    "src/leadscrew/references/_ramp.py": "",
     "src/leadscrew/tune/__init__.py": LAZY,
+    "src/leadscrew/tune/__init__.pyi": "from .job import Job as Job\nfrom .slow import slow as slow",
     "src/leadscrew/tune/job.py": "def helper():\n    from leadscrew import helper",
     "src/leadscrew/tune/slow.py": "",
     "src/leadscrew/helper.py": "",
@@ -64,7 +62,7 @@ app.command("one")(tune_one.run)
     "tests/conftest.py": "pytest_plugins = ['tests.plugin']",
     "tests/plugin.py": "SAID = 'see second.md'",
     "tests/pages.py": "PAGES = ROOT.glob('*.md')\ndef read(page): ...",
-    "tests/tune/conftest.py": "from leadscrew.references.ramp import ramp",
+    "tests/tune/conftest.py": "from leadscrew.references._ramp import ramp",
     "tests/tune/test_job.py": "from leadscrew.tune import Job",
     "tests/tune/test_slow.py": "import leadscrew.tune as t\nt.slow()",
     "tests/tune/cases/a.csv": "1",
@@ -110,8 +108,8 @@ def test_a_change_of_a_package_reaches_who_imports_anything_below_it(tree):
 
 
 def test_a_block_reaches_tests_that_name_it_or_go_through_the_catalogue(tree):
-    assert selected(tree, "src/leadscrew/references/sine.py") == {"test_block", "test_blocks"}
-    assert selected(tree, "src/leadscrew/references/ramp.py") == {"test_blocks", "tune/test_job", "tune/test_slow"}
+    assert selected(tree, "src/leadscrew/references/_sine.py") == {"test_block", "test_blocks"}
+    assert selected(tree, "src/leadscrew/references/_ramp.py") == {"test_blocks", "tune/test_job", "tune/test_slow"}
 
 
 def test_claims_reach_tests_that_evaluate_the_study(tree):

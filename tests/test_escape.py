@@ -19,7 +19,7 @@ from xml.etree import ElementTree as ET
 import pytest
 from markdown_it import MarkdownIt
 
-from leadscrew import controller_file, escape
+from leadscrew import toml_file
 from leadscrew.experiment import Experiment
 from leadscrew.export.controller import export_controller
 from leadscrew.export.folder import contents
@@ -27,18 +27,19 @@ from leadscrew.export.machine import machine_files
 from leadscrew.fuzzy.engine import engine
 from leadscrew.fuzzy.formats import WRITTEN, dumps, loads
 from leadscrew.kernel.block import controller
-from leadscrew.kernel.errors import DataError, LeadscrewError, ValueRefused
 from leadscrew.machine import file as machine_file
-from leadscrew.operate import capture_formats, script, session_file
-from leadscrew.operate.session import Session, Start
+from leadscrew.operate import capture_files, script, session_file
+from leadscrew.operate.operated import Session, Start
 from leadscrew.paths.path import polyline
 from leadscrew.report import html, page
 from leadscrew.report.report import Report, Section
-from leadscrew.report.strict import strict
 from leadscrew.tangent.emit import program
 from leadscrew.tangent.settings import Settings
 from leadscrew.tangent.stroke import strokes_of
 from leadscrew.tune import worst
+from leadscrew.util import escape
+from leadscrew.util.errors import DataError, LeadscrewError, ValueRefused
+from leadscrew.util.strict_json import strict
 from tests.export.table import loop_of
 from tests.operate.test_captures import capture
 from tests.tools import missing
@@ -275,12 +276,12 @@ def test_a_figure_is_drawn_with_the_text_and_is_an_svg_that_parses(text):
 @each
 def test_toml_gives_the_same_text_back(text):
     if "\ud800" in text:
-        for write in (lambda: controller_file.toml({"a": text}), lambda: controller_file.toml({text: 1})):
+        for write in (lambda: toml_file.text({"a": text}), lambda: toml_file.text({text: 1})):
             with pytest.raises(ValueRefused, match="cannot be written as TOML: it is no Unicode text"):
                 write()
         return
     table = {"a": text, "list": [text], "files": {text: "b", "lathe.toml": "c"}, "log": {"columns": {text: "d"}}}
-    assert tomllib.loads(controller_file.toml(table)) == table
+    assert tomllib.loads(toml_file.text(table)) == table
     asked = Experiment("vud_lathe", None, text, changes={"a.b": text}, files={text: "c", "lathe.toml": "d"})
     read = tomllib.loads(worst.toml(asked, text))
     assert read["scenario"] == text and read["set"] == {"a": {"b": text}}
@@ -389,7 +390,7 @@ def test_a_capture_is_read_again_from_csv(text, tmp_path):
     if "\ud800" in text or not text.isprintable():
         text = escape.one_line(text)
     one = replace(capture(), name=text, about={"note": text}, units={"command": text})
-    rows = list(csv.reader(io.StringIO(capture_formats.csv_of(one).decode())))
+    rows = list(csv.reader(io.StringIO(capture_files.csv_of(one).decode())))
     assert sum(not r[0].startswith("#") for r in rows) == 201
     assert all(json.dumps(r) for r in rows)
 

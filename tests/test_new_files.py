@@ -11,11 +11,9 @@ from pathlib import Path
 
 import pytest
 
-from leadscrew import unfinished
-from leadscrew.kernel import system
-from leadscrew.kernel.errors import DataError
-from leadscrew.newfile import save
-from leadscrew.newfolder import appearing, replacing
+from leadscrew.util import atomic, system
+from leadscrew.util.atomic import atomic_folder, atomic_write, replace_folder
+from leadscrew.util.errors import DataError
 
 
 def names(folder):
@@ -29,7 +27,7 @@ def mode(path):
 @pytest.mark.parametrize("durable", [True, False])
 def test_a_file_is_saved_with_its_lines_as_given_and_replaces_an_older_one(tmp_path, durable):
     for data, expected in (("a\r\nµ\n", b"a\r\n\xc2\xb5\n"), (b"\x00\xff", b"\x00\xff")):
-        save(data, tmp_path / "new" / "x.txt", durable)
+        atomic_write(data, tmp_path / "new" / "x.txt", durable)
         assert (tmp_path / "new" / "x.txt").read_bytes() == expected
     assert names(tmp_path) == ["new", "x.txt"] and mode(tmp_path / "new" / "x.txt") == 0o644
 
@@ -38,9 +36,9 @@ def test_a_file_that_cannot_be_put_in_its_place_leaves_nothing_beside_it(tmp_pat
     (tmp_path / "x").mkdir()
     (tmp_path / "x" / "kept").write_text("")
     with pytest.raises(DataError, match="x cannot be written: Is a directory"):
-        save("data", tmp_path / "x")
+        atomic_write("data", tmp_path / "x")
     with pytest.raises(DataError, match="cannot be written"):
-        save("data", tmp_path / "x" / "kept" / "below")
+        atomic_write("data", tmp_path / "x" / "kept" / "below")
     assert names(tmp_path) == ["kept", "x"]
 
 
@@ -48,7 +46,7 @@ def test_a_folder_appears_at_the_end_for_all_to_read(tmp_path):
     for name in ("new", "empty"):
         if name == "empty":
             (tmp_path / name).mkdir()
-        with appearing(tmp_path / name) as place:
+        with atomic_folder(tmp_path / name) as place:
             (place / "a").write_text("1")
             assert not (tmp_path / name / "a").exists()
         assert names(tmp_path / name) == ["a"] and mode(tmp_path / name) == 0o755
@@ -56,7 +54,7 @@ def test_a_folder_appears_at_the_end_for_all_to_read(tmp_path):
 
 @pytest.mark.parametrize("error", [OSError(28, "No space left on device"), ValueError("no"), KeyboardInterrupt()])
 def test_a_folder_whose_writing_ends_early_leaves_nothing(tmp_path, error):
-    with pytest.raises((DataError, type(error))) as seen, appearing(tmp_path / "out") as place:
+    with pytest.raises((DataError, type(error))) as seen, atomic_folder(tmp_path / "out") as place:
         (place / "a").write_text("1")
         raise error
     assert names(tmp_path) == []
@@ -68,18 +66,18 @@ def test_a_folder_with_something_in_it_is_not_written_over(tmp_path):
     (tmp_path / "out").mkdir()
     (tmp_path / "out" / "kept").write_text("1")
     for target in ("out", "out/kept"):
-        with pytest.raises(DataError, match="exists already"), appearing(tmp_path / target):
+        with pytest.raises(DataError, match="exists already"), atomic_folder(tmp_path / target):
             pass
-    with pytest.raises(DataError, match="kept is not a folder"), appearing(tmp_path / "out" / "kept" / "below"):
+    with pytest.raises(DataError, match="kept is not a folder"), atomic_folder(tmp_path / "out" / "kept" / "below"):
         pass
     assert names(tmp_path) == ["kept", "out"]
 
 
 def test_a_folder_that_others_fill_meanwhile_is_not_replaced(tmp_path):
     def made(folder):
-        return replacing(folder, lambda f: names(f) == ["ours"], "ours")
+        return replace_folder(folder, lambda f: names(f) == ["ours"], "ours")
 
-    for new in (appearing, made):
+    for new in (atomic_folder, made):
         with pytest.raises(DataError, match=r"exists already|holds something"), new(tmp_path / "out") as place:
             (place / "a").write_text("1")
             (tmp_path / "out").mkdir(exist_ok=True)
@@ -99,7 +97,7 @@ def test_an_older_folder_comes_back_where_the_new_one_cannot_take_its_place(tmp_
         return rename(self, target)
 
     monkeypatch.setattr(Path, "rename", fails)
-    with pytest.raises(DataError, match="No space left"), replacing(tmp_path / "out", lambda f: True, "ours"):
+    with pytest.raises(DataError, match="No space left"), replace_folder(tmp_path / "out", lambda f: True, "ours"):
         pass
     assert names(tmp_path) == ["old", "out"]
 
@@ -113,10 +111,10 @@ def umask(request):
 
 
 def test_new_files_and_folders_have_the_modes_that_the_umask_leaves(tmp_path, umask):
-    save("data", tmp_path / "x" / "a.txt")
-    with appearing(tmp_path / "out") as place:
+    atomic_write("data", tmp_path / "x" / "a.txt")
+    with atomic_folder(tmp_path / "out") as place:
         (place / "a").write_text("1")
-    with replacing(tmp_path / "report", lambda folder: True, "ours") as place:
+    with replace_folder(tmp_path / "report", lambda folder: True, "ours") as place:
         (place / "a").write_text("1")
     assert mode(tmp_path / "x" / "a.txt") == 0o666 & ~umask
     assert mode(tmp_path / "out") == mode(tmp_path / "report") == 0o777 & ~umask
@@ -124,25 +122,25 @@ def test_new_files_and_folders_have_the_modes_that_the_umask_leaves(tmp_path, um
 
 def test_what_is_replaced_keeps_its_mode(tmp_path):
     for kept in (0o600, 0o640, 0o664, 0o444):
-        save("old", tmp_path / "a.txt")
+        atomic_write("old", tmp_path / "a.txt")
         (tmp_path / "a.txt").chmod(kept)
-        save("new", tmp_path / "a.txt")
+        atomic_write("new", tmp_path / "a.txt")
         assert mode(tmp_path / "a.txt") == kept and (tmp_path / "a.txt").read_text() == "new"
     (tmp_path / "out").mkdir(0o700)
-    with appearing(tmp_path / "out") as place:
+    with atomic_folder(tmp_path / "out") as place:
         assert mode(place) == 0o700
         (place / "old").write_text("1")
-    with replacing(tmp_path / "out", lambda folder: True, "ours") as place:
+    with replace_folder(tmp_path / "out", lambda folder: True, "ours") as place:
         (place / "new").write_text("1")
     assert mode(tmp_path / "out") == 0o700 and names(tmp_path / "out") == ["new"]
 
 
 def test_a_private_file_is_private_while_it_is_replaced(tmp_path, monkeypatch):
-    save("old", tmp_path / "a.txt")
+    atomic_write("old", tmp_path / "a.txt")
     (tmp_path / "a.txt").chmod(0o600)
     seen = []
     monkeypatch.setattr(os, "fsync", lambda handle: seen.append(stat.S_IMODE(os.fstat(handle).st_mode)))
-    save("new", tmp_path / "a.txt")
+    atomic_write("new", tmp_path / "a.txt")
     assert seen[0] == 0o600
 
 
@@ -153,12 +151,12 @@ def test_through_a_link_its_file_or_folder_is_written_and_the_link_stays(tmp_pat
     (far / "a.txt").write_text("old")
     for link, end in (("a.txt", "far/a.txt"), ("second", "a.txt"), ("folder", far / "folder")):
         (tmp_path / link).symlink_to(end)
-    save("new", tmp_path / "second")
-    with appearing(tmp_path / "folder") as place:
+    atomic_write("new", tmp_path / "second")
+    with atomic_folder(tmp_path / "folder") as place:
         (place / "b").write_text("1")
     assert all((tmp_path / link).is_symlink() for link in ("a.txt", "second", "folder"))
     assert (far / "a.txt").read_text() == "new" and names(far) == ["a.txt", "b", "folder"]
-    with replacing(tmp_path / "folder", lambda folder: True, "ours") as place:
+    with replace_folder(tmp_path / "folder", lambda folder: True, "ours") as place:
         (place / "c").write_text("1")
     assert (tmp_path / "folder").is_symlink() and names(far) == ["a.txt", "c", "folder"]
 
@@ -168,8 +166,8 @@ def test_a_link_to_nothing_is_refused_in_a_sentence(tmp_path):
     (tmp_path / "round").symlink_to("round")
     says = "link is a link to nowhere, which does not exist; make nowhere, or remove the link"
     with pytest.raises(DataError, match=says):
-        save("data", tmp_path / "link")
-    for made in (appearing, lambda folder: replacing(folder, lambda f: True, "ours")):
+        atomic_write("data", tmp_path / "link")
+    for made in (atomic_folder, lambda folder: replace_folder(folder, lambda f: True, "ours")):
         with pytest.raises(DataError, match=says), made(tmp_path / "link"):
             pass
         with pytest.raises(DataError, match="round cannot be written: "), made(tmp_path / "round"):
@@ -182,21 +180,21 @@ def test_a_pipe_is_written_to_and_stays_a_pipe(tmp_path):
     heard = []
     reader = threading.Thread(target=lambda: heard.append((tmp_path / "pipe").read_bytes()))
     reader.start()
-    save("data", tmp_path / "pipe")
+    atomic_write("data", tmp_path / "pipe")
     reader.join()
     assert heard == [b"data"] and stat.S_ISFIFO((tmp_path / "pipe").stat().st_mode)
 
 
 def test_text_that_is_no_unicode_is_refused_and_leaves_nothing(tmp_path):
     with pytest.raises(DataError, match=r"a\.txt cannot be written: a name or note in it is no Unicode text"):
-        save("\udc80", tmp_path / "a.txt")
+        atomic_write("\udc80", tmp_path / "a.txt")
     assert names(tmp_path) == []
 
 
 # ---- what killed processes leave
 KILL = """
 import os, signal, sys, time
-from leadscrew import newfile, newfolder
+from leadscrew.util import atomic
 
 def end(*_):
     print("written", flush=True)
@@ -206,8 +204,8 @@ def end(*_):
 
 if sys.argv[1].endswith("txt"):
     os.fsync = end
-    newfile.save("half", sys.argv[1])
-with newfolder.appearing(sys.argv[1]) as place:
+    atomic.atomic_write("half", sys.argv[1])
+with atomic.atomic_folder(sys.argv[1]) as place:
     (place / "half").write_text("half")
     end()
 """
@@ -219,7 +217,7 @@ def test_what_a_killed_process_left_is_removed_by_the_next_that_writes_to_the_fo
     assert done.returncode == -signal.SIGKILL
     (left,) = tmp_path.iterdir()
     assert left.name.startswith(f".{name}-") and left.suffix in (".tmp", ".partial")
-    save("data", tmp_path / "b.txt")
+    atomic_write("data", tmp_path / "b.txt")
     assert names(tmp_path) == ["b.txt"]
 
 
@@ -228,7 +226,7 @@ def test_what_a_process_is_writing_stays(tmp_path):
     with subprocess.Popen(command, stdout=subprocess.PIPE) as running:
         try:
             assert running.stdout.readline() == b"written\n"
-            save("data", tmp_path / "b.txt")
+            atomic_write("data", tmp_path / "b.txt")
             assert len(list(tmp_path.iterdir())) == 2
         finally:
             running.kill()
@@ -237,12 +235,12 @@ def test_what_a_process_is_writing_stays(tmp_path):
 def test_files_of_the_user_of_other_hosts_and_under_a_lock_stay(tmp_path):
     dead = subprocess.Popen([sys.executable, "-c", ""])
     dead.wait()
-    ours = f"{unfinished._host()}-{dead.pid}-0123abcd"
+    ours = f"{atomic._host()}-{dead.pid}-0123abcd"
     kept = [
-        f".a-elsewhere-{dead.pid}-0123abcd.tmp", f".a-{unfinished._host()}-{os.getpid()}-0123abcd.tmp",
+        f".a-elsewhere-{dead.pid}-0123abcd.tmp", f".a-{atomic._host()}-{os.getpid()}-0123abcd.tmp",
         ".a-0123abcd.tmp",
         f".a-{ours}.txt", f"a-{ours}.tmp", f".a-{ours}.old", f".locked-{ours}.tmp", f".link-{ours}.tmp",
-        f".a-{unfinished._host()}-{dead.pid}-0123ABCD.tmp", f".folder-{ours}.tmp", f".a-{ours}x.tmp",
+        f".a-{atomic._host()}-{dead.pid}-0123ABCD.tmp", f".folder-{ours}.tmp", f".a-{ours}x.tmp",
     ]  # fmt: skip
     for name in kept:
         if "link" in name:
@@ -255,19 +253,19 @@ def test_files_of_the_user_of_other_hosts_and_under_a_lock_stay(tmp_path):
     (tmp_path / f".gone-{ours}.partial").mkdir()
     with (tmp_path / f".locked-{ours}.tmp").open("rb") as locked:
         system.lock(locked.fileno())
-        save("data", tmp_path / "b.txt")
+        atomic_write("data", tmp_path / "b.txt")
     assert set(names(tmp_path)) == {"b.txt", *kept}
 
 
 def test_what_was_set_aside_stays_until_a_new_folder_stands(tmp_path):
     dead = subprocess.Popen([sys.executable, "-c", ""])
     dead.wait()
-    aside = tmp_path / f".out-{unfinished._host()}-{dead.pid}-0123abcd.old"
+    aside = tmp_path / f".out-{atomic._host()}-{dead.pid}-0123abcd.old"
     (aside / "out").mkdir(parents=True)
-    with pytest.raises(ValueError), replacing(tmp_path / "out", lambda f: True, "ours"):
+    with pytest.raises(ValueError), replace_folder(tmp_path / "out", lambda f: True, "ours"):
         raise ValueError
     assert aside.exists()
-    with replacing(tmp_path / "out", lambda f: True, "ours") as place:
+    with replace_folder(tmp_path / "out", lambda f: True, "ours") as place:
         (place / "a").write_text("1")
     assert names(tmp_path) == ["a", "out"]
 
@@ -275,7 +273,7 @@ def test_what_was_set_aside_stays_until_a_new_folder_stands(tmp_path):
 def test_a_long_name_and_a_host_with_dashes_fit(tmp_path, monkeypatch):
     monkeypatch.setattr(socket, "gethostname", lambda: "mill-3.works-" + 200 * "x")
     for name in ("n" * 255, "ü" * 127):
-        save("data", tmp_path / name)
+        atomic_write("data", tmp_path / name)
         assert (tmp_path / name).exists()
     assert system.is_running(os.getpid()) and not system.is_running(2**40)
 
@@ -288,13 +286,14 @@ sys.modules["fcntl"] = sys.modules["resource"] = None
 for name in ("geteuid", "getuid", "fchmod", "killpg", "O_NOFOLLOW", "O_NONBLOCK"):
     delattr(os, name)
 os.kill = lambda *_: os._exit(3)
-from leadscrew import newfile, newfolder
-from leadscrew.kernel import cache, system
-from leadscrew.tune import workers
-newfile.save("data", "a.txt")
-with newfolder.appearing("out") as place:
+from leadscrew.util import atomic
+from leadscrew.kernel import cache
+from leadscrew.util import system
+from leadscrew.tune import executors
+atomic.atomic_write("data", "a.txt")
+with atomic.atomic_folder("out") as place:
     (place / "b").write_text("1")
-with newfolder.replacing("out", lambda folder: True, "ours") as place:
+with atomic.replace_folder("out", lambda folder: True, "ours") as place:
     (place / "c").write_text("1")
 assert system.is_running(1) and not system.is_locked("a.txt") and system.peak_memory() is None
 assert system.is_own(os.stat("/")) and system.is_private(os.stat("a.txt"))

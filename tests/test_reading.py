@@ -12,23 +12,25 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
 
-from leadscrew import apart, controller_file, parquet, reading, replay
+from leadscrew import replay, toml_file
 from leadscrew.analysis.circular.file import read_circles
-from leadscrew.analysis.following_files import read_logs
-from leadscrew.analysis.positioning_file import read_positioning
+from leadscrew.analysis.following import read_logs
+from leadscrew.analysis.positioning import read_positioning
 from leadscrew.fuzzy import formats
 from leadscrew.identify.cutting_force_table import read_force_table
-from leadscrew.kernel.errors import DataError, LeadscrewError, ValueRefused
 from leadscrew.logs import read_table
-from leadscrew.neural.performance_file import read_net
+from leadscrew.neural.performance import read_net
 from leadscrew.panel.hal import file as hal_file
 from leadscrew.paths.read import read_drawing
-from leadscrew.tangent.measured import read_measured
-from leadscrew.tune.journal import Journal
+from leadscrew.tangent.measurement import read_measured
+from leadscrew.tune.checkpoints import Journal
+from leadscrew.util import parquet, reading
+from leadscrew.util import separate_process as apart
+from leadscrew.util.errors import DataError, LeadscrewError, ValueRefused
 
 CORPUS = Path(__file__).with_name("corpus") / "0.1.0"
 READERS = {
-    "a.toml": controller_file.table_of, "b.toml": hal_file.read, "a.ngc": read_drawing, "a.svg": read_drawing,
+    "a.toml": toml_file.read, "b.toml": hal_file.read, "a.ngc": read_drawing, "a.svg": read_drawing,
     "a.dxf": read_drawing, "positioning.csv": read_positioning, "circles.csv": lambda path: read_circles(path, 100.0),
     "force.csv": read_force_table, "measured.csv": read_measured, "net.json": read_net, "log.csv": read_table,
     "log.mat": read_table, "log.parquet": read_table, "a.fll": formats.read,
@@ -66,20 +68,20 @@ def test_settings_that_nest_too_deep_or_hold_what_no_machine_does_are_refused(tm
 
 def test_a_pipe_is_read_no_further_than_a_file_may_be_long():
     with pytest.raises(DataError, match="settings up to 8 MB are read"):
-        controller_file.table_of(Path("/dev/zero"))
+        toml_file.read(Path("/dev/zero"))
 
 
 def test_the_limits_are_raised_by_a_factor_and_a_wrong_one_is_refused(tmp_path, monkeypatch):
     path = tmp_path / "a.toml"
     path.write_text("# " + "-" * 9_000_000 + "\na = 1\n")
     with pytest.raises(DataError, match="--file-limits 2 "):
-        controller_file.table_of(path)
+        toml_file.read(path)
     monkeypatch.setenv(reading.VARIABLE, "2")
-    assert controller_file.table_of(path) == {"a": 1}
+    assert toml_file.read(path) == {"a": 1}
     for wrong in ("0.5", "much", "nan", "1e9"):
         monkeypatch.setenv(reading.VARIABLE, wrong)
         with pytest.raises(ValueRefused, match="expected a number from 1 to 1000"):
-            controller_file.table_of(path)
+            toml_file.read(path)
 
 
 @pytest.mark.slow
@@ -215,7 +217,7 @@ def test_files_within_the_limits_that_ask_for_much_memory_stay_below_two_gigabyt
         (tmp_path / name).write_text(text)
         code = (
             "import sys; from pathlib import Path; from tests.test_reading import READERS\n"
-            "from leadscrew.kernel.errors import LeadscrewError\n"
+            "from leadscrew.util.errors import LeadscrewError\n"
             "try: READERS[sys.argv[2]](Path(sys.argv[1]) / sys.argv[2])\n"
             "except LeadscrewError as refused: print(refused)\n"
             "import resource; print(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss)"

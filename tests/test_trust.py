@@ -19,12 +19,12 @@ import pytest
 from typer.testing import CliRunner
 
 import leadscrew
-from leadscrew import experiment, userfile
+from leadscrew import experiment, names, resolve, userfile
 from leadscrew.cli import COMMANDS, _command, app
-from leadscrew.kernel.errors import CodeNotTrusted, DataError, ValueRefused
-from leadscrew.tune.crew import work
+from leadscrew.tune.checkpoints import Journal
+from leadscrew.tune.executors import work
 from leadscrew.tune.job import Chunk, Job, chunks_of
-from leadscrew.tune.journal import Journal
+from leadscrew.util.errors import CodeNotTrusted, DataError, ValueRefused
 from tests.cli import plain_study
 
 PLAIN = f"{plain_study.__file__}:STUDY"
@@ -273,14 +273,14 @@ def test_the_library_has_the_same_rule(places: Places) -> None:
 
 
 def test_a_name_keeps_its_file_through_copies_pickles_and_paths(places: Places) -> None:
-    name = userfile.from_file("code.py:STUDY", places.foreign / "e.toml")
-    for same in (copy.deepcopy(name), pickle.loads(pickle.dumps(name)), userfile.absolute(name)):
+    name = names.from_file("code.py:STUDY", places.foreign / "e.toml")
+    for same in (copy.deepcopy(name), pickle.loads(pickle.dumps(name)), names.absolute(name)):
         assert same == f"{places.python}:STUDY" and same.file == str(places.foreign / "e.toml")
         with pytest.raises(CodeNotTrusted):
-            userfile.load(same)
+            resolve.load(same)
     assert places.ran() == []
     with pytest.raises(DataError, match="there is no file"):
-        userfile.load(userfile.from_file("none.py:STUDY", places.foreign / "e.toml"))
+        resolve.load(names.from_file("none.py:STUDY", places.foreign / "e.toml"))
 
 
 # ---- other processes

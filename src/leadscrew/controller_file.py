@@ -17,21 +17,15 @@ Paths are looked for beside the file.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-from leadscrew import reading, userfile
-from leadscrew.escape import toml_key, toml_string
-from leadscrew.kernel.errors import CodeNotTrusted, DataError, LeadscrewError
-from leadscrew.kernel.sheet import checked_replace, nearest
-from leadscrew.newfile import save
-
-if TYPE_CHECKING:
-    from leadscrew.kernel.block import Block
-    from leadscrew.studies.study import Study
+from leadscrew import names, toml_file
+from leadscrew.kernel.parameters import nearest
+from leadscrew.util.atomic import atomic_write
+from leadscrew.util.errors import DataError
 
 SCHEMA_VERSION = 1
 KIND = "controller"
@@ -57,7 +51,7 @@ class ControllerFile:
     def text(self) -> str:
         """The file."""
         head = {"schema_version": SCHEMA_VERSION, "kind": KIND, "study": self.study, "controller": self.controller}
-        return toml({**head, "set": dict(self.parameters), "tuning": dict(self.tuning)})
+        return toml_file.text({**head, "set": dict(self.parameters), "tuning": dict(self.tuning)})
 
 
 def read(path: str | Path) -> ControllerFile:
@@ -67,16 +61,7 @@ def read(path: str | Path) -> ControllerFile:
         DataError: no such file, bad TOML, an unknown key or a value of the wrong type; names file and key.
     """
     where = Path(path).expanduser()
-    return validated(table_of(where), where)
-
-
-def table_of(where: Path) -> dict[str, Any]:
-    """A TOML file as it is.
-
-    Raises:
-        DataError: no such file, or bad TOML.
-    """
-    return reading.toml(where)
+    return validated(toml_file.read(where), where)
 
 
 def validated(table: Mapping[str, Any], where: Path) -> ControllerFile:
@@ -107,91 +92,15 @@ def validated(table: Mapping[str, Any], where: Path) -> ControllerFile:
     if table["controller"].endswith(".toml"):
         raise DataError(f"{where}: controller = {table['controller']!r}: a controller file names no other one")
     return ControllerFile(
-        userfile.from_file(table["study"], where), userfile.from_file(table["controller"], where),
-        dict(flat(table.get("set", {}))), table.get("tuning", {}),
+        names.from_file(table["study"], where), names.from_file(table["controller"], where),
+        dict(toml_file.flat(table.get("set", {}))), table.get("tuning", {}),
     )  # fmt: skip
 
 
-def block(path: str | Path, study: Study | None = None) -> Block:
-    """The controller of a file with its parameters, for a study; for the file's own unless given.
-
-    Raises:
-        DataError: the file is malformed, or its parameters do not fit the controller; names file and key.
-        CodeNotTrusted: it names Python that may not run.
-    """
-    from leadscrew import catalogue, experiment
-
-    found = read(path)
-    try:
-        base = experiment.controller(study or catalogue.study(found.study), found.controller)
-        params = checked_replace(base.params, found.parameters, where="[set]")
-    except CodeNotTrusted:
-        raise
-    except LeadscrewError as error:
-        raise DataError(f"{path}: {error}") from error
-    return replace(base, params=params)
-
-
-def flat(table: Mapping[str, Any], prefix: str = "") -> list[tuple[str, Any]]:
-    """Dotted keys and values of nested tables."""
-    found: list[tuple[str, Any]] = []
-    for key, value in table.items():
-        found += flat(value, f"{prefix}{key}.") if isinstance(value, Mapping) else [(f"{prefix}{key}", value)]
-    return found
-
-
-# ---- writing
 def write(path: str | Path, file: ControllerFile) -> None:
     """Writes a controller file, whole or not at all.
 
     Raises:
         DataError: it cannot be written.
     """
-    save(file.text(), path)
-
-
-def write_experiment(path: str | Path, table: Mapping[str, Any]) -> None:
-    """Writes an experiment file, whole or not at all.
-
-    Raises:
-        DataError: it cannot be written.
-    """
-    save(toml({"schema_version": 1, **table}), path)
-
-
-WHOLE = (("files",), ("columns",), ("units",))
-"""Tables whose keys are names of files or columns: a dot in them is no nesting."""
-
-
-def toml(table: Mapping[str, Any]) -> str:
-    """A table as TOML; what is None is left out. ``controller.kp`` is a key of nested tables, except in :data:`WHOLE`.
-
-    Raises:
-        ValueRefused: a text that is not Unicode.
-    """
-    return "\n".join(_lines(table, ())).strip() + "\n"
-
-
-def _lines(table: Mapping[str, Any], path: tuple[str, ...]) -> list[str]:
-    lines, below = [], []
-    for key, value in table.items():
-        if isinstance(value, Mapping):
-            if value:
-                below += ["", f"[{'.'.join(map(toml_key, (*path, key)))}]", *_lines(value, (*path, key))]
-        elif value is not None:
-            lines.append(f"{toml_key(key, dotted=path[-1:] not in WHOLE)} = {_value(value)}")
-    return lines + below
-
-
-def _value(value: Any) -> str:
-    if hasattr(value, "tolist"):
-        value = value.tolist()
-    if isinstance(value, bool):
-        return "true" if value else "false"
-    if isinstance(value, str):
-        return toml_string(value)
-    if isinstance(value, list | tuple):
-        return f"[{', '.join(map(_value, value))}]"
-    if isinstance(value, float) and not math.isfinite(value):
-        return "nan" if math.isnan(value) else "inf" if value > 0 else "-inf"
-    return repr(value)
+    atomic_write(file.text(), path)

@@ -8,7 +8,7 @@
     scenario = "fig11a_step_m50"
     duration = 4.0                      # seconds; the scenario's own unless given
     seed = 7                            # of all noise
-    run = 4711                          # number of the run in the noise, as in a batch; 0 unless given
+    replicate = 4711                    # which stream of noise, as in a batch; 0 unless given
 
     [set]
     scenario.target_mm = -120
@@ -25,18 +25,28 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from leadscrew import catalogue, userfile
-from leadscrew.kernel.errors import BlockError, CodeNotTrusted, DataError, LeadscrewError, NameUnknown, ValueRefused
-from leadscrew.kernel.sheet import Entry, entries, nearest
+from leadscrew import controller_file, names, resolve, toml_file
+from leadscrew.kernel.parameters import ParameterSpec, entries, nearest
+from leadscrew.util.errors import (
+    BlockError,
+    CodeNotTrusted,
+    DataError,
+    LeadscrewError,
+    NameUnknown,
+    ValueRefused,
+    entry_point,
+)
+from leadscrew.util.frames import origin
 
 if TYPE_CHECKING:
     from leadscrew.kernel.block import Block
     from leadscrew.kernel.loop import Loop
-    from leadscrew.studies.study import Study
+    from leadscrew.study_data import Study
 
 SCHEMA_VERSION = 1
 
 
+@entry_point
 @dataclass(frozen=True)
 class Experiment:
     """One loop: of a study by controller and scenario, or from a file, with parameters changed by dotted key."""
@@ -54,8 +64,8 @@ class Experiment:
     every: int = 1
     record: tuple[str, ...] | None = None
     seed: int | None = None
-    run: int = 0
-    """Number of the run in the noise: run ``k`` of a batch is the experiment with ``run=k``."""
+    replicate: int = 0
+    """Which stream of noise: run ``k`` of a batch is the experiment with ``replicate=k``."""
     substeps: int | None = None
     """Integration steps of the plant a period; the study's unless given."""
     files: Mapping[str, str] = field(default_factory=dict)
@@ -63,7 +73,7 @@ class Experiment:
     source: str = ""
     """The file that it was read from, for error texts."""
 
-    def settable(self) -> dict[str, Entry]:
+    def settable(self) -> dict[str, ParameterSpec]:
         """Everything that ``changes`` may name, by dotted key."""
         found = self._subject()
         if isinstance(found, _Loop()):
@@ -96,7 +106,7 @@ class Experiment:
         else:
             controller, scenario = self._parts(found)
             loop = found.loop(controller, scenario, self.changes)
-            if self.controller is not None and userfile.is_data(self.controller):
+            if self.controller is not None and names.is_fuzzy_file(self.controller):
                 loop = _fitted(found, self.controller, scenario, self.changes, loop)
             loop = loop.using(name=f"{found.name} {self.controller} {scenario}")
         if self.seed is not None:
@@ -107,7 +117,7 @@ class Experiment:
         return loop
 
     def _check_files(self) -> None:
-        for path, now in userfile.digests(self.controller, self.study).items():
+        for path, now in resolve.digests(self.controller, self.study).items():
             if now and self.files.get(path, now) != now:
                 raise ValueRefused(
                     f"{path} has changed since these numbers were computed: put the old file back, or remove its line "
@@ -117,10 +127,10 @@ class Experiment:
     @property
     def origin(self) -> dict[str, Any]:
         """How to build the loop again; part of a run's manifest."""
-        files = userfile.digests(self.controller, self.study)
+        files = resolve.digests(self.controller, self.study)
         return {
-            "study": userfile.absolute(self.study),
-            "controller": None if self.controller is None else userfile.absolute(self.controller),
+            "study": names.absolute(self.study),
+            "controller": None if self.controller is None else names.absolute(self.controller),
             "scenario": self.scenario,
             "changes": {k: v.tolist() if hasattr(v, "tolist") else v for k, v in self.changes.items()},
             **({} if self.substeps is None else {"substeps": self.substeps}),
@@ -149,11 +159,9 @@ class Experiment:
 
     def _subject(self) -> Any:
         """The study or the loop that the experiment is about."""
-        if not userfile.is_reference(self.study):
-            return catalogue.study(self.study)
-        from leadscrew.studies.study import Study
+        from leadscrew.study_data import Study
 
-        found = userfile.load(self.study)
+        found = resolve.subject(self.study)
         if isinstance(found, Study):
             return found
         made = _made(found, self.study)
@@ -168,38 +176,7 @@ class Experiment:
         study.scenario(self.scenario)
         if self.controller is None:
             raise ValueRefused(f"controller is missing; {study.name} has {', '.join(study.controllers)}")
-        return controller(study, self.controller), self.scenario
-
-
-def controller(study: Study, name: str) -> Block:
-    """A controller of the study by its name there, of the catalogue, ``path/file.py:name``, or a controller file.
-
-    The file of a fuzzy system makes a controller for the study's machine: what its output commands, and in which unit,
-    stands in no such file, so it is what the study's own controllers agree on.
-
-    Raises:
-        NameUnknown: none of these.
-    """
-    if name in study.controllers:
-        return study.controllers[name]
-    if userfile.is_controller_file(name):
-        from leadscrew import controller_file
-
-        return controller_file.block(name, study)
-    if userfile.is_data(name):
-        return replace(catalogue.block(name, "controller"), **_machine(study))
-    if userfile.is_reference(name) or name in catalogue.block_names():
-        return catalogue.block(name, "controller")
-    known = [*study.controllers, *catalogue.block_names()]
-    raise NameUnknown(f"{study.name} has no controller {name!r}{nearest(name, known)}")
-
-
-def _machine(study: Study) -> dict[str, Any]:
-    """What all controllers of a study say of the machine."""
-    said = [(b.unit, b.drive, b.full_scale, b.sense) for b in study.controllers.values()]
-    if len(set(said)) != 1:
-        return {}
-    return dict(zip(("unit", "drive", "full_scale", "sense"), said[0], strict=True))
+        return resolve.controller(study, self.controller), self.scenario
 
 
 def _fitted(study: Study, name: str, scenario: str, changes: Mapping[str, Any], loop: Loop) -> Loop:
@@ -226,7 +203,7 @@ def _fitted(study: Study, name: str, scenario: str, changes: Mapping[str, Any], 
                 f"{name} does not fit {study.name}: a fuzzy system's file takes one command and one reading and gives "
                 f"one output; here the {' and the '.join(several)}"
             ) from None
-    block = replace(userfile.fuzzy_controller(name, *fields), **_machine(study))
+    block = replace(resolve.fuzzy_controller(name, *fields), **resolve.machine_of(study))
     return study.loop(block, scenario, changes)
 
 
@@ -256,7 +233,8 @@ def _made(found: Any, name: str) -> Loop:
         except LeadscrewError:
             raise
         except Exception as error:
-            raise DataError(f"{name}() failed: {type(error).__name__}: {error}") from error
+            at = origin(error)
+            raise DataError(f"{name}() failed{at and f' at {at}'}: {type(error).__name__}: {error}") from error
     if not isinstance(loop, _Loop()):
         raise BlockError(
             f"{name} is of type {type(loop).__name__}; expected a study, a Loop, or a function that returns a Loop"
@@ -279,20 +257,19 @@ def read(path: str | Path) -> Experiment:
     Raises:
         DataError: no such file, bad TOML, an unknown key or a value of the wrong type; names file and key.
     """
-    from leadscrew import controller_file
     from leadscrew.experiment_file import validated
 
     where = Path(path)
-    table = controller_file.table_of(where)
+    table = toml_file.read(where)
     if table.get("kind") == "machine":
-        return Experiment(userfile.absolute(str(where)), source=str(where))
+        return Experiment(names.absolute(str(where)), source=str(where))
     if table.get("kind") == controller_file.KIND:
         subject = controller_file.validated(table, where).study
-        return Experiment(subject, userfile.absolute(str(where)), source=str(where))
-    found = validated(table, str(where))
+        return Experiment(subject, names.absolute(str(where)), source=str(where))
+    found = Experiment(**validated(table, str(where)))
     return replace(
         found,
-        study=userfile.from_file(found.study, where),
-        controller=None if found.controller is None else userfile.from_file(found.controller, where),
-        files={userfile.from_file(k, where): v for k, v in found.files.items()},
+        study=names.from_file(found.study, where),
+        controller=None if found.controller is None else names.from_file(found.controller, where),
+        files={names.from_file(k, where): v for k, v in found.files.items()},
     )

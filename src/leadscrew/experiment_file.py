@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, ValidationError
 
-from leadscrew.experiment import Experiment
+from leadscrew import toml_file
 from leadscrew.kernel.engines import without_numba
-from leadscrew.kernel.errors import DataError
-from leadscrew.kernel.sheet import nearest
+from leadscrew.kernel.parameters import nearest
+from leadscrew.util.errors import DataError
 
 Engine = Annotated[Literal["llvm", "c", "python"], BeforeValidator(without_numba)]
 
@@ -30,17 +30,20 @@ class ExperimentFile(BaseModel):
     substeps: Annotated[int, Field(ge=1)] | None = None
     record: list[str] | None = None
     seed: Annotated[int, Field(ge=0)] | None = None
-    run: Annotated[int, Field(ge=0, lt=2**31)] = 0
+    replicate: Annotated[int, Field(ge=0, lt=2**31)] = 0
     files: dict[str, str] = {}
     changes: Annotated[dict[str, Any], Field(alias="set")] = {}
 
 
-def validated(table: Mapping[str, Any], where: str) -> Experiment:
-    """The experiment that a TOML table describes.
+def validated(table: Mapping[str, Any], where: str) -> dict[str, Any]:
+    """The fields of the experiment that a TOML table describes.
 
     Raises:
         DataError: names file and key of what is wrong.
     """
+    table = dict(table)
+    if "replicate" not in table and "run" in table:  # its name in 0.1.0
+        table["replicate"] = table.pop("run")
     try:
         file = ExperimentFile.model_validate(table)
     except ValidationError as error:
@@ -52,27 +55,18 @@ def validated(table: Mapping[str, Any], where: str) -> Experiment:
         if first["type"] == "missing":
             raise DataError(f"{where}: the key {key!r} is missing") from None
         raise DataError(f"{where}: {key} = {first['input']!r}: {first['msg']}") from None
-    return Experiment(
-        study=file.study,
-        controller=file.controller,
-        scenario=file.scenario,
-        changes=dict(flat(file.changes)),
-        duration_s=file.duration,
-        engine=file.engine,
-        every=file.every,
-        substeps=file.substeps,
-        record=None if file.record is None else tuple(file.record),
-        seed=file.seed,
-        run=file.run,
-        files=file.files,
-        source=where,
-    )
-
-
-def flat(table: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, Any]]:
-    """Nested tables as dotted keys."""
-    for key, value in table.items():
-        if isinstance(value, Mapping):
-            yield from flat(value, f"{prefix}{key}.")
-        else:
-            yield f"{prefix}{key}", value
+    return {
+        "study": file.study,
+        "controller": file.controller,
+        "scenario": file.scenario,
+        "changes": dict(toml_file.flat(file.changes)),
+        "duration_s": file.duration,
+        "engine": file.engine,
+        "every": file.every,
+        "substeps": file.substeps,
+        "record": None if file.record is None else tuple(file.record),
+        "seed": file.seed,
+        "replicate": file.replicate,
+        "files": file.files,
+        "source": where,
+    }

@@ -11,11 +11,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from leadscrew import __version__, userfile
+from leadscrew import names, userfile
+from leadscrew._version import __version__
 from leadscrew.experiment import Experiment
 from leadscrew.kernel.engines import without_numba
-from leadscrew.kernel.errors import CodeNotTrusted, DataError, LeadscrewError
 from leadscrew.kernel.run import load
+from leadscrew.util.errors import CodeNotTrusted, DataError, LeadscrewError
 
 if TYPE_CHECKING:
     from leadscrew.kernel.loop import Loop
@@ -56,7 +57,11 @@ def replay(folder: str | Path) -> Replay:
     path = path.parent if path.name == "run.json" else path
     loop = rebuilt(manifest, str(path))
     try:
-        number, every, engine = int(manifest["run"]), int(manifest["every"]), without_numba(str(manifest["engine"]))
+        number, every, engine = (
+            int(manifest["replicate"]),
+            int(manifest["every"]),
+            without_numba(str(manifest["engine"])),
+        )
         duration, start = float(manifest["duration_s"]), float(manifest["start_s"])
         record = [name for name in manifest["record"] if name != "time"]
     except (KeyError, TypeError, ValueError) as error:
@@ -69,7 +74,7 @@ def replay(folder: str | Path) -> Replay:
         raise DataError(f"{path}: signals.parquet has {held} rows, but a run of {duration:g} s would have {rows}")
     with warnings.catch_warnings(), _of(str(path), manifest["origin"]):
         warnings.simplefilter("ignore")
-        run = loop.run(duration, record=record, every=every if saved else 0, engine=engine, run=number)
+        run = loop.run(duration, record=record, every=every if saved else 0, engine=engine, replicate=number)
     difference = first_difference(saved, run.signals) or _other_end(manifest, run)
     return Replay(
         path, not difference, difference, (*_causes(manifest, loop.manifest(engine)), *_files(manifest["origin"])),
@@ -95,8 +100,8 @@ def rebuilt(manifest: Mapping[str, Any], where: str) -> Loop:
     controller = origin.get("controller")
     try:
         experiment = Experiment(
-            userfile.FromFile(origin["study"], f"{where}/run.json"),
-            None if controller is None else userfile.FromFile(controller, f"{where}/run.json"),
+            names.FromFile(origin["study"], f"{where}/run.json"),
+            None if controller is None else names.FromFile(controller, f"{where}/run.json"),
             origin.get("scenario"), origin.get("changes") or {}, substeps=origin.get("substeps"),
         )  # fmt: skip
         saved, seed, bound = dict(manifest["parameters"]), manifest["seed"], manifest["bound"]

@@ -5,9 +5,9 @@ import math
 import numpy as np
 import pytest
 
-from leadscrew.actuators.dac import DacParams, dac, lathe_dac, plan_dac, plan_lathe_dac
-from leadscrew.kernel.errors import ValueRefused
-from leadscrew.references.lathe_program import LatheDrive
+from leadscrew.actuators._dac import DacParams, dac, lathe_dac, plan_dac, plan_lathe_dac
+from leadscrew.references._lathe_program import LatheDrive
+from leadscrew.util.errors import ValueRefused
 
 
 def test_twelve_bits_give_the_nearest_of_4096_values():

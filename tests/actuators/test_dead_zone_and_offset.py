@@ -2,14 +2,14 @@
 
 import pytest
 
-from leadscrew.actuators.dead_zone import dead_zone
-from leadscrew.actuators.offset import offset
-from leadscrew.controllers.vud import duty_pd
-from leadscrew.kernel.errors import ValueRefused
+from leadscrew.actuators._dead_zone import dead_zone
+from leadscrew.actuators._offset import offset
+from leadscrew.controllers._vud import duty_pd
 from leadscrew.kernel.loop import Loop
-from leadscrew.plants.lathe_servo import lathe_servo
-from leadscrew.references.step import step
-from leadscrew.sensors.grating_count import grating_count
+from leadscrew.plants._lathe_servo import lathe_servo
+from leadscrew.references._step import step
+from leadscrew.sensors._grating_count import grating_count
+from leadscrew.util.errors import ValueRefused
 
 
 def after(block, *outputs):

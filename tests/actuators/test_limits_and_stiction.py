@@ -4,9 +4,9 @@ import math
 
 import pytest
 
-from leadscrew.actuators.limits import limits
-from leadscrew.actuators.stiction import stiction
-from leadscrew.kernel.errors import ValueRefused
+from leadscrew.actuators._limits import limits
+from leadscrew.actuators._stiction import stiction
+from leadscrew.util.errors import ValueRefused
 
 
 def test_a_command_follows_by_the_rate_both_ways_and_stays_within_its_ends():

@@ -7,8 +7,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from leadscrew.actuators.pwm import mean_voltage, pwm
-from leadscrew.kernel.errors import ValueRefused
+from leadscrew.actuators._pwm import mean_voltage, pwm
+from leadscrew.util.errors import ValueRefused
 
 
 def given_out(outputs, **changes):

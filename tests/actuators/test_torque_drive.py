@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from leadscrew.actuators.torque_drive import TorqueDriveState, torque_drive
-from leadscrew.controllers.pd_dob import pd_dob
-from leadscrew.kernel.errors import ValueRefused
+from leadscrew.actuators._torque_drive import TorqueDriveState, torque_drive
+from leadscrew.controllers._pd_dob import pd_dob
+from leadscrew.util.errors import ValueRefused
 from tests.controllers.stage_loop import stage_loop
 
 DT = 2.5e-4

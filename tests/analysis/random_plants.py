@@ -54,7 +54,7 @@ def random_plants(count: int = COUNT, seed: int = SEED) -> list[Plant]:
     """Plants drawn from ``seed``: one pole real, two real or a pair, each 1 to 40 rad/s; gain 1 at rest; 1 to 4
     periods.
     """
-    from leadscrew.plants.linear import hold_matrices
+    from leadscrew.plants._linear import hold_matrices
 
     draw = np.random.default_rng(seed)
     found = []
@@ -82,10 +82,10 @@ def loop_of(plant: Plant) -> LinearLoop:
     :func:`~leadscrew.analysis.stability.loop.sampled_loop`.
     """
     from leadscrew.analysis.stability.loop import sampled_loop
-    from leadscrew.controllers.pid import pid
+    from leadscrew.controllers._pid import pid
     from leadscrew.kernel.loop import Loop
-    from leadscrew.plants.linear import state_space
-    from leadscrew.references.sine import sine
+    from leadscrew.plants._linear import state_space
+    from leadscrew.references._sine import sine
 
     return sampled_loop(
         Loop(

@@ -8,13 +8,11 @@ import numpy as np
 import pytest
 from scipy.optimize import least_squares
 
-from leadscrew.analysis.circular.fit import least_squares_circle
-from leadscrew.analysis.circular.instrument import BallBar, read_by
-from leadscrew.analysis.circular.machine_errors import AxisErrors, MachineErrors, circle_with
-from leadscrew.analysis.circular.paths import CircularTest, Turn
+from leadscrew.analysis.circular.paths import CircularTest, Turn, least_squares_circle
 from leadscrew.analysis.circular.quantities import named, quantities
 from leadscrew.analysis.circular.reversals import reversals
-from leadscrew.kernel.errors import DataError, ValueRefused
+from leadscrew.analysis.circular.synthetic import AxisErrors, BallBar, MachineErrors, circle_with, read_by
+from leadscrew.util.errors import DataError, ValueRefused
 
 NM = 0.001
 """In um: what the analytic cases must keep."""

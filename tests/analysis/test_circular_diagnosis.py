@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from leadscrew.analysis.circular.diagnosis import diagnose
-from leadscrew.analysis.circular.machine_errors import AxisErrors, MachineErrors, circle_with
 from leadscrew.analysis.circular.paths import CircularTest, Turn
-from leadscrew.kernel.errors import DataError
+from leadscrew.analysis.circular.synthetic import AxisErrors, MachineErrors, circle_with
+from leadscrew.util.errors import DataError
 from tests.budget import in_every_run
 
 FEED = 1000.0

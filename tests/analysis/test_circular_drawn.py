@@ -11,15 +11,14 @@ import numpy as np
 import pytest
 
 from leadscrew import Loop
-from leadscrew.analysis.circular import command
+from leadscrew.analysis.circular import simulation
 from leadscrew.analysis.circular.diagnosis import diagnose
-from leadscrew.analysis.circular.drawn import Circle, draw
-from leadscrew.analysis.circular.machine import Machine
 from leadscrew.analysis.circular.quantities import quantities
+from leadscrew.analysis.circular.simulation import Circle, Machine, draw
 from leadscrew.kernel.block import controller, plant, sensor
-from leadscrew.kernel.errors import DataError, Diverged, ValueRefused
-from leadscrew.references.path import line, path
-from leadscrew.references.sine import sine, sine_motion
+from leadscrew.references._path import line, path
+from leadscrew.references._sine import sine, sine_motion
+from leadscrew.util.errors import DataError, Diverged, ValueRefused
 
 
 class Pair(NamedTuple):
@@ -129,7 +128,7 @@ def by_hand(direction):
 def test_the_path_is_the_ellipse_of_the_frequency_response(block):
     loop = moving(block)
     if block is two_gains_of_points:
-        loop = Loop(reference=command.circle_point, controller=block, plant=table, period=1e-3)
+        loop = Loop(reference=simulation.circle_point, controller=block, plant=table, period=1e-3)
     test = draw(Machine(loop), Circle(RADIUS, FEED))
     for turn in test.turns:
         x, y = by_hand(turn.direction)
@@ -180,16 +179,16 @@ def test_the_encoder_s_circle_is_what_the_sensor_says_and_is_labelled():
 
 
 def test_the_command_starts_at_rest_without_a_jump_and_its_derivatives_are_exact():
-    params = command.CircleParams(radius=3.0, speed=2.0, turning=-1.0, start=0.4, centre_x=1.0, centre_y=-2.0)
-    start = command.circle_motion.step(params, 0.0)
+    params = simulation.CircleParams(radius=3.0, speed=2.0, turning=-1.0, start=0.4, centre_x=1.0, centre_y=-2.0)
+    start = simulation.circle_motion.step(params, 0.0)
     assert (start.x.velocity, start.y.velocity, start.x.acceleration, start.y.acceleration) == (0, 0, 0, 0)
     assert start.x.position == pytest.approx(1.0 + 3.0 * math.cos(0.4))
     for t in np.linspace(0.05, 4.0, 37):
-        before, now, after = (command.circle_motion.step(params, t + h) for h in (-1e-4, 0.0, 1e-4))
+        before, now, after = (simulation.circle_motion.step(params, t + h) for h in (-1e-4, 0.0, 1e-4))
         for a, b, c in ((before.x, now.x, after.x), (before.y, now.y, after.y)):
             assert (c.position - a.position) / 2e-4 == pytest.approx(b.velocity, abs=1e-5)
             assert (c.velocity - a.velocity) / 2e-4 == pytest.approx(b.acceleration, abs=2e-4)
-    speed = command.circle_motion.step(params, 3.0)
+    speed = simulation.circle_motion.step(params, 3.0)
     assert math.hypot(speed.x.velocity, speed.y.velocity) == pytest.approx(6.0)
 
 

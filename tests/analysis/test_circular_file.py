@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 from scipy.optimize import least_squares
 
-from leadscrew.analysis.circular import example as made
+from leadscrew.analysis.circular import synthetic as made
 from leadscrew.analysis.circular.diagnosis import diagnose
 from leadscrew.analysis.circular.file import read_circles
 from leadscrew.analysis.circular.quantities import quantities
-from leadscrew.kernel.errors import DataError, ValueRefused
+from leadscrew.util.errors import DataError, ValueRefused
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 PHI = 2.0 * np.pi * np.arange(720) / 720

@@ -5,12 +5,11 @@ import math
 import numpy as np
 import pytest
 
-from leadscrew.analysis.stability.describing import biggest, describing_function, limit_cycles
-from leadscrew.analysis.stability.harmonic_balance import harmonic_balance
+from leadscrew.analysis.stability.harmonic_balance import biggest, describing_function, harmonic_balance, limit_cycles
 from leadscrew.analysis.stability.linear import LinearLoop
 from leadscrew.analysis.stability.loop import continuous_loop, reference_loops
-from leadscrew.controllers.npid import npid, scaled_error
-from leadscrew.kernel.errors import ValueRefused
+from leadscrew.controllers._npid import npid, scaled_error
+from leadscrew.util.errors import ValueRefused
 
 STATIC = 1.32 * 69380.0 / 166.3
 """Gain of the XY table's loop for slow changes, its slow integral apart."""
@@ -161,11 +160,11 @@ def simulate(loop, curve, load, periods, start):
 @pytest.fixture(scope="module")
 def l_star():
     """L* without its integral, which would take over the load in half an hour."""
-    from leadscrew.analysis.stability.sampled import sampled_loop
-    from leadscrew.controllers.pid import pid
+    from leadscrew.analysis.stability.loop import sampled_loop
+    from leadscrew.controllers._pid import pid
     from leadscrew.kernel.loop import Loop
-    from leadscrew.plants.xy_table_cutting import xy_table_cutting
-    from leadscrew.references.step import step
+    from leadscrew.plants._xy_table_cutting import xy_table_cutting
+    from leadscrew.references._step import step
 
     return sampled_loop(
         Loop(reference=step, controller=pid(ki=0.0), plant=xy_table_cutting, period=5e-4, metrics={}), "L*"
@@ -298,7 +297,7 @@ def test_what_makes_no_sense_is_refused(l_star, change, words):
 
 def test_other_refusals(l_star):
     from leadscrew.analysis.stability.lure import lure
-    from leadscrew.controllers.npid_after import npid_after
+    from leadscrew.controllers._npid_after import npid_after
 
     with pytest.raises(ValueRefused, match="amplitude"):
         describing_function(np.sign, 0.0)

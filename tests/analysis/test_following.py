@@ -3,12 +3,9 @@
 import numpy as np
 import pytest
 
-from leadscrew.analysis.following import Log, following
-from leadscrew.analysis.following_files import pair_of, read_logs
-from leadscrew.analysis.following_lag import lag_of_error, shift
-from leadscrew.analysis.following_odd import Track, faults, period_of, stretches, wrap_of
-from leadscrew.analysis.following_rounding import decimals, digits, steps
-from leadscrew.kernel.errors import DataError, ValueRefused
+from leadscrew.analysis.following import Log, following, lag_of_error, pair_of, read_logs, shift
+from leadscrew.analysis.following_anomalies import Track, decimals, digits, faults, period_of, steps, stretches, wrap_of
+from leadscrew.util.errors import DataError, ValueRefused
 
 T, LAG = 0.01, 0.0123
 

@@ -12,13 +12,13 @@ from leadscrew.analysis.frequency_response import (
     measured_margins,
     periodic_response,
 )
-from leadscrew.controllers.pid import pid
-from leadscrew.disturbances.white_noise import white_noise
-from leadscrew.kernel.errors import DataError, ValueRefused
+from leadscrew.controllers._pid import pid
+from leadscrew.disturbances._white_noise import white_noise
 from leadscrew.kernel.loop import Loop
-from leadscrew.plants.xy_table import xy_table
-from leadscrew.references.chirp import log_chirp
-from leadscrew.sensors.noisy_ruler import noisy_ruler
+from leadscrew.plants._xy_table import xy_table
+from leadscrew.references._chirp import log_chirp
+from leadscrew.sensors._noisy_ruler import noisy_ruler
+from leadscrew.util.errors import DataError, ValueRefused
 
 PERIOD, DELAY = 0.5e-3, 0.775e-3
 

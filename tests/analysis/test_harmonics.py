@@ -15,7 +15,7 @@ from leadscrew.analysis.harmonics import (
     spectrum,
 )
 from leadscrew.analysis.harmonics.measured import measure
-from leadscrew.kernel.errors import DataError, ValueRefused
+from leadscrew.util.errors import DataError, ValueRefused
 from tests.budget import in_every_run
 
 RATE = 2000.0

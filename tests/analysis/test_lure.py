@@ -6,24 +6,24 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 
+from leadscrew.analysis.stability.loop import sampled_loop
 from leadscrew.analysis.stability.lure import ErrorMap, declare, lure
-from leadscrew.analysis.stability.sampled import sampled_loop
-from leadscrew.catalogue import block
-from leadscrew.controllers.feed_forward_table import feed_forward_table
-from leadscrew.controllers.learned_feed_forward import learned_feed_forward
-from leadscrew.controllers.look_ahead import look_ahead
-from leadscrew.controllers.npid import READINGS, NPIDParams, npid
-from leadscrew.controllers.npid_after import npid_after
-from leadscrew.controllers.npid_slope import npid_slope
-from leadscrew.controllers.parallel import PIDState
-from leadscrew.controllers.pd_dob import pd_dob
-from leadscrew.controllers.pid import pid
+from leadscrew.controllers._feed_forward_table import feed_forward_table
+from leadscrew.controllers._learned_feed_forward import learned_feed_forward
+from leadscrew.controllers._look_ahead import look_ahead
+from leadscrew.controllers._npid import READINGS, NPIDParams, npid
+from leadscrew.controllers._npid_after import npid_after
+from leadscrew.controllers._npid_slope import npid_slope
+from leadscrew.controllers._parallel import PIDState
+from leadscrew.controllers._pd_dob import pd_dob
+from leadscrew.controllers._pid import pid
 from leadscrew.kernel.block import controller, make
-from leadscrew.kernel.errors import ValueRefused
 from leadscrew.kernel.loop import Loop
-from leadscrew.plants.xy_table_cutting import xy_table_cutting
-from leadscrew.references.eased_sine import eased_sine_motion
+from leadscrew.plants._xy_table_cutting import xy_table_cutting
+from leadscrew.references._eased_sine import eased_sine_motion
+from leadscrew.resolve import block
 from leadscrew.studies.npid_xytable.controllers import CONTROLLERS
+from leadscrew.util.errors import ValueRefused
 from tests.controllers.xy_loop import outputs
 
 UM = 1e-3

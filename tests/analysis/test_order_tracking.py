@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from leadscrew.analysis.order_tracking import angle, speed_trace, track_orders, vold_kalman
-from leadscrew.kernel.errors import DataError, ValueRefused
+from leadscrew.util.errors import DataError, ValueRefused
 
 pytestmark = pytest.mark.slow
 

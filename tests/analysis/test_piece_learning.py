@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from scipy.ndimage import gaussian_filter1d
 
-from leadscrew.analysis.piece_learning import next_offsets, next_offsets_along, next_offsets_textbook
-from leadscrew.kernel.errors import DataError, ValueRefused
+from leadscrew.tangent.piece_learning import next_offsets, next_offsets_along, next_offsets_textbook
+from leadscrew.util.errors import DataError, ValueRefused
 
 RNG = np.random.default_rng(3)
 N = 120

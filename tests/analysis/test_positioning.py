@@ -8,9 +8,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from leadscrew.analysis.positioning import positioning
-from leadscrew.analysis.positioning_file import example, read_positioning
-from leadscrew.kernel.errors import DataError, ValueRefused
+from leadscrew.analysis.positioning import example, positioning, read_positioning
+from leadscrew.util.errors import DataError, ValueRefused
 
 TARGETS = (10.0, 100.0)
 UP = ((0.0, 1.0, 2.0), (1.0, 3.0, 5.0))

@@ -10,22 +10,26 @@ import pytest
 from leadscrew.analysis.stability.circle import circle
 from leadscrew.analysis.stability.driven import driven
 from leadscrew.analysis.stability.exact import positive_definite, proved, rational
-from leadscrew.analysis.stability.kyp import (
+from leadscrew.analysis.stability.linear import LinearLoop
+from leadscrew.analysis.stability.lmi import (
     ROUNDING,
     inequality,
     jury_lee_inequality,
+    largest_proved,
+    lmi_circle,
+    lmi_popov,
+    lmi_tsypkin,
+    lmi_zames_falb,
     popov_inequality,
     tsypkin_inequality,
+    zames_falb_inequality,
 )
-from leadscrew.analysis.stability.linear import LinearLoop
-from leadscrew.analysis.stability.lmi import largest_proved, lmi_circle, lmi_popov, lmi_tsypkin
-from leadscrew.analysis.stability.lmi_zames_falb import lmi_zames_falb, zames_falb_inequality
 from leadscrew.analysis.stability.loop import continuous_loop, reference_loops
 from leadscrew.analysis.stability.lure import lure
 from leadscrew.analysis.stability.tsypkin import tsypkin
-from leadscrew.controllers.npid import npid
-from leadscrew.controllers.npid_slope import npid_slope
-from leadscrew.kernel.errors import ValueRefused
+from leadscrew.controllers._npid import npid
+from leadscrew.controllers._npid_slope import npid_slope
+from leadscrew.util.errors import ValueRefused
 
 
 def first_order(pole=0.5):
@@ -112,7 +116,7 @@ def test_the_proof_covers_more_than_the_rounding_of_the_matrix_exponential(star)
 
 def _worst_rounding_of_the_plant():
     """Relative error of the XY table's hold in doubles, against the exponential's series in fractions."""
-    from leadscrew.plants.linear import hold_matrices
+    from leadscrew.plants._linear import hold_matrices
 
     worst = Fraction(0)
     for dt in (5e-4, 2.75e-4, 2.25e-4):
@@ -209,7 +213,7 @@ def test_the_remembering_multiplier_is_what_the_inequality_says_at_every_frequen
 
 
 def test_resonators_on_the_unit_circle_are_no_obstacle_to_a_proof():
-    from leadscrew.controllers.resonant import TUNINGS
+    from leadscrew.controllers._resonant import TUNINGS
     from leadscrew.studies.npid_xytable.rejection import opened
 
     loop = opened(TUNINGS["ours.resonant"])

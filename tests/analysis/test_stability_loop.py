@@ -4,19 +4,19 @@ import numpy as np
 import pytest
 
 from leadscrew import Loop
-from leadscrew.actuators.saturation import saturation
+from leadscrew.actuators._saturation import saturation
 from leadscrew.analysis.stability.linear import LinearLoop
 from leadscrew.analysis.stability.loop import continuous_loop, reference_loops, sampled_loop, table_i_sampled
-from leadscrew.controllers.npid import npid
-from leadscrew.controllers.pid import pid
+from leadscrew.controllers._npid import npid
+from leadscrew.controllers._pid import pid
 from leadscrew.kernel.block import plant
-from leadscrew.kernel.errors import ValueRefused
-from leadscrew.plants.linear import transfer_function
-from leadscrew.plants.mass_dahl import mass_dahl
-from leadscrew.plants.xy_table import XYTableState, xy_table
-from leadscrew.references.sine import sine
-from leadscrew.references.step import step
-from leadscrew.sensors.ruler import ruler
+from leadscrew.plants._linear import transfer_function
+from leadscrew.plants._mass_dahl import mass_dahl
+from leadscrew.plants._xy_table import XYTableState, xy_table
+from leadscrew.references._sine import sine
+from leadscrew.references._step import step
+from leadscrew.sensors._ruler import ruler
+from leadscrew.util.errors import ValueRefused
 from tests.controllers.xy_loop import PERIOD, xy_loop
 
 W = np.geomspace(1.0, 6000.0, 60)

@@ -5,9 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from leadscrew.analysis.stability.crossings import phase_crossings
-from leadscrew.analysis.stability.grid import own_grid
-from leadscrew.analysis.stability.linear import LinearLoop
+from leadscrew.analysis.stability.linear import LinearLoop, own_grid, phase_crossings
 from leadscrew.analysis.stability.loop import continuous_loop, reference_loops
 from leadscrew.analysis.stability.margins import margins
 

@@ -12,14 +12,14 @@ from leadscrew.analysis.stability.loop import continuous_loop, sampled_loop
 from leadscrew.analysis.stability.margins import margins
 from leadscrew.analysis.stability.tsypkin import tsypkin
 from leadscrew.analysis.stability.zames_falb import zames_falb
-from leadscrew.controllers.pid import TUNINGS as PID
-from leadscrew.controllers.repetitive import repetitive
-from leadscrew.controllers.resonant import ODD_HZ, TUNINGS
-from leadscrew.disturbances.sine_load import sine_load
-from leadscrew.kernel.errors import ValueRefused
+from leadscrew.controllers._pid import TUNINGS as PID
+from leadscrew.controllers._repetitive import repetitive
+from leadscrew.controllers._resonant import ODD_HZ, TUNINGS
+from leadscrew.disturbances._sine_load import sine_load
 from leadscrew.kernel.loop import Loop
-from leadscrew.plants.xy_table import xy_table
-from leadscrew.references.sine import sine
+from leadscrew.plants._xy_table import xy_table
+from leadscrew.references._sine import sine
+from leadscrew.util.errors import ValueRefused
 
 BOX = TUNINGS["ours.resonant_box"]
 LINES = 2 * np.pi * np.array(ODD_HZ)

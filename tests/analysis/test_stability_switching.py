@@ -6,7 +6,7 @@ import pytest
 from leadscrew.analysis.stability.circle import circle
 from leadscrew.analysis.stability.loop import reference_loops
 from leadscrew.analysis.stability.switching import pattern_radius, worst_switching
-from leadscrew.kernel.errors import ValueRefused
+from leadscrew.util.errors import ValueRefused
 
 
 @pytest.mark.slow

@@ -10,8 +10,8 @@ from leadscrew.analysis.stability.loop import reference_loops
 from leadscrew.analysis.stability.lure import lure
 from leadscrew.analysis.stability.tsypkin import tsypkin
 from leadscrew.analysis.stability.zames_falb import zames_falb
-from leadscrew.controllers.npid import npid
-from leadscrew.kernel.errors import ValueRefused
+from leadscrew.controllers._npid import npid
+from leadscrew.util.errors import ValueRefused
 from tests.analysis.test_stability_criteria import run
 from tests.analysis.test_stability_margins import random_rational
 from tests.budget import in_every_run

@@ -9,7 +9,7 @@ from scipy.optimize import fsolve
 
 from leadscrew.analysis.single_lag import single_lag_time
 from leadscrew.analysis.time_optimal import StateLimit, fastest_move
-from leadscrew.kernel.errors import ValueRefused
+from leadscrew.util.errors import ValueRefused
 
 MASS = (np.array([[0.0, 1.0], [0.0, 0.0]]), np.array([0.0, 1.0]))
 """Position and speed of a mass of 1 kg under a force of at most 1 N."""

@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 from scipy.ndimage import gaussian_filter1d
 
-from leadscrew.analysis.trial_learning import last_period, smoothed, taught
-from leadscrew.controllers.feed_forward_table import feed_forward_table
-from leadscrew.controllers.pd_dob import pd_dob
-from leadscrew.controllers.sliding.super_twisting import super_twisting
-from leadscrew.kernel.errors import BlockError, DataError, ValueRefused
-from leadscrew.plants.ballscrew_stage import ballscrew_stage
-from leadscrew.references.motion import Motion
+from leadscrew.controllers._feed_forward_table import feed_forward_table
+from leadscrew.controllers._pd_dob import pd_dob
+from leadscrew.controllers._sliding.super_twisting import super_twisting
+from leadscrew.controllers._trial_learning import last_period, smoothed, taught
+from leadscrew.plants._ballscrew_stage import ballscrew_stage
+from leadscrew.references._motion import Motion
+from leadscrew.util.errors import BlockError, DataError, ValueRefused
 from tests.controllers.stage_loop import stage_loop
 
 DT = 2.5e-4

@@ -6,8 +6,8 @@ import json
 import numpy as np
 import pytest
 
-from leadscrew.bench import FIELDS, PARTS, functions, loops, others, peers, plain, run, threads, yardstick
-from leadscrew.bench.row import row
+from leadscrew.bench import FIELDS, PARTS, functions, loops, peers, run, threads, yardstick
+from leadscrew.bench.measuring import row
 from leadscrew.bench.servo import INTEGRATORS
 from leadscrew.bench.table import HEAD, markdown
 from leadscrew.kernel.portable.powers import pow as portable_pow
@@ -59,12 +59,12 @@ def test_c_with_libm_is_close_but_another_program(pair):
 @pytest.mark.parametrize("form", sorted(INTEGRATORS))
 def test_plain_python_runs_the_same_loop(form):
     loop = loops.lathe(form)
-    by_hand = np.array(getattr(plain, form)(yardstick.Yardstick.parameters(loop), 300))
-    assert np.abs(by_hand - others.positions(loop, 300)).max() < 1e-9
+    by_hand = np.array(getattr(peers, form)(yardstick.Yardstick.parameters(loop), 300))
+    assert np.abs(by_hand - peers.positions(loop, 300)).max() < 1e-9
 
 
 def test_both_forms_are_as_accurate_as_the_bench_says():
-    _, errors = others.accuracy(20)
+    _, errors = peers.accuracy(20)
     assert errors["hold"] < 1e-12
     assert errors["rk4"] < 1e-7
 
@@ -75,7 +75,7 @@ def test_python_control_runs_the_same_loop(fused, substeps):
     p = yardstick.Yardstick.parameters(loops.lathe())
     theirs = peers.python_control(p, 40, substeps, fused)
     form = "hold" if substeps == 1 else "rk4"
-    assert np.abs(theirs - others.positions(loops.lathe(form), 40)).max() < 1e-9
+    assert np.abs(theirs - peers.positions(loops.lathe(form), 40)).max() < 1e-9
 
 
 def test_rows_have_the_schema_and_one_verdict_each():

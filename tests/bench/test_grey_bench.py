@@ -5,7 +5,7 @@ import pytest
 from leadscrew.bench import FIELDS, PARTS, grey
 from leadscrew.bench.probes import probe
 from leadscrew.grey.predictors import KINDS
-from leadscrew.grey.vectorised_others import predictions
+from leadscrew.grey.vectorised import predictions
 
 
 @pytest.mark.slow

@@ -3,7 +3,7 @@
 import pytest
 
 from leadscrew.bench import PARTS, many
-from leadscrew.bench.row import FIELDS
+from leadscrew.bench.measuring import FIELDS
 
 
 @pytest.mark.slow

@@ -5,8 +5,7 @@ import itertools
 import pytest
 
 from leadscrew.bench import threads
-from leadscrew.bench.row import row
-from leadscrew.bench.timing import interleaved, repeated
+from leadscrew.bench.measuring import interleaved, repeated, row
 
 
 def test_a_contender_s_time_is_the_median_of_its_turns_without_the_first_call():
@@ -44,6 +43,6 @@ def test_a_target_is_met_at_its_very_limit(bounds, ratio, passed, target):
 def test_two_threads_that_take_half_the_time_are_twice_as_fast(monkeypatch):
     monkeypatch.setattr(threads, "load", lambda: 0.0)
     monkeypatch.setattr(threads, "interleaved", lambda contenders, rounds, clock: {"1": 4.0, "2": 2.0})
-    monkeypatch.setattr(threads.entries, "batch", lambda *args, **more: None)
+    monkeypatch.setattr(threads.measuring, "batch", lambda *args, **more: None)
     one, two = threads.rows(1, 32, {})
     assert (one["value"], two["value"], two["ratio"], two["passed"]) == (8.0, 16.0, 2.0, True)

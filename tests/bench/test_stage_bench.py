@@ -3,9 +3,8 @@
 import numpy as np
 import pytest
 
-from leadscrew.bench import FIELDS, PARTS, stage, stage_c, stage_peers
-from leadscrew.bench.stage import BEST, NAMES, OURS, TARGETS
-from leadscrew.bench.stage_schemes import NM, SMOOTH, TRUTH, angles, every, rodas
+from leadscrew.bench import FIELDS, PARTS, stage
+from leadscrew.bench.stage import BEST, NAMES, NM, OURS, SMOOTH, TARGETS, TRUTH, angles, every, rodas
 from leadscrew.bench.yardstick import NoCompilerError
 from tests.tools import missing
 
@@ -14,7 +13,7 @@ from tests.tools import missing
 def by_hand(request):
     """The C of one sine."""
     try:
-        return stage_c.ByHand(request.param)
+        return stage.ByHand(request.param)
     except NoCompilerError as why:
         missing("gcc", str(why))
 
@@ -46,7 +45,7 @@ def test_each_form_in_c_errs_as_much_as_its_kind_does(by_hand, form, us, low, hi
 @pytest.mark.parametrize(("method", "rtol", "within_nm"), [("LSODA", 1e-9, 0.01), ("Radau", 1e-5, 0.01)])
 def test_scipy_runs_the_same_loop(method, rtol, within_nm):
     truth = angles("sine_fast", TRUTH, 0.02)
-    assert apart(stage_peers.scipy_run("sine_fast", method, rtol, len(truth)).angles, truth) < within_nm
+    assert apart(stage.scipy_run("sine_fast", method, rtol, len(truth)).angles, truth) < within_nm
 
 
 @pytest.mark.slow

@@ -10,9 +10,9 @@ import numpy as np
 from leadscrew.kernel.block import Block, controller, plant
 from leadscrew.kernel.loop import Loop
 from leadscrew.kernel.metrics import max_error, rms_error
-from leadscrew.kernel.sheet import Doc, Ge, Gt, Unit
-from leadscrew.references.step import step
-from leadscrew.studies.study import Scenario, Study
+from leadscrew.kernel.parameters import Doc, Ge, Gt, Unit
+from leadscrew.references._step import step
+from leadscrew.study_data import Scenario, Study
 
 
 class GainParams(NamedTuple):

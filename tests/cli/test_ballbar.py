@@ -18,7 +18,7 @@ from typing import NamedTuple
 
 from leadscrew import Loop
 from leadscrew.kernel.block import controller, plant
-from leadscrew.references.path import line, path
+from leadscrew.references._path import line, path
 
 
 class Pair(NamedTuple):
@@ -63,7 +63,7 @@ from typing import NamedTuple
 
 from leadscrew import Loop
 from leadscrew.kernel.block import controller, plant
-from leadscrew.references.sine import sine
+from leadscrew.references._sine import sine
 
 
 class Gain(NamedTuple):

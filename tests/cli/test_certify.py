@@ -141,7 +141,7 @@ LEVITATED = '''
 from typing import NamedTuple
 
 from leadscrew import Loop, controller, plant
-from leadscrew.references.step import step
+from leadscrew.references._step import step
 
 
 class AxisParams(NamedTuple):

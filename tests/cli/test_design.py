@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from leadscrew import controller_file
-from leadscrew.controllers.vud.universe import TABLE_2
+from leadscrew import controller_file, resolve
+from leadscrew.controllers._vud.universe import TABLE_2
 from leadscrew.export.folder import compiler_path
 from tests.cli.conftest import left, strict_json
 from tests.design.moves import TABLE_1, rows, swapped, write
@@ -42,7 +42,7 @@ def test_the_file_is_a_controller_that_says_where_it_comes_from(call, tmp_path):
     read = controller_file.read(out)
     assert (read.study, read.controller) == ("vud_lathe", "vud_beta_e")
     assert read.tuning["made_by"] == "leadscrew design vud"
-    block = controller_file.block(out)
+    block = resolve.from_controller_file(out)
     assert np.array_equal(block.params.rules, TABLE_2) and block.params.rate_full_scale_mm == 25.87
     assert "made by leadscrew design vud" in call("list", out).stdout
 

@@ -2,9 +2,9 @@
 
 import pytest
 
-from leadscrew import catalogue, controller_file
-from leadscrew.cli.design_npid import runs_in
-from leadscrew.kernel.errors import ValueRefused
+from leadscrew import controller_file, resolve
+from leadscrew.cli.design import runs_in
+from leadscrew.util.errors import ValueRefused
 from tests.cli.conftest import left, strict_json
 
 
@@ -79,8 +79,8 @@ def test_a_study_whose_commands_are_motions_gets_no_file(refused, tmp_path):
 
 
 def test_a_controller_is_tried_in_the_study_that_its_file_names():
-    blocks = (catalogue.block("npid_slope"), catalogue.block("npid"))
+    blocks = (resolve.block("npid_slope"), resolve.block("npid"))
     for block in blocks:
-        runs_in(catalogue.study("npid_xytable"), block, "npid_xytable")
+        runs_in(resolve.study("npid_xytable"), block, "npid_xytable")
         with pytest.raises(ValueRefused, match=f"--study here: .* are motions, .* and {block.name} takes a number"):
-            runs_in(catalogue.study("fsmc_ballscrew"), block, "here")
+            runs_in(resolve.study("fsmc_ballscrew"), block, "here")

@@ -10,14 +10,14 @@ from typer.testing import CliRunner
 from leadscrew.cli import app
 from leadscrew.cli.values import parse
 from leadscrew.experiment import Experiment
-from leadscrew.kernel.errors import LeadscrewError
-from leadscrew.kernel.sheet import Entry
+from leadscrew.kernel.parameters import ParameterSpec
+from leadscrew.util.errors import LeadscrewError
 from tests.cli.conftest import FILE
 
 STUDY = f"{FILE}:STUDY"
 KEYS = ("plant.lag_s", "controller.stages", "controller.inverted", "controller.table", "scenario.target_mm")
 SHEET = Experiment(STUDY, "p", "small").settable()
-WHOLE = Entry("controller.stages", "int", 1, "", "")
+WHOLE = ParameterSpec("controller.stages", "int", 1, "", "")
 NUMBERISH = st.text(alphabet="0123456789+-.eE_naifINF[], truefalsTRUE\n\x00\t١²", max_size=40)
 TEXTS = st.one_of(st.text(max_size=60), NUMBERISH, st.floats().map(str), st.integers().map(str))
 

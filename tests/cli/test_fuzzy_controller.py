@@ -10,14 +10,14 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 
-from leadscrew import catalogue, userfile
+from leadscrew import names, resolve
 from leadscrew.experiment import Experiment
 from leadscrew.fuzzy import block, formats
 from leadscrew.kernel.block import controller, reference
-from leadscrew.kernel.errors import BlockError, ValueRefused
 from leadscrew.kernel.loop import Loop
 from leadscrew.kernel.metrics import rms_error
-from leadscrew.references.sine import sine_motion
+from leadscrew.references._sine import sine_motion
+from leadscrew.util.errors import BlockError, ValueRefused
 from tests.budget import in_every_run
 from tests.cli.conftest import strict_json
 from tests.cli.plain_study import STUDY, slide
@@ -147,7 +147,7 @@ def commanded(monkeypatch, reference, path):
 
     own = first if reference is sine_motion else first_of_two
     moving = replace(STUDY, name="moving", controllers={"p": own}, build=build)
-    monkeypatch.setattr(catalogue, "study", lambda name: moving)
+    monkeypatch.setattr(resolve, "subject", lambda name: moving)
     return Experiment("moving", str(path), "small", {"controller.scale_output": 4.0})
 
 
@@ -242,20 +242,20 @@ def test_it_is_exported_with_the_scales_as_knobs(call, study, made, tmp_path):
 
 def test_an_export_is_called_as_the_file_or_the_object():
     named = {"a/my-axis.fis": "my_axis", "axis.fll:u": "axis", "a/b.py:half": "half", "paper.vud": "vud", "pid": "pid"}
-    assert {name: userfile.stem(name) for name in named} == named
+    assert {name: names.stem(name) for name in named} == named
 
 
 def test_a_file_that_changed_is_read_anew(made):
     path = made()
-    before = catalogue.block(str(path), "controller")
-    assert catalogue.block(str(path), "controller") is before
+    before = resolve.block(str(path), "controller")
+    assert resolve.block(str(path), "controller") is before
     made("axis.fis", with_output(mamdani(defuzzifier="bisector"), integration="trapezoid"))
-    assert catalogue.block(str(path), "controller") is not before
+    assert resolve.block(str(path), "controller") is not before
 
 
 def test_numbers_of_the_system_are_tuned_by_name(study, made):
     path = made("axis.fll", sugeno())
-    tables = np.array(catalogue.block(str(path)).params.tables.terms)
+    tables = np.array(resolve.block(str(path)).params.tables.terms)
     tables[14:, 0] *= 2.0
     twice = {"controller.tables.terms": tables}
     made_twice = Experiment(study, str(path), "small", twice).loop().run(0.1)

@@ -11,8 +11,8 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
 
-from leadscrew.fuzzy.activity import activity
 from leadscrew.fuzzy.evaluate import compiled
+from leadscrew.fuzzy.explanation import activity
 from tests.cli.conftest import left, strict_json
 from tests.fuzzy.systems import sugeno
 
@@ -152,9 +152,9 @@ def test_bench_prints_the_rows_it_gets(call, refused, servo, monkeypatch):
             {"name": "python", "what": "one point", "value": None, "unit": "us", "ratio": None, "remark": "not here"},
         ]
 
-    made = types.ModuleType("leadscrew.bench.fuzzy_file")
+    made = types.ModuleType("leadscrew.bench.fuzzy")
     made.bench_file = bench_file
-    monkeypatch.setitem(sys.modules, "leadscrew.bench.fuzzy_file", made)
+    monkeypatch.setitem(sys.modules, "leadscrew.bench.fuzzy", made)
     out = call("fuzzy", "bench", servo, "--points", 1000).stdout
     assert "512.25" in out and "not here" in out and "ratio" in out
     found = strict_json(call("fuzzy", "bench", servo, "--json").stdout)

@@ -9,8 +9,8 @@ import pytest
 import typer
 from typer.testing import CliRunner
 
-from leadscrew.cli.door import Door
-from leadscrew.cli.fuzzy_learn import learn
+from leadscrew.cli.exit_codes import Door
+from leadscrew.cli.fuzzy import learn
 from leadscrew.fuzzy import formats
 from leadscrew.fuzzy.evaluate import compiled
 

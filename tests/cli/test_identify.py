@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from leadscrew import controller_file
+from leadscrew import controller_file, resolve
 from leadscrew.friction.lugre import LuGre
 from leadscrew.identify import friction_file
 from leadscrew.studies.fsmc_ballscrew.controllers import CONTROLLERS
@@ -31,7 +31,7 @@ def test_json_and_controller_file_hold_the_same_values(call, log, tmp_path):
     out = tmp_path / "stage.toml"
     found = strict_json(call("identify", "friction", log, "-o", out, "--json").stdout)
     assert found["schema_version"] == 1 and found["out"] == str(out)
-    block = controller_file.block(out)
+    block = resolve.from_controller_file(out)
     own = CONTROLLERS["ours.pd_dob"].params.hat
     for name, entry in found["parameters"].items():
         value = entry["value"] if entry["identifiable"] else getattr(own, name)

@@ -7,7 +7,7 @@ import pytest
 
 from leadscrew.identify.axis import fit as fitter
 from leadscrew.machine.file import read
-from leadscrew.report import identified_axis_page as page
+from leadscrew.report import identified_axis as page
 from tests.cli.conftest import strict_json
 from tests.report.axis_fits import made_up, stretch
 

@@ -8,9 +8,9 @@ import pytest
 
 from leadscrew import machine
 from leadscrew.identify.axis.fit import identify_axis
-from leadscrew.kernel.errors import DataError, ValueRefused
 from leadscrew.logs import axis_log, read_axis_log
 from leadscrew.report import identified_axis as tables
+from leadscrew.util.errors import DataError, ValueRefused
 
 MASS, VISCOUS, STEP = 50.0, 400.0, 1e-3
 LEAD, GEAR = 10.0, 2.0

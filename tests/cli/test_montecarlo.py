@@ -14,8 +14,8 @@ import pyarrow.parquet as pq
 import pytest
 
 from leadscrew.cli.montecarlo_work import Asked
-from leadscrew.kernel.errors import DataError, ValueRefused
-from leadscrew.kernel.system import peak_memory
+from leadscrew.util.errors import DataError, ValueRefused
+from leadscrew.util.system import peak_memory
 from tests.cli.conftest import strict_json
 from tests.tune.noisy_loop import DIVERGING, FILE, NAME
 
@@ -136,7 +136,7 @@ def test_what_a_killed_process_left_is_cleared_and_nothing_else(call, asked, tmp
     dead.wait()
     kill = """
 import os, signal, sys
-from leadscrew.tune.montecarlo_folder import placed
+from leadscrew.report.montecarlo import placed
 with placed(sys.argv[1]) as beside:
     (beside / "half.txt").write_text("half")
     os.kill(os.getpid(), signal.SIGKILL)
@@ -243,7 +243,9 @@ def test_a_loop_and_an_experiment_file_will_do(call, tmp_path, monkeypatch):
     call("montecarlo", f"{FILE}:LOOP", "--duration", "0.05", "--runs", "20", "--no-figures", "-o", "loop")
     again = call("simulate", "loop/worst/rms_error_1.toml", "--trust", "--json").stdout
     worst = json.loads((tmp_path / "loop" / "summary.json").read_text())["worst"][0]
-    assert strict_json(again)["metrics"]["rms_error"] == worst["value"] and strict_json(again)["run"] == worst["run"]
+    assert (
+        strict_json(again)["metrics"]["rms_error"] == worst["value"] and strict_json(again)["replicate"] == worst["run"]
+    )
     (tmp_path / "e.toml").write_text(
         f'schema_version = 1\nstudy = "{NAME}"\ncontroller = "p"\nscenario = "large"\nduration = 0.1\nseed = 5\n'
     )
@@ -253,16 +255,16 @@ def test_a_loop_and_an_experiment_file_will_do(call, tmp_path, monkeypatch):
 
 def test_the_noise_of_a_run_is_named_by_its_number(call, refused, tmp_path):
     asked = ("simulate", NAME, "-c", "p", "-s", "small", "--json")
-    values = [strict_json(call(*asked, "--run", k).stdout)["metrics"]["rms_error"] for k in (0, 7)]
+    values = [strict_json(call(*asked, "--replicate", k).stdout)["metrics"]["rms_error"] for k in (0, 7)]
     assert values[0] == strict_json(call(*asked).stdout)["metrics"]["rms_error"] != values[1]
     (tmp_path / "e.toml").write_text(
-        f'schema_version = 1\nstudy = "{NAME}"\ncontroller = "p"\nscenario = "small"\nrun = 7\n'
+        f'schema_version = 1\nstudy = "{NAME}"\ncontroller = "p"\nscenario = "small"\nreplicate = 7\n'
     )
     assert strict_json(call("simulate", tmp_path / "e.toml", "--json").stdout)["metrics"]["rms_error"] == values[1]
     out = tmp_path / "saved"
     call("simulate", tmp_path / "e.toml", "--out", out)
     call("replay", out)
-    assert "run" in refused(*asked, "--run", "-1")
+    assert "replicate" in refused(*asked, "--replicate", "-1")
 
 
 def test_the_command_of_a_report_asks_for_it_again():

@@ -3,7 +3,7 @@
 import pytest
 
 from leadscrew.cli import pairs
-from leadscrew.kernel.errors import ValueRefused
+from leadscrew.util.errors import ValueRefused
 
 
 def test_pairs_are_read_with_blanks_and_further_equals_signs():

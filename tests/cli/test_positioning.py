@@ -6,7 +6,7 @@ import json
 
 import pytest
 
-from leadscrew.analysis.positioning_file import example, read_positioning
+from leadscrew.analysis.positioning import example, read_positioning
 from leadscrew.export.screw_compensation import read_compensation
 from tests.cli.conftest import strict_json
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from leadscrew.grey.score import compare
-from leadscrew.grey.vectorised_others import predictions
+from leadscrew.grey.vectorised import predictions
 from tests.cli.conftest import strict_json
 
 

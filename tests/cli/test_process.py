@@ -10,9 +10,9 @@ import time
 
 import pytest
 
-from leadscrew.escape import terminal
-from leadscrew.kernel.errors import DataError
 from leadscrew.kernel.run import load
+from leadscrew.util.errors import DataError
+from leadscrew.util.escape import terminal
 from tests.cli.conftest import FILE
 
 HEAVY = ("numpy", "llvmlite", "scipy", "matplotlib", "pyarrow", "jinja2", "leadscrew.experiment_file")

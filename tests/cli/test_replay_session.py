@@ -7,8 +7,7 @@ import pytest
 
 from leadscrew import __version__
 from leadscrew.operate import session_file
-from leadscrew.operate.operated import Operated
-from leadscrew.operate.session import Start
+from leadscrew.operate.operated import Operated, Start
 from tests.cli.conftest import strict_json
 from tests.cli.test_simulate import REMOVED
 from tests.operate.bench_study import NAME

@@ -26,8 +26,8 @@ def test_metrics_come_with_units(call, study):
 
 STIFF = """
 from leadscrew import Loop, controller
-from leadscrew.plants.mass_lugre import mass_lugre
-from leadscrew.references.step import step
+from leadscrew.plants._mass_lugre import mass_lugre
+from leadscrew.references._step import step
 
 @controller()
 def push(command, feedback):

@@ -129,8 +129,8 @@ def test_a_question_that_has_no_answer_leaves_nothing_in_the_way_of_a_better_one
 
 
 def test_a_command_that_ends_before_a_chunk_is_done_leaves_no_journal(refused, tmp_path, monkeypatch):
-    from leadscrew.kernel.errors import ValueRefused
     from leadscrew.tune import job as jobs
+    from leadscrew.util.errors import ValueRefused
 
     def refuse(self, chunk, threads=1):
         raise ValueRefused("no such plant")
@@ -145,19 +145,20 @@ def test_a_command_that_ends_before_a_chunk_is_done_leaves_no_journal(refused, t
 
 @pytest.mark.parametrize("place", in_every_run(["chunk", "file", "report"], ["file"]))
 def test_a_full_disk_keeps_what_is_done_and_says_how_to_go_on(call, refused, tmp_path, monkeypatch, place):
-    from leadscrew import newfile
-    from leadscrew.kernel.errors import DataError
-    from leadscrew.tune import journal, tuned_files, tuned_report
+    from leadscrew.report import tuned as folder
+    from leadscrew.tune import checkpoints, tuned
+    from leadscrew.util import atomic
+    from leadscrew.util.errors import DataError
 
     out, report, count = tmp_path / "t.toml", tmp_path / "report", iter(range(1000))
 
     def full(*args, **kwargs):
         if place != "chunk" or next(count) > 3:
             raise DataError("it cannot be written: No space left on device")
-        newfile.save(*args, **kwargs)
+        atomic.atomic_write(*args, **kwargs)
 
     with monkeypatch.context() as patch:
-        module, name = {"chunk": (journal, "save"), "file": (tuned_files, "save"), "report": (tuned_report, "write")}[
+        module, name = {"chunk": (checkpoints, "atomic_write"), "file": (tuned, "save"), "report": (folder, "write")}[
             place
         ]
         patch.setattr(module, name, full)
@@ -177,7 +178,7 @@ def test_a_lost_cluster_keeps_what_is_done(refused, call, tmp_path):
     with dask(tmp_path, 1) as (address, workers):
         running = process(*LATHE, "--budget", "100000", "-o", str(out), "--cluster", address)
         waited(lambda: len(list(tmp_path.glob("t.toml.journal/chunk_*"))) > 3, 120)
-        from leadscrew.tune.crew import crew
+        from leadscrew.tune.executors import crew
 
         with crew(address) as cluster:
             os.kill(cluster.client.run_on_scheduler(os.getpid), signal.SIGKILL)

@@ -3,9 +3,9 @@
 from pathlib import Path
 
 from leadscrew import Loop
-from leadscrew.controllers.pid import pid
-from leadscrew.plants.linear import transfer_function
-from leadscrew.references.step import step
+from leadscrew.controllers._pid import pid
+from leadscrew.plants._linear import transfer_function
+from leadscrew.references._step import step
 from leadscrew.studies import Measured, Scenario, Study, Table, claim, contents_of, experiment, figure, measure
 
 

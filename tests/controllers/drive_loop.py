@@ -1,6 +1,6 @@
 """The stage under a PID without a model."""
 
-from leadscrew.controllers.torque_pid import torque_pid
+from leadscrew.controllers._torque_pid import torque_pid
 from tests.controllers.stage_loop import stage_loop
 
 

@@ -1,11 +1,12 @@
 """Cuts under the force controllers that know the programme, for their tests and the table of exports."""
 
-from leadscrew.controllers.force import TUNINGS, depth_feed_forward, gain_normalised
-from leadscrew.controllers.grey_fuzzy.tunings import TUNINGS as GREY_FUZZY
+from leadscrew.controllers._force import depth_feed_forward, gain_normalised
 from leadscrew.kernel.loop import Loop
-from leadscrew.plants.turning import turning
-from leadscrew.references.cutting_program import cutting_force, cutting_program
-from leadscrew.sensors.load_cell import lathe_reading, load_cell
+from leadscrew.plants._turning import turning
+from leadscrew.references._cutting_program import cutting_force, cutting_program
+from leadscrew.sensors._load_cell import lathe_reading, load_cell
+from leadscrew.studies.grey_turning.tunings import FORCE as TUNINGS
+from leadscrew.studies.grey_turning.tunings import TUNINGS as GREY_FUZZY
 
 RADIAL = 8.57
 """A radial axis that takes 0.25 s from 10 to 90 % of a step, 1/s."""

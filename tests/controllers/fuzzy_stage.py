@@ -3,13 +3,13 @@
 from dataclasses import replace
 from typing import NamedTuple
 
-from leadscrew.controllers.sliding.fuzzy import RULES, fuzzy_law, sliding_system
-from leadscrew.controllers.sliding.stage import View
+from leadscrew.controllers._sliding.fuzzy import RULES, fuzzy_law, sliding_system
+from leadscrew.controllers._sliding.stage import View
 from leadscrew.friction.lugre import HAT, LuGre, bristle_rate, friction, steady_bristle
 from leadscrew.fuzzy.engine import engine
 from leadscrew.kernel.block import make
 from leadscrew.kernel.loop import Loop
-from leadscrew.plants.ballscrew_stage import ballscrew_stage
+from leadscrew.plants._ballscrew_stage import ballscrew_stage
 from tests.controllers.stage_loop import both, command, start_speed
 
 

@@ -2,13 +2,13 @@
 
 from typing import NamedTuple
 
-from leadscrew.controllers.grey_fuzzy.smith import smith
-from leadscrew.controllers.grey_fuzzy.tunings import TUNINGS
+from leadscrew.controllers._grey_fuzzy.smith import smith
 from leadscrew.kernel.block import sensor
 from leadscrew.kernel.loop import Loop
 from leadscrew.kernel.noise import normal
-from leadscrew.plants.linear import transfer_function
-from leadscrew.references.step import step
+from leadscrew.plants._linear import transfer_function
+from leadscrew.references._step import step
+from leadscrew.studies.grey_turning.tunings import TUNINGS
 
 GAIN, RATE, DAMPING, KEEP = 488.0, 40.0, 0.7, 0.8
 FEED = transfer_function([GAIN * RATE**2], [1.0, 2.0 * DAMPING * RATE, RATE**2])

@@ -3,10 +3,10 @@
 import math
 from typing import NamedTuple
 
-from leadscrew.controllers.guard import CellChecks, force_guard
+from leadscrew.controllers._guard import CellChecks, force_guard
 from leadscrew.kernel.block import controller
-from leadscrew.references.cutting_program import CutCommand
-from leadscrew.sensors.load_cell import CutReading
+from leadscrew.references._cutting_program import CutCommand
+from leadscrew.sensors._load_cell import CutReading
 
 PERIOD = 0.02
 COMMAND = CutCommand(150.0, 1.0, 1.0, 1e9)

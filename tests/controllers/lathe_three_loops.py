@@ -1,12 +1,12 @@
 """The whole lathe under its three loops, for tests: falling depth, the spindle running."""
 
-from leadscrew.actuators.dac import lathe_dac
-from leadscrew.controllers.grey_fuzzy.tunings import TUNINGS
-from leadscrew.controllers.lathe_loops import lathe_loops
+from leadscrew.actuators._dac import lathe_dac
+from leadscrew.controllers._lathe_loops import lathe_loops
 from leadscrew.kernel.loop import Loop
-from leadscrew.plants.turning_lathe import turning_lathe
-from leadscrew.references.lathe_program import lathe_program
-from leadscrew.sensors.lathe_sensors import lathe_sensors
+from leadscrew.plants._turning_lathe import turning_lathe
+from leadscrew.references._lathe_program import lathe_program
+from leadscrew.sensors._lathe_sensors import lathe_sensors
+from leadscrew.studies.grey_turning.tunings import TUNINGS
 
 FALLING = {"depth.step": -0.2, "depth.steps": 3}
 IDEAL = {"spindle.bits": 0, "feed.bits": 0, "radial.bits": 0}

@@ -1,6 +1,6 @@
 """A loop of the controller that learns its friction, to be exported and drawn."""
 
-from leadscrew.controllers.pd_learned import pd_learned
+from leadscrew.controllers._pd_learned import pd_learned
 from tests.controllers.stage_loop import stage_loop
 
 

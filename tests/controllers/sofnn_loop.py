@@ -4,13 +4,14 @@ from dataclasses import replace
 
 import numpy as np
 
-from leadscrew.actuators.saturation import saturation
-from leadscrew.controllers.sofnn import TUNINGS, fnn
-from leadscrew.disturbances.cut_load import cut_load
+from leadscrew.actuators._saturation import saturation
+from leadscrew.controllers._sofnn import fnn
+from leadscrew.disturbances._cut_load import cut_load
 from leadscrew.kernel.loop import Loop
-from leadscrew.plants.flexible_cut import flexible_cut
-from leadscrew.references.cut_line import along, cut_line
-from leadscrew.sensors.cut_camera import cut_reading
+from leadscrew.plants._flexible_cut import flexible_cut
+from leadscrew.references._cut_line import along, cut_line
+from leadscrew.sensors._cut_camera import cut_reading
+from leadscrew.studies.sofnn_tangent.tunings import TUNINGS
 
 T = 0.01
 WAY = 0.5 * np.arange(900)

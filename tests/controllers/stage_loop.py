@@ -6,13 +6,13 @@ from typing import NamedTuple
 
 import numpy as np
 
-from leadscrew.controllers.sliding.stage import View, layer_slope, switching_gain
+from leadscrew.controllers._sliding.stage import View, layer_slope, switching_gain
 from leadscrew.friction.lugre import LuGre, bristle_rate, friction, steady_bristle
 from leadscrew.kernel.block import controller
 from leadscrew.kernel.loop import Loop
-from leadscrew.plants.ballscrew_stage import TRAVEL_MM_PER_RAD, ballscrew_stage
-from leadscrew.references.sine import sine_motion
-from leadscrew.sensors.ruler import ruler
+from leadscrew.plants._ballscrew_stage import TRAVEL_MM_PER_RAD, ballscrew_stage
+from leadscrew.references._sine import sine_motion
+from leadscrew.sensors._ruler import ruler
 
 UM = 1e3 * TRAVEL_MM_PER_RAD
 """Micrometres of the table per radian."""

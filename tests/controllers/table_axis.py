@@ -2,10 +2,10 @@
 
 import numpy as np
 
-from leadscrew.controllers.wrapping import takes_motion
+from leadscrew.controllers._wrapping import takes_motion
 from leadscrew.kernel.loop import Loop
-from leadscrew.plants.xy_table_cutting import xy_table_cutting
-from leadscrew.references.eased_sine import eased_sine, eased_sine_motion
+from leadscrew.plants._xy_table_cutting import xy_table_cutting
+from leadscrew.references._eased_sine import eased_sine, eased_sine_motion
 
 PERIOD = 0.5e-3
 UM = 1e3

@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from leadscrew.controllers.feed_forward_table import feed_forward_table
-from leadscrew.controllers.pd_dob import pd_dob
+from leadscrew.controllers._feed_forward_table import feed_forward_table
+from leadscrew.controllers._pd_dob import pd_dob
 from tests.controllers.stage_loop import stage_loop
 
 

@@ -9,17 +9,17 @@ from typing import NamedTuple
 import numpy as np
 
 from leadscrew import disturbance, reference
-from leadscrew.actuators.saturation import saturation
-from leadscrew.controllers.tangent.curvature_feed_forward import curvature_feed_forward
-from leadscrew.controllers.tangent.curvature_network import curvature_network
-from leadscrew.controllers.tangent.tangent_dob import tangent_dob
-from leadscrew.controllers.tangent.taught_offset import taught_alone, taught_offset
-from leadscrew.disturbances.cut_load import CutLoad
+from leadscrew.actuators._saturation import saturation
+from leadscrew.controllers._tangent.curvature_feed_forward import curvature_feed_forward
+from leadscrew.controllers._tangent.curvature_network import curvature_network
+from leadscrew.controllers._tangent.tangent_dob import tangent_dob
+from leadscrew.controllers._tangent.taught_offset import taught_alone, taught_offset
+from leadscrew.disturbances._cut_load import CutLoad
 from leadscrew.kernel.loop import Loop
-from leadscrew.plants.flexible_cut import flexible_cut
-from leadscrew.references.cut_line import TangentCommand
-from leadscrew.references.step import step
-from leadscrew.sensors.cut_camera import cut_camera, cut_reading
+from leadscrew.plants._flexible_cut import flexible_cut
+from leadscrew.references._cut_line import TangentCommand
+from leadscrew.references._step import step
+from leadscrew.sensors._cut_camera import cut_camera, cut_reading
 
 T = 0.01
 

@@ -5,15 +5,15 @@ from itertools import product
 import numpy as np
 import pytest
 
-from leadscrew.controllers.adaptive_resonant import TUNINGS, adaptive_resonant
-from leadscrew.controllers.inverse_feed_forward import inverse_feed_forward
-from leadscrew.controllers.pid import TUNINGS as PID
-from leadscrew.controllers.pid import pid
-from leadscrew.controllers.resonant import TUNINGS as RESONANT
-from leadscrew.controllers.resonant import resonant
-from leadscrew.disturbances.wandering_spindle import speed_hz, wandering_spindle
-from leadscrew.kernel.errors import ValueRefused
-from leadscrew.sensors.noisy_ruler import noisy_ruler
+from leadscrew.controllers._adaptive_resonant import TUNINGS, adaptive_resonant
+from leadscrew.controllers._inverse_feed_forward import inverse_feed_forward
+from leadscrew.controllers._pid import TUNINGS as PID
+from leadscrew.controllers._pid import pid
+from leadscrew.controllers._resonant import TUNINGS as RESONANT
+from leadscrew.controllers._resonant import resonant
+from leadscrew.disturbances._wandering_spindle import speed_hz, wandering_spindle
+from leadscrew.sensors._noisy_ruler import noisy_ruler
+from leadscrew.util.errors import ValueRefused
 from tests.controllers.table_axis import PERIOD, rms_um, table_axis, tried
 
 RPM, SHARES = (1000, 2000, 3000), (0.98, 1.0, 1.02)

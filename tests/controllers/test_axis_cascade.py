@@ -4,13 +4,13 @@ import numpy as np
 import pytest
 
 from leadscrew import Loop
-from leadscrew.controllers.axis_cascade import AxisCascadeParams, AxisCascadeState, align, axis_cascade
-from leadscrew.controllers.pid import pid
-from leadscrew.plants.servo_axis import servo_axis
-from leadscrew.references.eased_sine import eased_sine_motion
-from leadscrew.references.motion import Motion
-from leadscrew.references.s_curve import s_curve
-from leadscrew.sensors.axis_reading import axis_reading
+from leadscrew.controllers._axis_cascade import AxisCascadeParams, AxisCascadeState, align, axis_cascade
+from leadscrew.controllers._pid import pid
+from leadscrew.plants._servo_axis import servo_axis
+from leadscrew.references._eased_sine import eased_sine_motion
+from leadscrew.references._motion import Motion
+from leadscrew.references._s_curve import s_curve
+from leadscrew.sensors._axis_reading import axis_reading
 
 DT = 1e-3
 

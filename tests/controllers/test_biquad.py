@@ -7,14 +7,14 @@ import numpy as np
 import pytest
 from scipy import signal
 
-from leadscrew.controllers.biquad import Coefficients, LowPass, Notch, biquad, coefficients
-from leadscrew.controllers.inverse_feed_forward import inverse_feed_forward
-from leadscrew.controllers.pid import TUNINGS, pid
+from leadscrew.controllers._biquad import Coefficients, LowPass, Notch, biquad, coefficients
+from leadscrew.controllers._inverse_feed_forward import inverse_feed_forward
+from leadscrew.controllers._pid import TUNINGS, pid
 from leadscrew.export import hal_run
-from leadscrew.kernel.errors import BlockError, ValueRefused
 from leadscrew.kernel.loop import DivergenceWarning
-from leadscrew.plants.xy_table import xy_table
-from leadscrew.references.sine import sine, sine_motion
+from leadscrew.plants._xy_table import xy_table
+from leadscrew.references._sine import sine, sine_motion
+from leadscrew.util.errors import BlockError, ValueRefused
 from tests.controllers.xy_loop import PERIOD, xy_loop
 from tests.export.hal_bench import Bench
 from tests.export.hal_bench import needed as hal_needed

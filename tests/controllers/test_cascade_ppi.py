@@ -3,13 +3,13 @@
 import numpy as np
 import pytest
 
-from leadscrew.analysis.stability.sampled import sampled_loop
-from leadscrew.controllers.cascade_ppi import TUNINGS, as_pid, cascade_ppi, of_pid
-from leadscrew.controllers.pid import TUNINGS as PID
-from leadscrew.controllers.pid import pid
-from leadscrew.kernel.errors import ValueRefused
-from leadscrew.references.motion import Motion
-from leadscrew.references.ramp import ramp_motion
+from leadscrew.analysis.stability.loop import sampled_loop
+from leadscrew.controllers._cascade_ppi import TUNINGS, as_pid, cascade_ppi, of_pid
+from leadscrew.controllers._pid import TUNINGS as PID
+from leadscrew.controllers._pid import pid
+from leadscrew.references._motion import Motion
+from leadscrew.references._ramp import ramp_motion
+from leadscrew.util.errors import ValueRefused
 from tests.controllers.table_axis import PERIOD, table_axis, tried
 
 RNG = np.random.default_rng(3)

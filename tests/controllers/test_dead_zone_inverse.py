@@ -5,11 +5,11 @@ import math
 import numpy as np
 import pytest
 
-from leadscrew.actuators.dead_zone import dead_zone
-from leadscrew.controllers.dead_zone_inverse import dead_zone_inverse, narrowed, widened
-from leadscrew.controllers.pid import TUNINGS, pid
-from leadscrew.kernel.errors import BlockError, ValueRefused
-from leadscrew.references.eased_sine import eased_sine
+from leadscrew.actuators._dead_zone import dead_zone
+from leadscrew.controllers._dead_zone_inverse import dead_zone_inverse, narrowed, widened
+from leadscrew.controllers._pid import TUNINGS, pid
+from leadscrew.references._eased_sine import eased_sine
+from leadscrew.util.errors import BlockError, ValueRefused
 from tests.controllers.xy_loop import PERIOD, outputs, xy_loop
 
 DRIVE = dead_zone(threshold=0.02, subtract=True)

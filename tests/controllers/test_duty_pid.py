@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 from scipy import signal
 
-from leadscrew.actuators.dead_zone import dead_zone
-from leadscrew.actuators.offset import offset
-from leadscrew.controllers.vud.duty_pd import duty_pd
-from leadscrew.controllers.vud.duty_pid import duty_pid
-from leadscrew.kernel.errors import ValueRefused
+from leadscrew.actuators._dead_zone import dead_zone
+from leadscrew.actuators._offset import offset
+from leadscrew.controllers._vud.duty_pd import duty_pd
+from leadscrew.controllers._vud.duty_pid import duty_pid
+from leadscrew.util.errors import ValueRefused
 from tests.controllers.lathe_loop import lathe_loop
 
 PERIOD = 1e-3

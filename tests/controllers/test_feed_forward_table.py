@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 
-from leadscrew.controllers.feed_forward_table import feed_forward_table
+from leadscrew.controllers._feed_forward_table import feed_forward_table
 from leadscrew.kernel.block import controller
 
 

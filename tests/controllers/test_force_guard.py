@@ -5,8 +5,7 @@ from dataclasses import replace
 
 import pytest
 
-from leadscrew.controllers.grey_fuzzy.tunings import TUNINGS
-from leadscrew.controllers.guard import (
+from leadscrew.controllers._guard import (
     HOLDING,
     RUNNING,
     TRIPPED,
@@ -17,7 +16,7 @@ from leadscrew.controllers.guard import (
     Recovery,
     force_guard,
 )
-from leadscrew.controllers.guard.watching import (
+from leadscrew.controllers._guard.watching import (
     BELOW_ZERO,
     JUMP,
     NOT_FINITE,
@@ -27,7 +26,8 @@ from leadscrew.controllers.guard.watching import (
     UNANSWERED,
 )
 from leadscrew.kernel.block import controller
-from leadscrew.kernel.errors import BlockError, ValueRefused
+from leadscrew.studies.grey_turning.tunings import TUNINGS
+from leadscrew.util.errors import BlockError, ValueRefused
 from tests.controllers.guarded import COMMAND, NO_STILL, ClimbParams, ClimbState, Stepped, climb, climbing, reading
 
 BAD = (math.nan, math.inf, -math.inf)

@@ -5,17 +5,17 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 
-from leadscrew.controllers.grey_fuzzy.tunings import TUNINGS
-from leadscrew.controllers.guard import HOLDING, RUNNING, Clock, force_guard
-from leadscrew.controllers.guard.watching import NOT_FINITE, STUCK, CellChecks, Levels, Seen, looked
-from leadscrew.disturbances.hard_spot import hard_spot
+from leadscrew.controllers._guard import HOLDING, RUNNING, Clock, force_guard
+from leadscrew.controllers._guard.watching import NOT_FINITE, STUCK, CellChecks, Levels, Seen, looked
+from leadscrew.disturbances._hard_spot import hard_spot
 from leadscrew.kernel.block import controller
 from leadscrew.kernel.engines import ENGINES
 from leadscrew.kernel.loop import Loop
-from leadscrew.plants.turning import turning
-from leadscrew.references.cutting_program import cutting_program
-from leadscrew.sensors.faulty_load_cell import KINDS, faulty_load_cell
-from leadscrew.sensors.load_cell import CutReading, lathe_reading
+from leadscrew.plants._turning import turning
+from leadscrew.references._cutting_program import cutting_program
+from leadscrew.sensors._faulty_load_cell import faulty_load_cell
+from leadscrew.sensors._load_cell import CutReading, lathe_reading
+from leadscrew.studies.grey_turning.tunings import TUNINGS
 from tests.tools import runnable
 
 TFC = TUNINGS["corrected.tfc_stfc"]
@@ -79,14 +79,14 @@ def test_the_peak_comes_all_the_same_but_lower(fast):
 
 
 BROKEN = (("constant", 0.0, 0.1), ("saturated", 1000.0, 0.0), ("saturated", -1000.0, 0.0),
-          ("error code", 8388607.0, 0.0), ("jump", 400.0, 0.0))  # fmt: skip
+          ("error_code", 8388607.0, 0.0), ("jump", 400.0, 0.0))  # fmt: skip
 """Faults, with their size in N, and the time within which the feed is to be held."""
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("from_s", [0.1, 1.5])
 def test_a_broken_load_cell_leads_to_feed_hold_within_its_time_and_never_to_more_feed(breaking, from_s):
-    changes = {"sensor.fault": [KINDS[b[0]] for b in BROKEN], "sensor.size_n": [b[1] for b in BROKEN],
+    changes = {"sensor.fault": [b[0] for b in BROKEN], "sensor.size_n": [b[1] for b in BROKEN],
                "sensor.from_s": [from_s] * len(BROKEN)}  # fmt: skip
     run = breaking.batch(4.0, changes, record=SIGNALS)
     at = round(from_s / 0.02)
@@ -99,7 +99,7 @@ def test_a_broken_load_cell_leads_to_feed_hold_within_its_time_and_never_to_more
 
 @pytest.mark.slow
 def test_a_dead_load_cell_gives_no_more_than_the_feed_of_air_and_a_sound_one_lets_it_come_back(breaking):
-    changes = {"sensor.fault": [KINDS["dead"], KINDS["error code"]], "sensor.size_n": [0.0, 9999.0],
+    changes = {"sensor.fault": ["dead", "error_code"], "sensor.size_n": [0.0, 9999.0],
                "sensor.until_s": [1e9, 1.6]}  # fmt: skip
     run = breaking.batch(6.0, changes, record=SIGNALS)
     assert run["output"][0, 80:].max() <= 0.3 and run["actual.force"][0].max() < 190.0
@@ -112,7 +112,7 @@ def test_a_dead_load_cell_gives_no_more_than_the_feed_of_air_and_a_sound_one_let
 def test_all_engines_give_the_same_bits(request, which, engine):
     loop = request.getfixturevalue(which)
     if which == "breaking":
-        loop = loop.using({"sensor.fault": KINDS["error code"], "sensor.until_s": 1.6})
+        loop = loop.using({"sensor.fault": "error_code", "sensor.until_s": 1.6})
     seconds = 2.2
     one = loop.run(seconds, record=SIGNALS, engine="llvm")
     other = loop.run(seconds, record=SIGNALS, engine=runnable(engine))

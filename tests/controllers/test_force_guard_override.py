@@ -4,9 +4,9 @@ import math
 
 import pytest
 
-from leadscrew.controllers.grey_fuzzy.tunings import TUNINGS
-from leadscrew.controllers.guard import HOLDING, TRIPPED, FeedCommand, Recovery, feed_override, force_guard
-from leadscrew.kernel.errors import BlockError
+from leadscrew.controllers._guard import HOLDING, TRIPPED, FeedCommand, Recovery, feed_override, force_guard
+from leadscrew.studies.grey_turning.tunings import TUNINGS
+from leadscrew.util.errors import BlockError
 from tests.controllers.guarded import NO_STILL, Stepped, climb, reading
 
 CUT = FeedCommand(150.0, 1.0, 1.0, 1e9, 75.0, 0.0)

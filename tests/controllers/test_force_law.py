@@ -5,13 +5,14 @@ import math
 import numpy as np
 import pytest
 
-from leadscrew.controllers.force import TUNINGS, constant_force, power_law_inversion
-from leadscrew.controllers.force.cutting_law import MOST, Belief, feed_for, learned, prior
-from leadscrew.controllers.force.revolution import ROOM, nothing_yet, one_ago, recorded, speed
-from leadscrew.controllers.wrapping import copied
-from leadscrew.kernel.errors import ValueRefused
-from leadscrew.references.cutting_program import NEVER_S, CutCommand
-from leadscrew.sensors.load_cell import CutReading
+from leadscrew.controllers._force import constant_force, power_law_inversion
+from leadscrew.controllers._force.cutting_law import MOST, Belief, feed_for, learned, prior
+from leadscrew.controllers._force.revolution import ROOM, nothing_yet, one_ago, recorded, speed
+from leadscrew.controllers._wrapping import copied
+from leadscrew.references._cutting_program import NEVER_S, CutCommand
+from leadscrew.sensors._load_cell import CutReading
+from leadscrew.studies.grey_turning.tunings import FORCE as TUNINGS
+from leadscrew.util.errors import ValueRefused
 from tests.controllers.force_loop import cut
 
 DT = 0.02

@@ -3,15 +3,16 @@
 import numpy as np
 import pytest
 
-from leadscrew.controllers.force import TUNINGS, depth_feed_forward, gain_normalised
-from leadscrew.controllers.force.programme import Depth, aimed, cutting, followed, follower, programmed
-from leadscrew.controllers.grey_fuzzy.pi_incremental import PiIncrementalState, pi_incremental
-from leadscrew.controllers.grey_fuzzy.tunings import TUNINGS as GREY_FUZZY
-from leadscrew.controllers.pid import pid
-from leadscrew.kernel.errors import BlockError
-from leadscrew.plants.turning.process import RadialServo
-from leadscrew.references.cutting_program import NEVER_S, CutCommand
-from leadscrew.sensors.load_cell import CutReading
+from leadscrew.controllers._force import depth_feed_forward, gain_normalised
+from leadscrew.controllers._force.programme import Depth, aimed, cutting, followed, follower, programmed
+from leadscrew.controllers._grey_fuzzy.pi_incremental import PiIncrementalState, pi_incremental
+from leadscrew.controllers._pid import pid
+from leadscrew.plants._turning.process import RadialServo
+from leadscrew.references._cutting_program import NEVER_S, CutCommand
+from leadscrew.sensors._load_cell import CutReading
+from leadscrew.studies.grey_turning.tunings import FORCE as TUNINGS
+from leadscrew.studies.grey_turning.tunings import TUNINGS as GREY_FUZZY
+from leadscrew.util.errors import BlockError
 from tests.controllers.force_loop import RADIAL, cut
 
 DT = 0.02

@@ -6,14 +6,14 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from leadscrew.controllers.friction_feed_forward import friction_feed_forward
-from leadscrew.controllers.inverse_feed_forward import inverse_feed_forward
-from leadscrew.controllers.pid import TUNINGS as PID
-from leadscrew.controllers.pid import pid
+from leadscrew.controllers._friction_feed_forward import friction_feed_forward
+from leadscrew.controllers._inverse_feed_forward import inverse_feed_forward
+from leadscrew.controllers._pid import TUNINGS as PID
+from leadscrew.controllers._pid import pid
 from leadscrew.kernel.loop import Loop
-from leadscrew.plants.xy_table_lugre import LEVELS
-from leadscrew.references.eased_sine import eased_sine_motion
-from leadscrew.references.motion import Motion
+from leadscrew.plants._xy_table_lugre import LEVELS
+from leadscrew.references._eased_sine import eased_sine_motion
+from leadscrew.references._motion import Motion
 from tests.controllers.table_axis import PERIOD, rms_um, table_axis, tried
 
 SILENT = pid(kp=0.0, ki=0.0, kd=0.0)

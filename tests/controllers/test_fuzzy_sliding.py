@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from leadscrew import fuzzy
-from leadscrew.controllers.sliding.fuzzy import (
+from leadscrew.controllers._sliding.fuzzy import (
     RULES,
     TUNINGS,
     Law,
@@ -16,16 +16,15 @@ from leadscrew.controllers.sliding.fuzzy import (
     fuzzy_sliding,
     sliding_system,
 )
-from leadscrew.controllers.sliding.integral import equivalent, surface
-from leadscrew.controllers.sliding.stage import View
-from leadscrew.fuzzy.inference import RuleBase, infer
-from leadscrew.fuzzy.partition import Axis
+from leadscrew.controllers._sliding.integral import equivalent, surface
+from leadscrew.controllers._sliding.stage import View
+from leadscrew.fuzzy.inference import Axis, RuleBase, infer
 from leadscrew.kernel.block import reference
-from leadscrew.kernel.errors import ValueRefused
 from leadscrew.kernel.loop import Loop
 from leadscrew.kernel.module import Module
-from leadscrew.plants.ballscrew_stage import INERTIA, TRAVEL_MM_PER_RAD, ballscrew_stage
-from leadscrew.references.motion import Motion
+from leadscrew.plants._ballscrew_stage import INERTIA, TRAVEL_MM_PER_RAD, ballscrew_stage
+from leadscrew.references._motion import Motion
+from leadscrew.util.errors import ValueRefused
 from tests.controllers.fuzzy_stage import continuous_fuzzy, ideal, rules_law
 from tests.controllers.stage_loop import UM, both, errors_um, stage_loop
 from tests.fuzzy.formats_systems import shared

@@ -7,14 +7,14 @@ import numpy as np
 import pytest
 
 from leadscrew import fuzzy
-from leadscrew.controllers.grey_fuzzy import gpfc, pi_incremental, smith, tfc
-from leadscrew.controllers.grey_fuzzy.rule_tables import SETS, STANDARD, TABLES, rough
-from leadscrew.controllers.grey_fuzzy.rules_shown import active_rules, as_fuzzy_system
-from leadscrew.controllers.grey_fuzzy.surface import concluded
-from leadscrew.controllers.grey_fuzzy.tunings import FACTORS, TUNINGS, at
-from leadscrew.controllers.pid import pid
+from leadscrew.controllers._grey_fuzzy import gpfc, pi_incremental, smith, tfc
+from leadscrew.controllers._grey_fuzzy.rule_tables import SETS, STANDARD, TABLES, rough
+from leadscrew.controllers._grey_fuzzy.rules_shown import active_rules, as_fuzzy_system
+from leadscrew.controllers._grey_fuzzy.surface import concluded
+from leadscrew.controllers._pid import pid
 from leadscrew.grey.predictors import FIR, GM, GM_SHIFTED, LAST, TWO_POINT
-from leadscrew.kernel.errors import BlockError, ValueRefused
+from leadscrew.studies.grey_turning.tunings import FACTORS, TUNINGS, at
+from leadscrew.util.errors import BlockError, ValueRefused
 from tests.budget import in_every_run
 from tests.controllers.grey_fuzzy_loop import force_loop
 

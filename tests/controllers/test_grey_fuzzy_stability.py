@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 
-from leadscrew.controllers.grey_fuzzy.tunings import FACTORS
 from leadscrew.studies.grey_turning.linear_force_loop import (
     boundary,
     first_part,
@@ -12,6 +11,7 @@ from leadscrew.studies.grey_turning.linear_force_loop import (
     force_plant,
 )
 from leadscrew.studies.grey_turning.study import STUDY
+from leadscrew.studies.grey_turning.tunings import FACTORS
 from leadscrew.studies.lab import Lab
 
 S9_HALF = FACTORS["s9_half"]

@@ -5,14 +5,14 @@ import numpy as np
 import pytest
 from scipy import signal
 
-from leadscrew.analysis.stability.sampled import sampled_loop
-from leadscrew.controllers.input_dob import TUNINGS, delay_weights, input_dob, tustin
-from leadscrew.controllers.inverse_feed_forward import inverse_feed_forward
-from leadscrew.controllers.pid import pid
-from leadscrew.controllers.response import TableModel, table_response
-from leadscrew.disturbances.sine_load import sine_load
-from leadscrew.disturbances.step_load import step_load
-from leadscrew.kernel.errors import ValueRefused
+from leadscrew.analysis.stability.loop import sampled_loop
+from leadscrew.controllers._input_dob import TUNINGS, delay_weights, input_dob, tustin
+from leadscrew.controllers._inverse_feed_forward import inverse_feed_forward
+from leadscrew.controllers._pid import pid
+from leadscrew.controllers._response import TableModel, table_response
+from leadscrew.disturbances._sine_load import sine_load
+from leadscrew.disturbances._step_load import step_load
+from leadscrew.util.errors import ValueRefused
 from tests.controllers.table_axis import PERIOD, lines_um, table_axis, tried
 
 RNG = np.random.default_rng(8)
@@ -113,7 +113,7 @@ def test_a_limit_does_not_wind_it_up():
 
 @pytest.mark.parametrize("block", [TUNINGS["ours.pid_dob_100"], input_dob(inverse_feed_forward(pid))])
 def test_from_rest_it_takes_over_without_a_bump(block):
-    from leadscrew.references.motion import Motion
+    from leadscrew.references._motion import Motion
 
     here = Motion(0.3) if block.step.takes_motion else 0.3
     p = block.prepare(block.params, PERIOD)

@@ -3,13 +3,13 @@
 import numpy as np
 import pytest
 
-from leadscrew.controllers.inverse_feed_forward import inverse_feed_forward
-from leadscrew.controllers.npid import npid
-from leadscrew.controllers.pd_dob import pd_dob
-from leadscrew.controllers.pid import TUNINGS, pid
-from leadscrew.kernel.errors import BlockError, ValueRefused
-from leadscrew.plants.xy_table import xy_table
-from leadscrew.references.motion import Motion
+from leadscrew.controllers._inverse_feed_forward import inverse_feed_forward
+from leadscrew.controllers._npid import npid
+from leadscrew.controllers._pd_dob import pd_dob
+from leadscrew.controllers._pid import TUNINGS, pid
+from leadscrew.plants._xy_table import xy_table
+from leadscrew.references._motion import Motion
+from leadscrew.util.errors import BlockError, ValueRefused
 from tests.controllers.table_axis import lines_um, rms_um, table_axis, tried
 
 

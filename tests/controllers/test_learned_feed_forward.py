@@ -3,14 +3,14 @@
 import numpy as np
 import pytest
 
-from leadscrew.controllers.inverse_feed_forward import inverse_feed_forward
-from leadscrew.controllers.learned_feed_forward import learned_feed_forward
-from leadscrew.controllers.pid import TUNINGS, pid
-from leadscrew.kernel.errors import BlockError, ValueRefused
+from leadscrew.controllers._inverse_feed_forward import inverse_feed_forward
+from leadscrew.controllers._learned_feed_forward import learned_feed_forward
+from leadscrew.controllers._pid import TUNINGS, pid
 from leadscrew.kernel.loop import Loop
-from leadscrew.plants.xy_table_lugre import LEVELS
-from leadscrew.references.eased_sine import eased_sine_motion
-from leadscrew.references.motion import Motion
+from leadscrew.plants._xy_table_lugre import LEVELS
+from leadscrew.references._eased_sine import eased_sine_motion
+from leadscrew.references._motion import Motion
+from leadscrew.util.errors import BlockError, ValueRefused
 from tests.controllers.table_axis import rms_um, tried
 
 RETUNED = TUNINGS["ours.pid_ms_185"]

@@ -6,14 +6,14 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 
-from leadscrew.controllers.look_ahead import look_ahead
-from leadscrew.controllers.pd_dob import pd_dob
-from leadscrew.controllers.sliding.super_twisting import super_twisting
+from leadscrew.controllers._look_ahead import look_ahead
+from leadscrew.controllers._pd_dob import pd_dob
+from leadscrew.controllers._sliding.super_twisting import super_twisting
 from leadscrew.kernel.block import controller
-from leadscrew.kernel.errors import BlockError
-from leadscrew.plants.ballscrew_stage import ballscrew_stage
-from leadscrew.references.motion import Motion
-from leadscrew.sensors.filtered_ruler import filtered_ruler
+from leadscrew.plants._ballscrew_stage import ballscrew_stage
+from leadscrew.references._motion import Motion
+from leadscrew.sensors._filtered_ruler import filtered_ruler
+from leadscrew.util.errors import BlockError
 from tests.controllers.stage_loop import errors_um, stage_loop
 
 DT = 2.5e-4

@@ -6,11 +6,11 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 
-from leadscrew.controllers.npid import READINGS, NPIDParams, npid, scaled_error
-from leadscrew.controllers.pid import pid
+from leadscrew.controllers._npid import READINGS, NPIDParams, npid, scaled_error
+from leadscrew.controllers._pid import pid
 from leadscrew.kernel.block import disturbance
-from leadscrew.references.sine import sine
-from leadscrew.references.step import step
+from leadscrew.references._sine import sine
+from leadscrew.references._step import step
 from tests.controllers.xy_loop import PERIOD, outputs, xy_loop
 
 UM = 1e-3

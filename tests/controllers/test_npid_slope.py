@@ -5,16 +5,16 @@ import math
 import numpy as np
 import pytest
 
-from leadscrew.controllers import npid as cosh
-from leadscrew.controllers import npid_after as behind
-from leadscrew.controllers import npid_slope as limited
-from leadscrew.controllers.npid import npid
-from leadscrew.controllers.npid_after import npid_after
-from leadscrew.controllers.npid_slope import npid_slope
-from leadscrew.controllers.pid import pid
-from leadscrew.kernel.errors import ValueRefused
-from leadscrew.references.sine import sine
-from leadscrew.references.step import step
+from leadscrew.controllers import _npid as cosh
+from leadscrew.controllers import _npid_after as behind
+from leadscrew.controllers import _npid_slope as limited
+from leadscrew.controllers._npid import npid
+from leadscrew.controllers._npid_after import npid_after
+from leadscrew.controllers._npid_slope import npid_slope
+from leadscrew.controllers._pid import pid
+from leadscrew.references._sine import sine
+from leadscrew.references._step import step
+from leadscrew.util.errors import ValueRefused
 from tests.controllers.test_npid import push
 from tests.controllers.xy_loop import PERIOD, outputs, xy_loop
 

@@ -5,8 +5,8 @@ import math
 import numpy as np
 import pytest
 
-from leadscrew.controllers.npid_split import npid_split
-from leadscrew.controllers.pid import pid
+from leadscrew.controllers._npid_split import npid_split
+from leadscrew.controllers._pid import pid
 from tests.controllers.xy_loop import outputs
 
 ERRORS = 1e-3 * np.array([0.0, 0.4, -0.7, 2.0, 9.0, -3.0, 0.1])

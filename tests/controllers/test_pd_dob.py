@@ -5,19 +5,19 @@ import math
 import numpy as np
 import pytest
 
-from leadscrew.controllers.pd_dob import TUNINGS, PdDobState, pd_dob
-from leadscrew.disturbances.pulse_load import pulse_load
-from leadscrew.disturbances.step_load import step_load
+from leadscrew.controllers._pd_dob import TUNINGS, PdDobState, pd_dob
+from leadscrew.disturbances._pulse_load import pulse_load
+from leadscrew.disturbances._step_load import step_load
 from leadscrew.friction.maxwell_slip import MaxwellSlip
 from leadscrew.kernel.block import plant
-from leadscrew.kernel.errors import ValueRefused
 from leadscrew.kernel.loop import DivergenceWarning, Loop
 from leadscrew.kernel.module import Module
-from leadscrew.plants.ballscrew_stage import INERTIA, TRAVEL_MM_PER_RAD, ballscrew_stage
-from leadscrew.plants.mass_maxwell_slip import mass_maxwell_slip
-from leadscrew.references.motion import Motion
-from leadscrew.references.sine import sine_motion
-from leadscrew.sensors.ruler import ruler
+from leadscrew.plants._ballscrew_stage import INERTIA, TRAVEL_MM_PER_RAD, ballscrew_stage
+from leadscrew.plants._mass_maxwell_slip import mass_maxwell_slip
+from leadscrew.references._motion import Motion
+from leadscrew.references._sine import sine_motion
+from leadscrew.sensors._ruler import ruler
+from leadscrew.util.errors import ValueRefused
 from tests.controllers.stage_loop import SINES, UM, errors_um, stage_loop
 
 SIGNALS = ("true_error", "output")

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from leadscrew.controllers.learned_friction import (
+from leadscrew.controllers._learned_friction import (
     LEAST,
     MOST,
     SPREAD,
@@ -19,18 +19,18 @@ from leadscrew.controllers.learned_friction import (
     seen,
     spread_at_start,
 )
-from leadscrew.controllers.pd_dob import TUNINGS as PD_DOB
-from leadscrew.controllers.pd_learned import initial, pd_learned
-from leadscrew.disturbances.step_load import step_load
+from leadscrew.controllers._pd_dob import TUNINGS as PD_DOB
+from leadscrew.controllers._pd_learned import initial, pd_learned
+from leadscrew.disturbances._step_load import step_load
 from leadscrew.friction.lugre import HAT, LuGre, bristle_after, bristle_rate
 from leadscrew.kernel.block import plant
-from leadscrew.kernel.errors import ValueRefused
 from leadscrew.kernel.loop import Loop
 from leadscrew.kernel.module import Module
-from leadscrew.plants.ballscrew_stage import TRAVEL_MM_PER_RAD, ballscrew_stage
-from leadscrew.references.motion import Motion
-from leadscrew.references.sine import sine_motion
-from leadscrew.sensors.ruler import ruler
+from leadscrew.plants._ballscrew_stage import TRAVEL_MM_PER_RAD, ballscrew_stage
+from leadscrew.references._motion import Motion
+from leadscrew.references._sine import sine_motion
+from leadscrew.sensors._ruler import ruler
+from leadscrew.util.errors import ValueRefused
 from tests.controllers.stage_loop import SINES, UM, stage_loop
 
 DT = 2.5e-4

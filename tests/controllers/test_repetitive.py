@@ -6,16 +6,16 @@ import numpy as np
 import pytest
 from scipy import signal
 
-from leadscrew.controllers.inverse_feed_forward import inverse_feed_forward
-from leadscrew.controllers.pid import TUNINGS as PID
-from leadscrew.controllers.pid import pid
-from leadscrew.controllers.repetitive import TAPS, TUNINGS, contraction, low_pass, repetitive
-from leadscrew.disturbances.five_sines import five_sines
-from leadscrew.disturbances.sine_load import sine_load
-from leadscrew.kernel.errors import BlockError, ValueRefused
+from leadscrew.controllers._inverse_feed_forward import inverse_feed_forward
+from leadscrew.controllers._pid import TUNINGS as PID
+from leadscrew.controllers._pid import pid
+from leadscrew.controllers._repetitive import TAPS, TUNINGS, contraction, low_pass, repetitive
+from leadscrew.disturbances._five_sines import five_sines
+from leadscrew.disturbances._sine_load import sine_load
 from leadscrew.kernel.loop import Loop
-from leadscrew.plants.xy_table_lugre import LEVELS
-from leadscrew.references.eased_sine import eased_sine_motion
+from leadscrew.plants._xy_table_lugre import LEVELS
+from leadscrew.references._eased_sine import eased_sine_motion
+from leadscrew.util.errors import BlockError, ValueRefused
 from tests.controllers.table_axis import PERIOD, lines_um, rms_um, table_axis, tried
 
 ONE = pid(kp=1.0, ki=0.0, kd=0.0)

@@ -7,19 +7,19 @@ import numpy as np
 import pytest
 from scipy import signal
 
-from leadscrew.analysis.stability.sampled import sampled_loop
-from leadscrew.controllers.inverse_feed_forward import inverse_feed_forward
-from leadscrew.controllers.npid import npid
-from leadscrew.controllers.pid import TUNINGS as PID
-from leadscrew.controllers.pid import pid
-from leadscrew.controllers.resonant import TUNINGS, resonant
-from leadscrew.controllers.response import TableModel, law_response, table_response
-from leadscrew.controllers.wrapping import wrapped
-from leadscrew.disturbances.five_sines import five_sines
-from leadscrew.disturbances.sine_load import sine_load
-from leadscrew.kernel.errors import BlockError, ValueRefused
-from leadscrew.plants.xy_table import xy_table
-from leadscrew.sensors.noisy_ruler import noisy_ruler
+from leadscrew.analysis.stability.loop import sampled_loop
+from leadscrew.controllers._inverse_feed_forward import inverse_feed_forward
+from leadscrew.controllers._npid import npid
+from leadscrew.controllers._pid import TUNINGS as PID
+from leadscrew.controllers._pid import pid
+from leadscrew.controllers._resonant import TUNINGS, resonant
+from leadscrew.controllers._response import TableModel, law_response, table_response
+from leadscrew.controllers._wrapping import wrapped
+from leadscrew.disturbances._five_sines import five_sines
+from leadscrew.disturbances._sine_load import sine_load
+from leadscrew.plants._xy_table import xy_table
+from leadscrew.sensors._noisy_ruler import noisy_ruler
+from leadscrew.util.errors import BlockError, ValueRefused
 from tests.controllers.table_axis import PERIOD, lines_um, rms_um, table_axis, tried
 
 RNG = np.random.default_rng(5)

@@ -5,14 +5,14 @@ from math import comb
 import numpy as np
 import pytest
 
-from leadscrew.controllers.sliding import READINGS, complementary, conventional, csmc, integral, smc, smc_integral
-from leadscrew.controllers.sliding.stage import SlidingParams, View, layer_slope, switching_gain
+from leadscrew.controllers._sliding import READINGS, complementary, conventional, csmc, integral, smc, smc_integral
+from leadscrew.controllers._sliding.stage import SlidingParams, View, layer_slope, switching_gain
 from leadscrew.kernel.block import reference
-from leadscrew.kernel.errors import ValueRefused
 from leadscrew.kernel.loop import Loop
 from leadscrew.kernel.module import Module
-from leadscrew.plants.ballscrew_stage import INERTIA, TRAVEL_MM_PER_RAD, ballscrew_stage
-from leadscrew.references.motion import Motion
+from leadscrew.plants._ballscrew_stage import INERTIA, TRAVEL_MM_PER_RAD, ballscrew_stage
+from leadscrew.references._motion import Motion
+from leadscrew.util.errors import ValueRefused
 from tests.controllers.stage_loop import UM, continuous_loop, errors_um, stage_loop
 
 BLOCKS = {"smc": smc, "smc_integral": smc_integral, "csmc": csmc}

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from leadscrew.controllers.sliding.continuous import (
+from leadscrew.controllers._sliding.continuous import (
     csmc_ideal,
     fsmc_ideal,
     in_motion,
@@ -15,10 +15,10 @@ from leadscrew.controllers.sliding.continuous import (
     smc_integral_ideal,
 )
 from leadscrew.friction.lugre import HAT, LuGre, steady_bristle
-from leadscrew.kernel.errors import BlockError
 from leadscrew.kernel.loop import Loop
-from leadscrew.plants.ballscrew_stage import INERTIA, TRAVEL_MM_PER_RAD, ballscrew_stage
-from leadscrew.references.sine import sine_motion
+from leadscrew.plants._ballscrew_stage import INERTIA, TRAVEL_MM_PER_RAD, ballscrew_stage
+from leadscrew.references._sine import sine_motion
+from leadscrew.util.errors import BlockError
 
 UM = 1e3
 START = 1.0 * 2.0 * math.pi / TRAVEL_MM_PER_RAD

@@ -4,15 +4,15 @@ import numpy as np
 import pytest
 from scipy.optimize import least_squares
 
-from leadscrew.controllers.pid import pid
-from leadscrew.controllers.sofnn import ACCUMULATE, NLMS, STORED, TUNINGS, fnn, sofc, sofnn, with_network, with_rules
-from leadscrew.controllers.sofnn.tunings import BAD_SLOPE
+from leadscrew.controllers._pid import pid
+from leadscrew.controllers._sofnn import fnn, sofc, sofnn, with_network, with_rules
 from leadscrew.export.folder import compiler_path
-from leadscrew.kernel.errors import BlockError, ValueRefused
 from leadscrew.neural.inference_net import W0, regressors
 from leadscrew.neural.performance import GOLDEN, LEVELS, NETWORK, ODD, ROUNDED, TABLE, measured
-from leadscrew.references.cut_line import TangentCommand
-from leadscrew.sensors.cut_camera import SeenCut
+from leadscrew.references._cut_line import TangentCommand
+from leadscrew.sensors._cut_camera import SeenCut
+from leadscrew.studies.sofnn_tangent.tunings import BAD_SLOPE, TUNINGS
+from leadscrew.util.errors import BlockError, ValueRefused
 from tests.controllers.sofnn_loop import QUIET, T, knife_loop, rms, state_of
 from tests.tools import missing
 
@@ -91,7 +91,7 @@ def by_the_book(params, deviations, standard=False):
         g = 0.0 if abs(error) < params.dead_zone else params.kg * g
         if k >= params.delay:
             past = rules[k - params.delay]
-            target = (said[k - params.delay] if params.target == STORED else past @ w) + g
+            target = (said[k - params.delay] if params.target == 0 else past @ w) + g
             if standard:
                 w = np.clip(w + past * (target - past @ w), -params.clamp, params.clamp)
             else:
@@ -99,7 +99,7 @@ def by_the_book(params, deviations, standard=False):
                     miss = target - past @ w
                     if 0.5 * miss * miss < params.tolerance:
                         break
-                    if params.learner == NLMS:
+                    if params.learner == 1:
                         w = np.clip(w + params.mu * past * miss / (past @ past), -params.clamp, params.clamp)
                         continue
                     gain = p @ past / (past @ p @ past + params.r)
@@ -116,11 +116,11 @@ def by_the_book(params, deviations, standard=False):
 
 
 CASES = {
-    "the paper's": sofnn(source=NETWORK, freeze=False),
+    "the paper's": sofnn(source="network", freeze=False),
     "the table": sofnn(delay=4, freeze=False, leak=0.0),
-    "its nearest cell": sofnn(source=ROUNDED, k_e=0.3, freeze=False),
-    "the odd table, tuned": sofnn(source=ODD, k_e=0.2, kg=0.7, target=ACCUMULATE, freeze=False),
-    "steps by LMS": sofnn(learner=NLMS, k_e=0.2, kg=0.5, target=ACCUMULATE, freeze=False),
+    "its nearest cell": sofnn(source="table_rounded", k_e=0.3, freeze=False),
+    "the odd table, tuned": sofnn(source="table_odd", k_e=0.2, kg=0.7, target="accumulate", freeze=False),
+    "steps by LMS": sofnn(learner="nlms", k_e=0.2, kg=0.5, target="accumulate", freeze=False),
     "an inner loop, a dead zone": sofnn(passes=5, tolerance=1e-4, r=1.0, dead_zone=3.0, freeze=False),
     "a tight clamp and cap": sofnn(clamp=3.0, cap=0.3, q=0.2, k_e=0.2, freeze=False),
 }
@@ -136,12 +136,12 @@ def test_learning_is_what_a_dense_second_writing_gives(case):
     expected, w, p = by_the_book(block.params, readings)
     assert abs(sent - expected).max() < 1e-9 and abs(state.weights - w).max() < 1e-9
     assert abs(state.weights - W0).max() > 0.3
-    if block.params.learner != NLMS:
+    if block.params.learner != 1:
         assert abs(state.covariance - p).max() < 1e-9
         assert np.array_equal(state.covariance, state.covariance.T) and np.linalg.eigvalsh(state.covariance)[0] > 0.0
 
 
-@pytest.mark.parametrize("target", [STORED, ACCUMULATE])
+@pytest.mark.parametrize("target", ["stored", "accumulate"])
 def test_the_standard_controller_credits_each_rule_by_its_part(target):
     block, readings = sofc(target=target, k_e=0.2, kg=0.5, freeze=False), wandering(250)
     sent, state = stepped(block, readings)
@@ -289,5 +289,5 @@ def test_a_batch_is_its_single_runs():
     varied = {"controller.delay": np.arange(2, 10), "controller.learner": np.array([0, 1] * 4)}
     many = loop.batch(2.0, varied, record="output")["output"]
     for k in (0, 5, 7):
-        alone = loop.using({"controller.delay": k + 2, "controller.learner": k % 2}).run(2.0, run=k)
+        alone = loop.using({"controller.delay": k + 2, "controller.learner": k % 2}).run(2.0, replicate=k)
         assert np.array_equal(alone["output"], many[k])

@@ -3,8 +3,9 @@
 import numpy as np
 import pytest
 
-from leadscrew.controllers.sofnn import TUNINGS, fnn, sofnn
+from leadscrew.controllers._sofnn import fnn, sofnn
 from leadscrew.neural.inference_net import W0
+from leadscrew.studies.sofnn_tangent.tunings import TUNINGS
 from tests.controllers.sofnn_loop import QUIET, knife_loop, rms
 from tests.studies import tangent_oracle
 

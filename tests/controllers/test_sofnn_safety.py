@@ -3,11 +3,12 @@
 import numpy as np
 import pytest
 
-from leadscrew.controllers.sofnn import TUNINGS, fnn, sofc, sofnn
-from leadscrew.controllers.sofnn.all_weights import sofnn_all_weights
-from leadscrew.kernel.errors import ValueRefused
+from leadscrew.controllers._sofnn import fnn, sofc, sofnn
+from leadscrew.controllers._sofnn.all_weights import sofnn_all_weights
 from leadscrew.neural.inference_net import W0
-from leadscrew.sensors.cut_camera import SeenCut
+from leadscrew.sensors._cut_camera import SeenCut
+from leadscrew.studies.sofnn_tangent.tunings import TUNINGS
+from leadscrew.util.errors import ValueRefused
 from tests.controllers.sofnn_loop import CURVATURE, HEADING, QUIET, STRAIGHT, knife_loop, rms, state_of
 from tests.controllers.test_sofnn import COMMAND, T, fresh, stepped, wandering
 from tests.studies import tangent_oracle

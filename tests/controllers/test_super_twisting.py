@@ -6,15 +6,15 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 
-from leadscrew.controllers.sliding.super_twisting import super_twisting
-from leadscrew.disturbances.sine_load import sine_load
+from leadscrew.controllers._sliding.super_twisting import super_twisting
+from leadscrew.disturbances._sine_load import sine_load
 from leadscrew.kernel.block import plant
-from leadscrew.kernel.errors import ValueRefused
 from leadscrew.kernel.loop import Loop
 from leadscrew.kernel.module import Module
-from leadscrew.plants.ballscrew_stage import INERTIA, ballscrew_stage
-from leadscrew.references.motion import Motion
-from leadscrew.references.sine import sine_motion
+from leadscrew.plants._ballscrew_stage import INERTIA, ballscrew_stage
+from leadscrew.references._motion import Motion
+from leadscrew.references._sine import sine_motion
+from leadscrew.util.errors import ValueRefused
 from tests.controllers.stage_loop import UM, errors_um, stage_loop
 
 SIGNALS = ("true_error", "output")

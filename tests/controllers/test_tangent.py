@@ -5,12 +5,12 @@ import math
 import numpy as np
 import pytest
 
-from leadscrew.controllers.pid import pid
-from leadscrew.controllers.tangent.curvature_feed_forward import curvature_feed_forward
-from leadscrew.controllers.tangent.curvature_network import curvature_network
-from leadscrew.controllers.tangent.tangent_dob import tangent_dob
-from leadscrew.controllers.tangent.taught_offset import taught_alone, taught_offset
-from leadscrew.kernel.errors import BlockError, ValueRefused
+from leadscrew.controllers._pid import pid
+from leadscrew.controllers._tangent.curvature_feed_forward import curvature_feed_forward
+from leadscrew.controllers._tangent.curvature_network import curvature_network
+from leadscrew.controllers._tangent.tangent_dob import tangent_dob
+from leadscrew.controllers._tangent.taught_offset import taught_alone, taught_offset
+from leadscrew.util.errors import BlockError, ValueRefused
 from tests.controllers.tangent_loop import T, knife
 
 TABLE = np.array([1.0, -2.0, 3.0, 20.0])

@@ -5,13 +5,13 @@ import math
 import numpy as np
 import pytest
 
-from leadscrew.controllers.tangent.curvature_feed_forward import curvature_feed_forward
-from leadscrew.controllers.tangent.curvature_network import apart_covariance, curvature_network, start_covariance
-from leadscrew.kernel.errors import ValueRefused
+from leadscrew.controllers._tangent.curvature_feed_forward import curvature_feed_forward
+from leadscrew.controllers._tangent.curvature_network import apart_covariance, curvature_network, start_covariance
 from leadscrew.neural.inference_net import Fired
 from leadscrew.neural.kalman import kalman_learn
-from leadscrew.references.cut_line import TangentCommand
-from leadscrew.sensors.cut_camera import SeenCut
+from leadscrew.references._cut_line import TangentCommand
+from leadscrew.sensors._cut_camera import SeenCut
+from leadscrew.util.errors import ValueRefused
 from tests.controllers.tangent_loop import knife
 
 SEEN = ("command", "feedback", "output")
@@ -133,7 +133,7 @@ def test_the_second_piece_is_better_and_frozen_it_stays_so(controller):
         controller(prior=state.weights, prior_covariance=state.covariance),
         controller(prior=state.weights, learning=0),
     ):
-        errors.append(knife(block, noise=0.15).run(6.0, every=0, run=1).metrics["rms_error"])
+        errors.append(knife(block, noise=0.15).run(6.0, every=0, replicate=1).metrics["rms_error"])
     assert errors[1] < 0.6 * errors[0] and errors[2] < 0.6 * errors[0]
 
 

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from leadscrew.controllers.torque_pid import torque_pid
-from leadscrew.references.motion import Motion
+from leadscrew.controllers._torque_pid import torque_pid
+from leadscrew.references._motion import Motion
 from tests.controllers.drive_loop import pid
 from tests.controllers.stage_loop import errors_um, stage_loop
 

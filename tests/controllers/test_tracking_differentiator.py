@@ -6,18 +6,18 @@ import numpy as np
 import pytest
 from scipy import signal
 
-from leadscrew.controllers.npid import npid
-from leadscrew.controllers.npid_after import npid_after
-from leadscrew.controllers.npid_slope import npid_slope
-from leadscrew.controllers.pid import TUNINGS as PID
-from leadscrew.controllers.pid import pid
-from leadscrew.controllers.torque_pid import torque_pid
-from leadscrew.controllers.tracking_differentiator import TUNINGS, fhan, follow, tracking_differentiator
-from leadscrew.kernel.errors import BlockError, ValueRefused
-from leadscrew.references.eased_sine import eased_sine
-from leadscrew.references.sine import sine
-from leadscrew.references.step import step
-from leadscrew.sensors.noisy_ruler import noisy_ruler
+from leadscrew.controllers._npid import npid
+from leadscrew.controllers._npid_after import npid_after
+from leadscrew.controllers._npid_slope import npid_slope
+from leadscrew.controllers._pid import TUNINGS as PID
+from leadscrew.controllers._pid import pid
+from leadscrew.controllers._torque_pid import torque_pid
+from leadscrew.controllers._tracking_differentiator import TUNINGS, fhan, follow, tracking_differentiator
+from leadscrew.references._eased_sine import eased_sine
+from leadscrew.references._sine import sine
+from leadscrew.references._step import step
+from leadscrew.sensors._noisy_ruler import noisy_ruler
+from leadscrew.util.errors import BlockError, ValueRefused
 from tests.controllers.xy_loop import PERIOD, outputs, xy_loop
 
 SCALE = noisy_ruler(resolution_mm=5e-4, noise_mm=1e-4)

@@ -6,14 +6,13 @@ import numpy as np
 import pytest
 from scipy.signal import StateSpace, lsim
 
-from leadscrew.actuators.dead_zone import dead_zone
-from leadscrew.controllers.vud import duty_pd
-from leadscrew.controllers.vud.fast import vud_fast
-from leadscrew.controllers.vud.fast_observer import ChainParams, ChainState, corrected, moved, ready_chain
-from leadscrew.controllers.vud.universe import TABLE_2
-from leadscrew.kernel.errors import ValueRefused
-from leadscrew.plants.lathe_servo import lathe_servo
-from leadscrew.sensors.grating.ruler import grating_ruler
+from leadscrew.actuators._dead_zone import dead_zone
+from leadscrew.controllers._vud import duty_pd
+from leadscrew.controllers._vud.fast import vud_fast
+from leadscrew.controllers._vud.fast_observer import ChainParams, ChainState, corrected, moved, ready_chain
+from leadscrew.controllers._vud.universe import TABLE_2
+from leadscrew.plants._lathe_servo import lathe_servo
+from leadscrew.sensors.grating._ruler import grating_ruler
 from leadscrew.studies.vud_lathe.controllers import FAST, GAIN_DOUBT, LIMITS
 from leadscrew.studies.vud_lathe.fast_search import (
     BOUNDS,
@@ -25,6 +24,7 @@ from leadscrew.studies.vud_lathe.fast_search import (
     training_loop,
 )
 from leadscrew.studies.vud_lathe.scenarios import MACHINES
+from leadscrew.util.errors import ValueRefused
 from tests.controllers.lathe_loop import lathe_loop
 from tests.tools import runnable
 

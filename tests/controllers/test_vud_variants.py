@@ -5,17 +5,17 @@ import math
 import numpy as np
 import pytest
 
-from leadscrew.actuators.dead_zone import dead_zone
-from leadscrew.controllers.vud import vud, vud_beta_e, vud_family, vud_incremental, vud_integral_factor, vud_scaled
-from leadscrew.controllers.vud.family import BELL, BETA_E, ERROR, MAXIMUM, MEAN, ONE, PRINTED, PRODUCT, RATE, UNITY
-from leadscrew.controllers.vud.scaled import ROBUST
-from leadscrew.kernel.errors import ValueRefused
+from leadscrew.actuators._dead_zone import dead_zone
+from leadscrew.controllers._vud import vud, vud_beta_e, vud_family, vud_incremental, vud_integral_factor, vud_scaled
+from leadscrew.controllers._vud.family import BETA_E, PRINTED
+from leadscrew.controllers._vud.scaled import ROBUST
 from leadscrew.kernel.loop import Loop
 from leadscrew.kernel.metrics import overshoot, settling_time, steady_state_error
-from leadscrew.plants.lathe_servo import lathe_servo
-from leadscrew.references.step import step
-from leadscrew.sensors.grating_count import grating_count
+from leadscrew.plants._lathe_servo import lathe_servo
+from leadscrew.references._step import step
+from leadscrew.sensors._grating_count import grating_count
 from leadscrew.studies.vud_lathe.controllers import VARIANTS
+from leadscrew.util.errors import ValueRefused
 from tests.studies import lathe_oracle as oracle
 from tests.tools import runnable
 
@@ -79,18 +79,20 @@ def test_the_family_is_the_printed_and_the_corrected_law_to_the_last_bit(name, t
 @pytest.mark.slow
 def test_the_scaled_controller_is_a_member_of_the_family():
     same = {f: getattr(ROBUST, f) for f in ROBUST._fields if f in vud_family.params._fields}
-    member = vud_family(**{k: v for k, v in same.items() if np.ndim(v) == 0}, output_from=UNITY, inputs_held=1)
+    member = vud_family(**{k: v for k, v in same.items() if np.ndim(v) == 0}, output_from="none", inputs_held=True)
     a, b = (lathe(c, -170.0).run(1.0, record="output") for c in (vud_scaled(**ROBUST._asdict()), member))
     assert np.array_equal(a["output"].view(np.int64), b["output"].view(np.int64))
 
 
 FOLLOWED = {
-    UNITY: lambda rho, e, ec: None, 1: lambda rho, e, ec: abs(rho) ** 0.7, ERROR: lambda rho, e, ec: e**0.7,
-    RATE: lambda rho, e, ec: ec**0.7, PRODUCT: lambda rho, e, ec: (e * ec) ** 0.7,
-    MEAN: lambda rho, e, ec: (e**0.7 + ec**0.7) / 2.0, MAXIMUM: lambda rho, e, ec: max(e, ec) ** 0.7,
+    "none": lambda rho, e, ec: None, "duty": lambda rho, e, ec: abs(rho) ** 0.7, "error": lambda rho, e, ec: e**0.7,
+    "rate": lambda rho, e, ec: ec**0.7, "product": lambda rho, e, ec: (e * ec) ** 0.7,
+    "mean": lambda rho, e, ec: (e**0.7 + ec**0.7) / 2.0, "maximum": lambda rho, e, ec: max(e, ec) ** 0.7,
 }  # fmt: skip
 FACTORS = {
-    ONE: lambda x: 1.0, 1: lambda x: abs(x) ** 0.8 + 0.01, BELL: lambda x: 1.0 - 0.7 * math.exp(-3.0 * x * x),
+    "none": lambda x: 1.0,
+    "power": lambda x: abs(x) ** 0.8 + 0.01,
+    "exponential": lambda x: 1.0 - 0.7 * math.exp(-3.0 * x * x),
 }  # fmt: skip
 
 
@@ -102,7 +104,8 @@ def test_each_factor_is_its_formula_over_all_36_rules(followed, kind):
         bell_steepness=3.0, output_from=followed, output_tau=0.7, output_floor=0.02, output_gain=1.3, error_gain=1.5,
         rate_gain=-0.5, output_limit=0.9,
     )  # fmt: skip
-    p, random = block.prepare(block.params, DT), np.random.default_rng(followed * 3 + kind)
+    seed = 3 * list(FOLLOWED).index(followed) + list(FACTORS).index(kind)
+    p, random = block.prepare(block.params, DT), np.random.default_rng(seed)
     for _ in range(50):
         before, now, rho = random.uniform(-190.0, 190.0), random.uniform(-0.3, 0.3), random.uniform(-1.0, 1.0)
         state = block.state._replace(e=before / 190.0, rho=rho, started=1.0)
@@ -133,7 +136,8 @@ def test_the_first_period_knows_no_rate_and_contracts_nothing():
 
 @pytest.mark.parametrize(
     ("changes", "said"),
-    [({"output_from": 7}, "output_from = 7"), ({"e_kind": 1.5}, "whole number"), ({"ec_floor": 0.0}, "ec_floor"),
+    [({"output_from": 7}, "output_from = 7"), ({"e_kind": 1.5}, "none, power, exponential"),
+         ({"ec_floor": 0.0}, "ec_floor"),
      ({"e_centres": np.array([-1.0, -0.67, -0.33, -0.33, 0.67, 1.0])}, "increasing")],
 )  # fmt: skip
 def test_a_factor_that_there_is_not_is_refused(changes, said):

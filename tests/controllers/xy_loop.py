@@ -1,7 +1,7 @@
 """The digital reference loop of the XY table: 2 kHz, 25 us steps, 0.775 ms from sample to output."""
 
 from leadscrew.kernel.loop import Loop
-from leadscrew.plants.xy_table import xy_table
+from leadscrew.plants._xy_table import xy_table
 
 PERIOD = 0.5e-3
 

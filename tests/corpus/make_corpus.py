@@ -38,10 +38,10 @@ def stage_log() -> None:
     import numpy as np
 
     from leadscrew import Loop
-    from leadscrew.controllers.axis_cascade import axis_cascade
-    from leadscrew.plants.servo_axis import servo_axis
-    from leadscrew.references.waypoints import waypoints
-    from leadscrew.sensors.axis_reading import axis_reading
+    from leadscrew.controllers._axis_cascade import axis_cascade
+    from leadscrew.plants._servo_axis import servo_axis
+    from leadscrew.references._waypoints import waypoints
+    from leadscrew.sensors._axis_reading import axis_reading
 
     friction = {"coulomb": 20.0, "static": 20.0, "viscous": 65.0}
     stage = servo_axis(
@@ -83,8 +83,7 @@ def operated() -> None:
     """A session, its script, captures in three formats, a preset: what the panel keeps."""
     from leadscrew.operate import captures, session_file
     from leadscrew.operate.captures import Capture
-    from leadscrew.operate.operated import Operated
-    from leadscrew.operate.session import Start
+    from leadscrew.operate.operated import Operated, Start
     from leadscrew.panel import presets
     from leadscrew.panel.records import text_of
 
@@ -95,7 +94,7 @@ def operated() -> None:
     machine.switch("ours.pd")
     rows, _ = machine.advance(100)
     session_file.write(machine.session(), Path("operate/session.toml"))
-    Path("operate/session.py").write_text(text_of((machine.session(), machine.period_s), "py"), encoding="utf-8")
+    Path("operate/operated.py").write_text(text_of((machine.session(), machine.period_s), "py"), encoding="utf-8")
     names = ("time", "command", "feedback", "output")
     kept = rows[:, [machine.columns.index(n) for n in names]].copy()
     units = {"time": "s", "command": "mm"}

@@ -18,12 +18,14 @@ from click.testing import CliRunner
 
 from leadscrew import __version__
 from leadscrew.cli import app
+from leadscrew.experiment import read
 from leadscrew.export.folder import read_manifest
 from leadscrew.fuzzy import formats
-from leadscrew.neural.performance_file import read_net
+from leadscrew.kernel.run import load
+from leadscrew.neural.performance import read_net
 from leadscrew.operate import captures, session_file
 from leadscrew.panel import presets
-from leadscrew.tune.journal import Journal
+from leadscrew.tune.checkpoints import Journal
 from tests.tools import missing
 
 OLD = Path(__file__).with_name("0.1.0")
@@ -99,6 +101,11 @@ def test_a_run_whose_bits_changed_says_which_versions_wrote_and_replayed_it(tmp_
         first, second, *_ = said.splitlines()
         assert first.startswith("not identical: output at row 7, t = 0.007 s: saved ")
         assert second == f"  the run was written by {words} and replayed by Leadscrew {__version__}"
+
+
+def test_the_noise_of_an_old_run_and_of_an_old_experiment_is_the_same_stream():
+    assert load(OLD / "runs" / "noise")[0]["replicate"] == 3
+    assert read(OLD / "scatter" / "worst" / "settling_2um_1.toml").replicate == 2
 
 
 def test_a_recorded_run_is_read_as_a_log(call):

@@ -8,8 +8,8 @@ import pyarrow.parquet as pq
 import pytest
 
 from leadscrew.design import Move, MoveLog, read_moves
-from leadscrew.design.checks import checked
-from leadscrew.kernel.errors import DataError, NameUnknown, ValueRefused
+from leadscrew.design.files import checked
+from leadscrew.util.errors import DataError, NameUnknown, ValueRefused
 from tests.design.moves import TABLE_1, glide, rows, swapped, write
 
 SIGNALS = ("time", "command", "feedback", "output")

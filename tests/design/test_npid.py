@@ -6,14 +6,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from leadscrew.design.npid import design_npid
+from leadscrew.design.npid import Bench, design_npid, retuned
 from leadscrew.design.npid_axis import Case, Gains, TableAxis, Work, block_of, bounds_of, strength_for
 from leadscrew.design.npid_paper import paper_design
-from leadscrew.design.npid_retune import retuned
-from leadscrew.design.npid_trial import Bench
-from leadscrew.kernel.errors import ValueRefused
 from leadscrew.studies.npid_xytable.calibration import volts
 from leadscrew.studies.npid_xytable.table2 import LINES_HZ, PID_UM
+from leadscrew.util.errors import ValueRefused
 
 WORK = Work(tuple(Case(f"{rpm} 1/min", volts(um), rpm / 60.0) for rpm, um in PID_UM.items()), LINES_HZ)
 RETUNED = Gains(1.6533, 248.0, 0.00533)

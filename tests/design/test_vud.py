@@ -3,12 +3,12 @@
 import numpy as np
 import pytest
 
-from leadscrew.controllers.vud import vud, vud_beta_e
-from leadscrew.controllers.vud.universe import TABLE_2
+from leadscrew.controllers._vud import vud, vud_beta_e
+from leadscrew.controllers._vud.universe import TABLE_2
 from leadscrew.design import Factors, design_vud, read_moves
-from leadscrew.design.universes import find_universes
-from leadscrew.fuzzy.partition_count import partition_count
-from leadscrew.kernel.errors import DataError, NameUnknown, ValueRefused
+from leadscrew.design.vud_steps import find_universes
+from leadscrew.fuzzy.grids import partition_count
+from leadscrew.util.errors import DataError, NameUnknown, ValueRefused
 from tests.design.moves import TABLE_1, glide, rows, write
 
 PAPER = (1.96, 1.35)
@@ -197,7 +197,7 @@ def test_with_the_printed_numbers_the_design_is_the_corrected_controller_to_the_
 
 @pytest.mark.slow
 def test_the_design_from_table_1_settles_as_the_corrected_controller_does(found):
-    from leadscrew.catalogue import study
+    from leadscrew.resolve import study
 
     lathe = study("vud_lathe")
     for scenario, fine in (("fig11a_step_m50", 0.989), ("fig11b_step_m170", 1.576)):
@@ -212,7 +212,7 @@ def test_the_design_from_table_1_settles_as_the_corrected_controller_does(found)
 @pytest.mark.slow
 def test_a_design_from_our_own_log_settles(tmp_path):
     """The loop closed: the old servo is simulated and logged, its log designs a controller, the controller is run."""
-    from leadscrew.catalogue import study
+    from leadscrew.resolve import study
 
     lathe = study("vud_lathe")
     folders = []

@@ -4,10 +4,10 @@ import math
 
 import pytest
 
-from leadscrew.disturbances.hard_spot import hard_spot
-from leadscrew.disturbances.kicked_load import kicked_load
-from leadscrew.disturbances.pulse_load import pulse_load
-from leadscrew.disturbances.step_load import step_load
+from leadscrew.disturbances._hard_spot import hard_spot
+from leadscrew.disturbances._kicked_load import kicked_load
+from leadscrew.disturbances._pulse_load import pulse_load
+from leadscrew.disturbances._step_load import step_load
 
 DT = 0.01
 

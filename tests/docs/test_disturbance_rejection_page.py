@@ -6,8 +6,9 @@ import sys
 import numpy as np
 import pytest
 
-from leadscrew.controllers import cascade_ppi, input_dob
-from leadscrew.controllers.pid import TUNINGS as PID
+from leadscrew.controllers import _cascade_ppi as cascade_ppi
+from leadscrew.controllers import _input_dob as input_dob
+from leadscrew.controllers._pid import TUNINGS as PID
 from leadscrew.studies.npid_xytable.rejection import BEST, let_through, opened
 from tests.docs.snippets import ROOT, assert_printed, shown, with_marks
 

@@ -3,7 +3,7 @@
 import re
 from pathlib import Path
 
-from leadscrew.kernel.sheet import entries
+from leadscrew.kernel.parameters import entries
 from leadscrew.studies.grey_turning.protection import SLOW_GUARD
 
 ROOT = Path(__file__).parents[2]
@@ -25,9 +25,9 @@ def number(cell):
 
 
 def test_the_parameters_and_their_defaults_are_those_of_the_block():
-    said = {row[0].strip("`"): number(row[1]) for row in table("| parameter |")}
-    own = [e for e in entries(SLOW_GUARD.params) if not e.key.startswith("inner.")]
-    assert said == {e.key: float(e.default) for e in own}
+    own = {e.key: e.default for e in entries(SLOW_GUARD.params) if not e.key.startswith("inner.")}
+    said = {row[0].strip("`"): row[1] for row in table("| parameter |")}
+    assert {k: v if isinstance(own[k], str) else number(v) for k, v in said.items()} == own
 
 
 def test_the_lines_for_linuxcnc_are_those_of_the_example():

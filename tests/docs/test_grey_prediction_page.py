@@ -6,8 +6,7 @@ import sys
 import pytest
 
 from leadscrew.grey.predictors import KINDS
-from leadscrew.grey.vectorised import gm11
-from leadscrew.grey.vectorised_others import line
+from leadscrew.grey.vectorised import gm11, line
 from tests.docs.snippets import ROOT, assert_printed, shown, with_marks
 
 PAGE = ROOT / "docs" / "grey_prediction.md"

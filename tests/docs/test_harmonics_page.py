@@ -5,8 +5,8 @@ import numpy as np
 import pytest
 
 from leadscrew.analysis.harmonics import least_squares
-from leadscrew.kernel.errors import ValueRefused
 from leadscrew.studies.npid_xytable.measurement import LABELS_HZ, by_fft, by_least_squares
+from leadscrew.util.errors import ValueRefused
 from tests.docs import sessions
 from tests.docs.snippets import ROOT, blocks
 

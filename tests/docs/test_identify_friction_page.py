@@ -6,7 +6,7 @@ import runpy
 import pytest
 
 from leadscrew.identify.friction_file import identify_file
-from leadscrew.plants.ballscrew_stage import INERTIA, ballscrew_stage
+from leadscrew.plants._ballscrew_stage import INERTIA, ballscrew_stage
 from tests.docs.snippets import ROOT, python_of
 
 PAGE = ROOT / "docs" / "identify_friction.md"

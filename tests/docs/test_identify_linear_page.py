@@ -10,7 +10,7 @@ from typer.testing import CliRunner
 from leadscrew.cli import app
 from leadscrew.identify.linear.fit import identify_linear
 from leadscrew.identify.linear.record import linear_record
-from leadscrew.plants.xy_table import XYTableParams
+from leadscrew.plants._xy_table import XYTableParams
 from leadscrew.studies.vud_lathe.laws import TABLE_1
 from tests.docs import sessions
 from tests.docs.snippets import ROOT, blocks, python_of

@@ -11,7 +11,7 @@ from leadscrew.cli import app
 from leadscrew.logs import look_at, plausible, signals
 from leadscrew.logs.roles import ROLES
 from leadscrew.logs.units import DRIVES, LENGTHS, TIMES
-from leadscrew.reading import LOG_TEXT
+from leadscrew.util.reading import LOG_TEXT
 from tests.docs.snippets import ROOT, blocks, python_of
 from tests.fuzzy.formats_systems import shared
 

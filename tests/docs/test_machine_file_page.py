@@ -6,7 +6,7 @@ import shlex
 import pytest
 from typer.testing import CliRunner
 
-from leadscrew import catalogue
+from leadscrew import resolve
 from leadscrew.cli import app
 from leadscrew.machine.file import MODELS, read
 from leadscrew.machine.gains import PER_SI
@@ -29,7 +29,7 @@ def test_the_page_names_every_model_unit_controller_and_scenario(folder):
     assert re.findall(r"`(servo_\w+|linear)`", rows["`model`"]) == list(MODELS)
     units = rows["`position_unit`"].split(":")[1].replace(" or ", ", ")
     assert {u.strip() for u in units.split(",")} == set(PER_SI)
-    study = catalogue.study(str(folder / "table.toml"))
+    study = resolve.study(str(folder / "table.toml"))
     named = set(re.findall(r"^\| (`[^|]+`) \|", TEXT, re.MULTILINE))
     assert {f"`{c}`" for c in study.controllers} | {"`ours.pid`"} <= named
     assert {s for row in named for s in re.findall(r"`(\w+)`", row)} >= set(study.scenarios)

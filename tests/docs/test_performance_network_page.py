@@ -14,7 +14,7 @@ PAGE = (ROOT / "docs" / "performance_network.md").read_text(encoding="utf-8")
 def test_the_command_of_the_page_prints_what_is_shown(tmp_path, monkeypatch):
     import typer
 
-    from leadscrew.cli.tangent_train import train
+    from leadscrew.cli.tangent import train
 
     app = typer.Typer()
     app.command("train")(train)

@@ -81,4 +81,5 @@ def test_notebook_runs(tmp_path: Path) -> None:
     notebook = nbformat.read(ROOT / "docs" / "notebooks" / "first_loop.ipynb", as_version=4)
     executed(notebook, tmp_path)
     shown = [out for cell in notebook.cells if cell.cell_type == "code" for out in cell.outputs]
-    assert any("text/html" in out.get("data", {}) for out in shown), "a run shows a table"
+    assert sum("text/html" in out.get("data", {}) for out in shown) == 1, "a run shows a table"
+    assert sum("image/png" in out.get("data", {}) for out in shown) == 2, "figures show themselves"

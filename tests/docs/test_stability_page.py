@@ -9,7 +9,7 @@ import pytest
 from leadscrew.analysis.stability.circle import circle
 from leadscrew.analysis.stability.loop import reference_loops
 from leadscrew.analysis.stability.switching import worst_switching
-from leadscrew.controllers.npid import npid
+from leadscrew.controllers._npid import npid
 from tests.docs.snippets import ROOT, assert_printed, shown, with_marks
 
 PAGE = ROOT / "docs" / "stability.md"
@@ -38,7 +38,7 @@ def test_the_load_named_in_the_text_lies_where_the_slope_passes_the_gain_margin(
     """A load worth 3 um of phi: phi(e) = 3 um has its slope above the limit, one of 2.5 um does not."""
     from scipy.optimize import brentq
 
-    from leadscrew.controllers.npid import scaled_error, slope
+    from leadscrew.controllers._npid import scaled_error, slope
 
     limit = reference_loops()["L_star"].gain_limit()
     p = npid.params

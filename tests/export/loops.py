@@ -2,42 +2,44 @@
 
 from dataclasses import replace
 
-from leadscrew.actuators.dead_zone import dead_zone
-from leadscrew.controllers.adaptive_resonant import adaptive_resonant
-from leadscrew.controllers.axis_cascade import axis_cascade
-from leadscrew.controllers.biquad import LowPass, Notch, biquad
-from leadscrew.controllers.cascade_ppi import cascade_ppi
-from leadscrew.controllers.dead_zone_inverse import dead_zone_inverse
-from leadscrew.controllers.friction_feed_forward import friction_feed_forward
-from leadscrew.controllers.grey_fuzzy.tunings import TUNINGS as GREY_FUZZY
-from leadscrew.controllers.guard import force_guard
-from leadscrew.controllers.input_dob import input_dob
-from leadscrew.controllers.learned_feed_forward import learned_feed_forward
-from leadscrew.controllers.npid_after import npid_after
-from leadscrew.controllers.npid_slope import TUNINGS as LIMITED
-from leadscrew.controllers.npid_split import npid_split
-from leadscrew.controllers.pd_dob import pd_dob
-from leadscrew.controllers.pid import TUNINGS
-from leadscrew.controllers.repetitive import repetitive
-from leadscrew.controllers.resonant import TUNINGS as RESONANT
-from leadscrew.controllers.sliding import smc_integral
-from leadscrew.controllers.sliding.fuzzy import TUNINGS as FSMC
-from leadscrew.controllers.sliding.super_twisting import super_twisting
-from leadscrew.controllers.tracking_differentiator import TUNINGS as FOLLOWED
-from leadscrew.controllers.vud import vud_beta_e, vud_scaled
-from leadscrew.disturbances.hard_spot import hard_spot
+from leadscrew.actuators._dead_zone import dead_zone
+from leadscrew.controllers._adaptive_resonant import adaptive_resonant
+from leadscrew.controllers._axis_cascade import axis_cascade
+from leadscrew.controllers._biquad import LowPass, Notch, biquad
+from leadscrew.controllers._cascade_ppi import cascade_ppi
+from leadscrew.controllers._dead_zone_inverse import dead_zone_inverse
+from leadscrew.controllers._filters import lead_lag, low_pass, notch
+from leadscrew.controllers._friction_feed_forward import friction_feed_forward
+from leadscrew.controllers._guard import force_guard
+from leadscrew.controllers._input_dob import input_dob
+from leadscrew.controllers._learned_feed_forward import learned_feed_forward
+from leadscrew.controllers._npid_after import npid_after
+from leadscrew.controllers._npid_slope import TUNINGS as LIMITED
+from leadscrew.controllers._npid_split import npid_split
+from leadscrew.controllers._pd_dob import pd_dob
+from leadscrew.controllers._pid import TUNINGS
+from leadscrew.controllers._repetitive import repetitive
+from leadscrew.controllers._resonant import TUNINGS as RESONANT
+from leadscrew.controllers._series import series
+from leadscrew.controllers._sliding import smc_integral
+from leadscrew.controllers._sliding.fuzzy import TUNINGS as FSMC
+from leadscrew.controllers._sliding.super_twisting import super_twisting
+from leadscrew.controllers._tracking_differentiator import TUNINGS as FOLLOWED
+from leadscrew.controllers._vud import vud_beta_e, vud_scaled
+from leadscrew.disturbances._hard_spot import hard_spot
 from leadscrew.fuzzy.block import controller
 from leadscrew.kernel.loop import Loop
-from leadscrew.plants.lathe_servo import lathe_servo
-from leadscrew.plants.servo_axis import servo_axis
-from leadscrew.plants.turning import turning
-from leadscrew.references.cutting_program import cutting_program
-from leadscrew.references.eased_sine import eased_sine_motion
-from leadscrew.references.sine import sine
-from leadscrew.references.step import step
-from leadscrew.sensors.axis_reading import axis_reading
-from leadscrew.sensors.faulty_load_cell import faulty_load_cell
-from leadscrew.sensors.grating_count import grating_count
+from leadscrew.plants._lathe_servo import lathe_servo
+from leadscrew.plants._servo_axis import servo_axis
+from leadscrew.plants._turning import turning
+from leadscrew.references._cutting_program import cutting_program
+from leadscrew.references._eased_sine import eased_sine_motion
+from leadscrew.references._sine import sine
+from leadscrew.references._step import step
+from leadscrew.sensors._axis_reading import axis_reading
+from leadscrew.sensors._faulty_load_cell import faulty_load_cell
+from leadscrew.sensors._grating_count import grating_count
+from leadscrew.studies.grey_turning.tunings import TUNINGS as GREY_FUZZY
 from tests.controllers.stage_loop import stage_loop
 from tests.controllers.table_axis import table_axis
 from tests.controllers.xy_loop import xy_loop
@@ -105,6 +107,23 @@ def table_that_learns_its_friction():
 
 def pid_through_a_notch():
     block = biquad(TUNINGS["ours.pid_ms_159"], Notch(centre_hz=120.0, width_hz=30.0), LowPass(corner_hz=700.0))
+    return xy_loop(block, sine(amplitude=1.0, frequency=2.0))
+
+
+def low_passed():
+    return xy_loop(low_pass(corner_hz=200.0), sine(amplitude=1.0, frequency=2.0))
+
+
+def notched():
+    return xy_loop(notch(), sine(amplitude=1.0, frequency=2.0))
+
+
+def leading():
+    return xy_loop(lead_lag(zero_hz=8.0, pole_hz=80.0), sine(amplitude=1.0, frequency=2.0))
+
+
+def pid_behind_filters():
+    block = series(series(TUNINGS["ours.pid_ms_159"], low_pass(corner_hz=300.0)), lead_lag(zero_hz=30.0, pole_hz=3.0))
     return xy_loop(block, sine(amplitude=1.0, frequency=2.0))
 
 

@@ -7,12 +7,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from leadscrew.controllers.guard import FeedCommand
-from leadscrew.export import hal_check, hal_names, hal_run
+from leadscrew.controllers._guard import FeedCommand
+from leadscrew.export import hal, hal_check, hal_run
 from leadscrew.export.controller import export_controller
 from leadscrew.export.folder import write
 from leadscrew.export.hal_check import Stream
-from leadscrew.sensors.load_cell import CutReading
+from leadscrew.sensors._load_cell import CutReading
 from tests.controllers.guarded import Stepped
 from tests.export.hal_bench import needed
 
@@ -48,11 +48,11 @@ class Machine:
         return self.made[name]
 
     def pins(self, name):
-        return hal_names.pins((p["name"], p["role"]) for p in self.installed(name)[0]["inputs"])
+        return hal.pins((p["name"], p["role"]) for p in self.installed(name)[0]["inputs"])
 
     def stream(self, name, rows, bits=None, thread_ns=1_000_000, setup=()):
         """What the component makes of rows of inputs, its machine limits off."""
-        own = f"{hal_names.component(name)}.0"
+        own = f"{hal.component(name)}.0"
         off = [f"setp {own}.{limit} 0" for limit in NO_LIMITS]
         inputs = {pin: rows[:, i] for i, pin in enumerate(self.pins(name))}
         given = Stream(inputs, bits=bits or {}, setup=[*off, *setup], thread_ns=thread_ns)

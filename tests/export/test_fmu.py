@@ -12,9 +12,8 @@ import pytest
 
 from leadscrew.export import fmu
 from leadscrew.export.core import Knob, Limits
-from leadscrew.export.fmu_units import base_units
-from leadscrew.export.fmu_variables import variables
-from leadscrew.kernel.errors import LeadscrewError, ValueRefused
+from leadscrew.export.fmu import base_units, variables
+from leadscrew.util.errors import LeadscrewError, ValueRefused
 from tests.export.fmu_sample import core, record
 from tests.tools import missing, needed
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from leadscrew.export import hal_names, hal_run
+from leadscrew.export import hal, hal_run
 from tests.export.hal_bench import Bench, needed
 
 
@@ -26,7 +26,7 @@ def test_one_parameter_one_bit_off_gives_other_outputs(bench):
 @pytest.mark.parametrize("gain", [100.0, 20.0])
 @pytest.mark.parametrize("name", ["demo_down", "demo_up", "demo_single"])
 def test_the_first_move_is_in_the_direction_of_stock_pid(bench, name, gain):
-    comp = hal_names.component(name)
+    comp = hal.component(name)
     ours, drive, _ = bench.loop(f"loadrt {name}", f"{comp}.0", f"{comp}.0", gain=gain)
     pid = ["setp pid.0.Pgain 0.25", "setp pid.0.maxoutput 0.3"]
     stock, stock_drive, _ = bench.loop("loadrt pid num_chan=1", "pid.0", "pid.0.do-pid-calcs", pid, gain)

@@ -4,20 +4,20 @@ from dataclasses import replace
 
 import pytest
 
-from leadscrew.export import hal, hal_names
+from leadscrew.export import hal
 from leadscrew.export.core import Knob, Port
-from leadscrew.kernel.errors import ValueRefused
+from leadscrew.util.errors import ValueRefused
 from tests.export.hal_sample import core
 
 
 def test_pins_have_the_names_of_stock_pid_and_others_those_of_their_ports():
     ports = [("command", "command"), ("command_velocity", "command-deriv"), ("x", "feedback"), ("force_n", "other")]
-    assert hal_names.pins(ports) == ["command", "command-deriv", "feedback", "force-n"]
+    assert hal.pins(ports) == ["command", "command-deriv", "feedback", "force-n"]
 
 
 def test_a_port_or_knob_with_the_name_of_a_fixed_pin_gets_another():
-    assert hal_names.pins([("enable", "other"), ("fault_", "other")]) == ["pin-enable", "pin-fault"]
-    assert hal_names.parameters(["every", "force_n", "kp"], ["force-n"]) == ["knob-every", "knob-force-n", "kp"]
+    assert hal.pins([("enable", "other"), ("fault_", "other")]) == ["pin-enable", "pin-fault"]
+    assert hal.parameters(["every", "force_n", "kp"], ["force-n"]) == ["knob-every", "knob-force-n", "kp"]
 
 
 def test_a_name_that_hal_has_no_room_for_is_refused():
@@ -33,7 +33,7 @@ def test_quotes_and_greek_letters_do_not_reach_halcompile():
 
 def test_every_pin_and_parameter_is_in_the_readme_with_unit_and_range():
     text = hal.readme(core("demo_r", rediscretisable=True))
-    for name in (*hal_names.FIXED, "kp", "gains-kd", "mode"):
+    for name in (*hal.FIXED, "kp", "gains-kd", "mode"):
         if name not in ("command-accel", "inside", "time", "tmax", "tmax-increased"):
             assert f"`{name}`" in text, name
     assert "| `kp` | float rw | 1/mm | 0.25 | (0, inf) | duty per millimetre |" in text

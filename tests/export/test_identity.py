@@ -1,6 +1,6 @@
 """Which controller a certificate is about: any change of it is another one."""
 
-from leadscrew.export.identity import identity_of
+from leadscrew.export.controller import identity_of
 from leadscrew.kernel.loop import Loop
 from tests.kernel import zoo
 

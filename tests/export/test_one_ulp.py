@@ -7,7 +7,7 @@ import re
 import numpy as np
 import pytest
 
-from leadscrew.export import fmu, hal_names
+from leadscrew.export import fmu, hal
 from leadscrew.export.folder import TARGETS, compiler_path, verify
 from leadscrew.export.source import Source
 from leadscrew.export.verdict import DIFFERENT, IDENTICAL, NOT_RUN
@@ -75,7 +75,7 @@ def spoil(folder, target, core, record, knob, value):
         code.write_text(in_c(code.read_text(), core.name, knob, value))
     elif target == "hal":
         comp = folder / f"{core.name}.comp"
-        pin = hal_names.parameters([k.name for k in core.knobs], [])[core.knobs.index(knob)]
+        pin = hal.parameters([k.name for k in core.knobs], [])[core.knobs.index(knob)]
         text, count = re.subn(rf"(param rw float {pin} = )\S+", rf"\g<1>{value!r}", comp.read_text())
         assert count == 1
         comp.write_text(text)

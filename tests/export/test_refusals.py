@@ -6,7 +6,7 @@ import shutil
 import numpy as np
 import pytest
 
-from leadscrew.kernel import compiler
+from leadscrew.kernel import engines
 from tests.cli.conftest import strict_json
 from tests.tools import missing
 
@@ -17,8 +17,8 @@ from typing import NamedTuple
 
 from leadscrew import Loop
 from leadscrew.kernel.block import controller
-from leadscrew.plants.xy_table import xy_table
-from leadscrew.references.sine import sine
+from leadscrew.plants._xy_table import xy_table
+from leadscrew.references._sine import sine
 
 
 class Params(NamedTuple):
@@ -39,8 +39,8 @@ def loop():
 CONTINUOUS = """\
 from leadscrew import Loop
 from leadscrew.kernel.block import controller
-from leadscrew.plants.ballscrew_stage import ballscrew_stage
-from leadscrew.references.sine import sine
+from leadscrew.plants._ballscrew_stage import ballscrew_stage
+from leadscrew.references._sine import sine
 
 
 @controller(continuous=True)
@@ -67,9 +67,9 @@ def no_compiler(monkeypatch, tmp_path):
     """A machine without a C compiler."""
     monkeypatch.setenv("PATH", str(tmp_path))
     monkeypatch.delenv("CC", raising=False)
-    compiler.find.cache_clear()
+    engines.c_compiler.cache_clear()
     yield
-    compiler.find.cache_clear()
+    engines.c_compiler.cache_clear()
 
 
 @pytest.fixture
@@ -109,7 +109,7 @@ def exported(call, gcc, tmp_path):
         (("--name", "pid", "--target", "hal"), ("name = 'pid'", "LinuxCNC", "--name pid_controller")),
         (("--target", "plc"), ("target = 'plc'", "c99, hal, fmu2, fmu3")),
         (("--real", "half"), ("real = 'half'", "double, float")),
-        (("--drive", "steam"), ("drive = 'steam'", "torque, velocity, voltage")),
+        (("--drive", "steam"), ("drive = 'steam'", "torque, force, velocity, voltage")),
         (("--drive", "torque"), ("drive = 'torque'", "npid commands voltage", "10 V")),
         (("--set", "controller.kp=1e300"), ("diverged at t = ", "an export is checked by a run of its loop")),
         (("--set", "controller.kp=-1"), ("controller.kp", "[0, inf)")),

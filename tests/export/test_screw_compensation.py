@@ -12,7 +12,7 @@ import pytest
 from leadscrew.analysis.positioning import positioning
 from leadscrew.export import hal_run
 from leadscrew.export.screw_compensation import ini_lines, read_compensation, screw_compensation
-from leadscrew.kernel.errors import DataError, ValueRefused
+from leadscrew.util.errors import DataError, ValueRefused
 from tests.export.linuxcnc_machine import seen_by
 from tests.tools import missing
 

@@ -11,8 +11,8 @@ import pytest
 from leadscrew.export.controller import export_controller
 from leadscrew.export.core import Core
 from leadscrew.kernel.block import controller, make
-from leadscrew.kernel.errors import BlockError, SubsetError
 from leadscrew.kernel.loop import Loop
+from leadscrew.util.errors import BlockError, SubsetError
 from tests.kernel import nasty, printed, zoo
 from tests.tools import missing
 

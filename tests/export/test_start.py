@@ -10,9 +10,8 @@ import pytest
 from leadscrew import Doc, Loop, Unit, controller, plant
 from leadscrew.export import fmu, hal
 from leadscrew.export.controller import export_controller
-from leadscrew.export.fmu_variables import variables
-from leadscrew.export.fmu_xml import model_description
-from leadscrew.references.step import step
+from leadscrew.export.fmu import model_description, variables
+from leadscrew.references._step import step
 from tests.tools import missing, needed
 
 PERIOD = 0.01

@@ -62,6 +62,6 @@ def test_the_recorded_run_asks_something_of_the_controller(row):
 def test_every_controller_of_the_catalogue_has_a_row():
     controllers = {b.name for b in catalogue.blocks().values() if b.kind == "controller" and not b.continuous}
     assert len(controllers) >= 9
-    made = ("fuzzy", *catalogue.MAKERS)
+    made = ("fuzzy", *catalogue.FACTORIES)
     rows = [row for row in ROWS if not any(maker in row for maker in made)]
     assert controllers == {loop_of(row).blocks["controller"].name for row in rows}

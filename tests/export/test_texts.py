@@ -9,16 +9,16 @@ from html.parser import HTMLParser
 import pytest
 
 from leadscrew import Loop
-from leadscrew.controllers.pid import pid
+from leadscrew.controllers._pid import pid
 from leadscrew.export import hal
 from leadscrew.export.c99 import shown_unit
 from leadscrew.export.controller import export_controller
 from leadscrew.export.core import Port
 from leadscrew.export.fmu import _page
 from leadscrew.export.plant import plant_files
-from leadscrew.plants.mass_lugre import mass_lugre
-from leadscrew.plants.xy_table import xy_table
-from leadscrew.references.step import step
+from leadscrew.plants._mass_lugre import mass_lugre
+from leadscrew.plants._xy_table import xy_table
+from leadscrew.references._step import step
 from tests.export import hal_sample
 from tests.export.table import loop_of
 

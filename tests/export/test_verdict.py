@@ -7,7 +7,7 @@ import pytest
 
 from leadscrew.export.core import Record
 from leadscrew.export.verdict import DIFFERENT, FAILED, GOLDEN, IDENTICAL, compared, golden_text, read_golden
-from leadscrew.kernel.errors import DataError
+from leadscrew.util.errors import DataError
 from tests.export import hal_sample
 
 ULP = math.ulp(1.0)

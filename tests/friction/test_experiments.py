@@ -8,21 +8,28 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from leadscrew.analysis.friction import friction_along, path_through
-from leadscrew.analysis.friction_runs import break_away, break_away_after_rest, force_at_speed, slip_times, stick_slip
+from leadscrew.analysis.friction import (
+    break_away,
+    break_away_after_rest,
+    force_at_speed,
+    friction_along,
+    path_through,
+    slip_times,
+    stick_slip,
+)
 from leadscrew.friction.asymmetric import LuGreSlide
 from leadscrew.friction.static_map import TwoSided
 from leadscrew.kernel.block import controller
-from leadscrew.kernel.errors import ValueRefused
 from leadscrew.kernel.loop import Loop
-from leadscrew.plants.backlash_two_mass import backlash_two_mass
-from leadscrew.plants.ballscrew_stage import ballscrew_stage
-from leadscrew.plants.mass_dahl import mass_dahl
-from leadscrew.plants.mass_lugre import mass_lugre
-from leadscrew.plants.mass_maxwell_slip import mass_maxwell_slip
-from leadscrew.plants.mass_stribeck import mass_stribeck
-from leadscrew.references.motion import Motion
-from leadscrew.references.ramp import ramp
+from leadscrew.plants._backlash_two_mass import backlash_two_mass
+from leadscrew.plants._ballscrew_stage import ballscrew_stage
+from leadscrew.plants._mass_dahl import mass_dahl
+from leadscrew.plants._mass_lugre import mass_lugre
+from leadscrew.plants._mass_maxwell_slip import mass_maxwell_slip
+from leadscrew.plants._mass_stribeck import mass_stribeck
+from leadscrew.references._motion import Motion
+from leadscrew.references._ramp import ramp
+from leadscrew.util.errors import ValueRefused
 
 RATES = (1.0, 2.0, 5.0, 10.0, 20.0, 50.0)
 

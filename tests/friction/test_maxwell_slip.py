@@ -9,7 +9,7 @@ from leadscrew.analysis.friction import friction_along, friction_velocity, path_
 from leadscrew.friction.asymmetric import LuGreSlide
 from leadscrew.friction.lugre import level
 from leadscrew.friction.maxwell_slip import Elements, MaxwellSlip, checked, elements_force, move_elements, unloaded
-from leadscrew.kernel.errors import ValueRefused
+from leadscrew.util.errors import ValueRefused
 
 THREE = MaxwellSlip(
     share=np.array([1.0, 2.0, 3.0]) / 6.0,

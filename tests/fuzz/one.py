@@ -9,7 +9,7 @@ import warnings
 from functools import cache
 from pathlib import Path
 
-from leadscrew.kernel.errors import LeadscrewError
+from leadscrew.util.errors import LeadscrewError
 from tests.fuzz.mutate import mutated
 from tests.fuzz.targets import Target, targets
 

@@ -46,14 +46,14 @@ def _loop(path: Path) -> None:
 
 
 def _machine(path: Path) -> None:
-    from leadscrew import catalogue
+    from leadscrew import resolve
 
-    study = catalogue.study(str(path))
+    study = resolve.study(str(path))
     assert study.controllers
 
 
 def _chunk(path: Path) -> None:
-    from leadscrew.tune.journal import Journal
+    from leadscrew.tune.checkpoints import Journal
 
     journal = Journal(path.parent / "journal", {"q": 1})
     journal.folder.mkdir(exist_ok=True)
@@ -120,15 +120,15 @@ def targets() -> tuple[Target, ...]:
         Target("svg", seeds("tangent/leaf.svg", "*.svg"), "tangent show @ --json", 10),
         Target("dxf", seeds("*.dxf"), "tangent show @ --json", 10),
         Target("gcode", seeds("tangent/*.ngc", "*.ngc"), "tangent show @ --json", 10),
-        Target("tangent measured", seeds("tangent/piece.csv"), _of("leadscrew.tangent.measured:read_measured")),
+        Target("tangent measured", seeds("tangent/piece.csv"), _of("leadscrew.tangent.measurement:read_measured")),
         Target("tangent program", seeds("tangent/*.ngc"), _of("leadscrew.tangent.program:read_program")),
-        Target("network", seeds("tangent/network.json"), _of("leadscrew.neural.performance_file:read_net")),
+        Target("network", seeds("tangent/network.json"), _of("leadscrew.neural.performance:read_net")),
         Target("fuzzy fis", seeds("fuzzy/*.fis"), "fuzzy show @ --json", 6),
         Target("fuzzy fll", seeds("fuzzy/*.fll"), "fuzzy show @ --json", 6),
         Target("fuzzy fcl", seeds("fuzzy/*.fcl"), "fuzzy show @ --json", 6),
         Target("fuzzy xml", seeds("*.xml"), "fuzzy show @ --json", 6),
         Target("experiment", seeds("*_experiment.toml"), _loop, 2),
-        Target("controller", seeds("controllers/*.toml"), _of("leadscrew.controller_file:block")),
+        Target("controller", seeds("controllers/*.toml"), _of("leadscrew.resolve:from_controller_file")),
         Target("machine", seeds("machines/*.toml", "axis_report/axis.toml"), _machine, 3),
         Target("hal file", seeds("*_hal.toml"), _of("leadscrew.panel.hal.file:read")),
         Target("preset", seeds("operate/presets/*.json"), _preset),

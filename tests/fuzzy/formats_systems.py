@@ -6,7 +6,7 @@ from pathlib import Path
 
 from hypothesis import strategies as st
 
-from leadscrew.fuzzy.formats.fcl_text import KEYWORDS
+from leadscrew.fuzzy.formats.fcl import KEYWORDS
 from leadscrew.fuzzy.rules_text import RESERVED
 from leadscrew.fuzzy.system import (
     INTEGRAL,

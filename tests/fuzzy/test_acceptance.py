@@ -13,7 +13,7 @@ import pytest
 from leadscrew.fuzzy import formats
 from leadscrew.fuzzy.evaluate import compiled
 from leadscrew.fuzzy.system import And, Is, Or, System
-from leadscrew.kernel.errors import ValueRefused
+from leadscrew.util.errors import ValueRefused
 from tests.fuzzy.formats_systems import shared
 from tests.fuzzy.oracle import generator
 from tests.fuzzy.oracle.fuzzylite import Fuzzylite

@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from leadscrew.controllers.vud.universe import CENTRES, TABLE_2
+from leadscrew.controllers._vud.universe import CENTRES, TABLE_2
 from leadscrew.fuzzy.inference import infer, rule_base
 from leadscrew.fuzzy.partition import Partition
-from leadscrew.kernel.errors import ValueRefused
+from leadscrew.util.errors import ValueRefused
 
 
 def all_rules(first, second, table, x, y):

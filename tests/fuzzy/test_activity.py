@@ -6,11 +6,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from leadscrew.fuzzy.activity import activity, usage
 from leadscrew.fuzzy.engine import engine
-from leadscrew.fuzzy.explain import explain
+from leadscrew.fuzzy.explanation import activity, explain, usage
 from leadscrew.fuzzy.system import And, Input, Is, Or, Output, Rule, RuleBlock, System, Term
-from leadscrew.kernel.errors import ValueRefused
+from leadscrew.util.errors import ValueRefused
 from tests.fuzzy.systems import LABELS, mamdani, sugeno, triangles, with_block
 
 RNG = np.random.default_rng(7)

@@ -9,10 +9,10 @@ import pytest
 from leadscrew import Loop, controller, plant, reference
 from leadscrew.fuzzy import block
 from leadscrew.fuzzy.evaluate import compiled
-from leadscrew.kernel.errors import NameUnknown, ValueRefused
-from leadscrew.references.s_curve import s_curve
-from leadscrew.references.step import step
-from leadscrew.references.trapezoid import trapezoid
+from leadscrew.references._s_curve import s_curve
+from leadscrew.references._step import step
+from leadscrew.references._trapezoid import trapezoid
+from leadscrew.util.errors import NameUnknown, ValueRefused
 from tests.budget import in_every_run
 from tests.fuzzy.systems import mamdani, sugeno, with_output
 from tests.tools import runnable

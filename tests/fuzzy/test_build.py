@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from leadscrew import fuzzy
-from leadscrew.kernel.errors import DataError, ValueRefused
+from leadscrew.util.errors import DataError, ValueRefused
 
 TABLE = """
      N   Z   P

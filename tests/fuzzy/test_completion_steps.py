@@ -6,13 +6,12 @@ import numpy as np
 import pytest
 from scipy.optimize import isotonic_regression
 
-from leadscrew.fuzzy.fill import STEPS, complete, nearest_set
+from leadscrew.fuzzy.fill import STEPS, before, complete, isotonic, nearest_set, violations
 from leadscrew.fuzzy.grids import even, partition
-from leadscrew.fuzzy.isotonic import before, isotonic, violations
 from leadscrew.fuzzy.learning import learn_rules
-from leadscrew.kernel.errors import NameUnknown, ValueRefused
 from leadscrew.studies.vud_lathe import laws as rules
 from leadscrew.studies.vud_lathe.laws import moves
+from leadscrew.util.errors import NameUnknown, ValueRefused
 
 FIVE = even(-1.0, 1.0, 5)
 THREE = even(-1.0, 1.0, 3)

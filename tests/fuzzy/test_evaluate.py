@@ -12,7 +12,7 @@ from leadscrew.fuzzy.engine import engine
 from leadscrew.fuzzy.evaluate import compiled
 from leadscrew.fuzzy.inference import infer, rule_base
 from leadscrew.fuzzy.system import And, Input, Is, Or, Output, Rule, RuleBlock, System, Term
-from leadscrew.kernel.errors import NameUnknown, ValueRefused
+from leadscrew.util.errors import NameUnknown, ValueRefused
 from tests.budget import in_every_run
 from tests.fuzzy.oracle import generator
 from tests.fuzzy.systems import LABELS, full_rules, mamdani, sugeno, triangles, with_block, with_output
@@ -189,7 +189,7 @@ def test_a_table_is_what_all_its_rules_give(inputs, shoulders):
 
 
 def test_two_inputs_take_the_rule_base_of_the_lathe_with_its_bits():
-    from leadscrew.controllers.vud.universe import CENTRES, TABLE_2
+    from leadscrew.controllers._vud.universe import CENTRES, TABLE_2
 
     names = [f"s{i}" for i in range(6)]
     feet = [-math.inf, *CENTRES, math.inf]

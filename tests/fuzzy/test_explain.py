@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from leadscrew.fuzzy.evaluate import compiled
-from leadscrew.fuzzy.explain import explain
+from leadscrew.fuzzy.explanation import explain
 from leadscrew.fuzzy.system import Input, Output, RuleBlock, System, Term
-from leadscrew.kernel.errors import NameUnknown, ValueRefused
+from leadscrew.util.errors import NameUnknown, ValueRefused
 from tests.fuzzy.oracle import generator
 from tests.fuzzy.systems import full_rules, mamdani, sugeno
 
@@ -22,7 +22,7 @@ def contracted(name: str, centres) -> Input:
 
 def lathe() -> System:
     """The rules of the lathe on the universes that section V of the paper prints for e = -0.25, ec = 0.12."""
-    from leadscrew.controllers.vud.universe import TABLE_2
+    from leadscrew.controllers._vud.universe import TABLE_2
 
     e = contracted("e", [-0.2873, -0.1925, -0.0948, 0.0948, 0.1925, 0.2873])
     ec = contracted("ec", [-0.1485, -0.0995, -0.0490, 0.0490, 0.0995, 0.1485])

@@ -6,7 +6,7 @@ import pytest
 
 from leadscrew.fuzzy import formats
 from leadscrew.fuzzy.block import function
-from leadscrew.kernel.errors import DataError
+from leadscrew.util.errors import DataError
 
 FIS = """[System]
 Name='s'

@@ -9,7 +9,7 @@ import pytest
 from leadscrew.fuzzy import formats
 from leadscrew.fuzzy.formats import fcl, fis, fll, fml
 from leadscrew.fuzzy.system import And, Input, Is, Or, Output, Rule, RuleBlock, System, Term
-from leadscrew.kernel.errors import DataError
+from leadscrew.util.errors import DataError
 from tests.fuzzy.formats_systems import shared
 from tests.fuzzy.test_formats_broken import FML
 

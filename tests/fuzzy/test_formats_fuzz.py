@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from leadscrew.fuzzy import formats
 from leadscrew.fuzzy.system import System
-from leadscrew.kernel.errors import DataError, NameUnknown, ValueRefused
+from leadscrew.util.errors import DataError, NameUnknown, ValueRefused
 from tests.fuzzy.formats_systems import systems
 from tests.fuzzy.test_formats_broken import WHOLE
 

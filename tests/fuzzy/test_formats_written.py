@@ -8,7 +8,7 @@ import pytest
 from leadscrew.fuzzy import formats
 from leadscrew.fuzzy.formats import fis, fld, fll
 from leadscrew.fuzzy.system import And, Input, Is, Or, Output, Rule, RuleBlock, System, Term
-from leadscrew.kernel.errors import DataError, NameUnknown, ValueRefused
+from leadscrew.util.errors import DataError, NameUnknown, ValueRefused
 
 A, B = Term("a", "triangle", (0.0, 0.0, 1.0)), Term("b", "triangle", (0.0, 1.0, 1.0))
 X, Y = Input("x", 0.0, 1.0, (A, B)), Output("y", 0.0, 1.0, (A, B))

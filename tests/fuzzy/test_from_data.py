@@ -6,9 +6,8 @@ import numpy as np
 import pytest
 
 from leadscrew.fuzzy.evaluate import compiled
-from leadscrew.fuzzy.from_data import learn
-from leadscrew.fuzzy.score import score
-from leadscrew.kernel.errors import NameUnknown, ValueRefused
+from leadscrew.fuzzy.from_data import learn, score
+from leadscrew.util.errors import NameUnknown, ValueRefused
 
 RNG = np.random.default_rng(11)
 E, DE = RNG.uniform(-1.0, 1.0, (2, 900))

@@ -2,13 +2,13 @@
 
 import pytest
 
-from leadscrew.controllers.vud.universe import TABLE_2
-from leadscrew.fuzzy.completion import complete_rules
+from leadscrew.controllers._vud.universe import TABLE_2
+from leadscrew.fuzzy.fill import complete_rules
 from leadscrew.fuzzy.learning import learn_rules
 from leadscrew.fuzzy.partition import Partition
-from leadscrew.kernel.errors import ValueRefused
 from leadscrew.studies.vud_lathe import laws as rules
 from leadscrew.studies.vud_lathe.laws import moves
+from leadscrew.util.errors import ValueRefused
 
 SETS = rules.SETS
 

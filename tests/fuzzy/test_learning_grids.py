@@ -5,9 +5,9 @@ import pytest
 
 from leadscrew.fuzzy.curvature import estimate_curvature
 from leadscrew.fuzzy.grids import even, grid_from_curvature, labels, quantile, universe
-from leadscrew.kernel.errors import ValueRefused
 from leadscrew.studies.vud_lathe import laws as rules
 from leadscrew.studies.vud_lathe.laws import moves
+from leadscrew.util.errors import ValueRefused
 
 SQUARE = [(-1.0, 1.0), (-1.0, 1.0)]
 

@@ -7,11 +7,11 @@ import numpy as np
 import pytest
 
 from leadscrew.fuzzy.evaluate import compiled
+from leadscrew.fuzzy.from_data import to_system
 from leadscrew.fuzzy.grids import even, partition
-from leadscrew.fuzzy.learned_system import to_system
 from leadscrew.fuzzy.learning import learn_rules
 from leadscrew.fuzzy.partition import Partition
-from leadscrew.kernel.errors import ValueRefused
+from leadscrew.util.errors import ValueRefused
 
 from .systems import LABELS, sugeno
 

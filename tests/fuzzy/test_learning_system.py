@@ -9,14 +9,14 @@ from leadscrew.fuzzy import formats
 from leadscrew.fuzzy.engine import engine
 from leadscrew.fuzzy.evaluate import compiled
 from leadscrew.fuzzy.fill import complete
+from leadscrew.fuzzy.from_data import to_system
 from leadscrew.fuzzy.grids import even, partition
-from leadscrew.fuzzy.learned_system import to_system
 from leadscrew.fuzzy.learning import learn_rules
 from leadscrew.fuzzy.partition import Partition
 from leadscrew.fuzzy.system import Input, Term
-from leadscrew.kernel.errors import ValueRefused
 from leadscrew.studies.vud_lathe import laws as rules
 from leadscrew.studies.vud_lathe.laws import moves
+from leadscrew.util.errors import ValueRefused
 
 UNEVEN = partition([-1.0, -0.2, 0.5, 2.0])
 

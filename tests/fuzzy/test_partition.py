@@ -3,8 +3,9 @@
 import numpy as np
 import pytest
 
-from leadscrew.fuzzy.partition import Partition, axis, inside_universe, interval_index, upper_membership
-from leadscrew.kernel.errors import ValueRefused
+from leadscrew.fuzzy.inference import axis, inside_universe, interval_index, upper_membership
+from leadscrew.fuzzy.partition import Partition
+from leadscrew.util.errors import ValueRefused
 
 SIX = Partition((-1.0, -0.67, -0.33, 0.33, 0.67, 1.0), ("NB", "NM", "NS", "PS", "PM", "PB"))
 

@@ -2,8 +2,8 @@
 
 import pytest
 
-from leadscrew.fuzzy.partition_count import equal_sets_for, interpolation_bound, partition_count
-from leadscrew.kernel.errors import ValueRefused
+from leadscrew.fuzzy.grids import equal_sets_for, interpolation_bound, partition_count
+from leadscrew.util.errors import ValueRefused
 
 PAPER = (1.96, 1.35)
 CENTRES = (-1.0, -0.67, -0.33, 0.33, 0.67, 1.0)

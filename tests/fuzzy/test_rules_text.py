@@ -4,7 +4,7 @@ import pytest
 
 from leadscrew.fuzzy.rules_text import Names, parse, rule_text, table
 from leadscrew.fuzzy.system import And, Input, Is, Or, Output, Rule, System, Term
-from leadscrew.kernel.errors import DataError
+from leadscrew.util.errors import DataError
 
 CHEAP = (Is("tip", "cheap"),)
 LEVELS = tuple(Term(name, "triangle", (k - 1.0, k, k + 1.0)) for k, name in enumerate(("low", "mid", "high")))

@@ -9,7 +9,7 @@ from leadscrew.fuzzy.defuzzifiers import INVERSES
 from leadscrew.fuzzy.shapes import PREPARED, membership
 from leadscrew.fuzzy.system import SHAPES, Term
 from leadscrew.fuzzy.tables import peak
-from leadscrew.kernel.errors import ValueRefused
+from leadscrew.util.errors import ValueRefused
 
 X = np.concatenate([np.linspace(-4.0, 4.0, 161), [-1e300, 1e300, -np.inf, np.inf]])
 

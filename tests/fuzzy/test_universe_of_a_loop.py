@@ -8,7 +8,7 @@ import pytest
 from leadscrew import Loop, fuzzy, plant
 from leadscrew.fuzzy import Input, Output, block, triangles
 from leadscrew.fuzzy.build import constants
-from leadscrew.references.step import step
+from leadscrew.references._step import step
 
 PERIOD = 0.01
 THREE = "N Z P"

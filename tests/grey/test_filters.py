@@ -4,9 +4,8 @@ import numpy as np
 import pytest
 
 from leadscrew.grey.filters import lead, linearised, noise_gain, response
-from leadscrew.grey.vectorised import gm11
-from leadscrew.grey.vectorised_others import MODELS, limit
-from leadscrew.kernel.errors import ValueRefused
+from leadscrew.grey.vectorised import MODELS, gm11, limit
+from leadscrew.util.errors import ValueRefused
 
 WEIGHTS = [0.0, -0.5, 0.0, 0.5, 1.0]
 

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from leadscrew.grey import gm11, vectorised
 from leadscrew.grey.gm11 import Grey, exponential
 from leadscrew.grey.predictors import KINDS, predicted
-from leadscrew.grey.vectorised_others import MODELS, dgm11
+from leadscrew.grey.vectorised import MODELS, dgm11
 from leadscrew.grey.window import Window, filled, pushed
 from tests.grey.references import exact_fit, exact_prediction, least_squares, samples_of, vectors
 

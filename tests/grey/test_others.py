@@ -10,10 +10,9 @@ from scipy.integrate import solve_ivp
 
 from leadscrew.grey import others
 from leadscrew.grey.predictors import KINDS, predicted
-from leadscrew.grey.vectorised import ahead, fit, gm11
-from leadscrew.grey.vectorised_others import MODELS, limit, predictions
+from leadscrew.grey.vectorised import MODELS, ahead, fit, gm11, limit, predictions
 from leadscrew.grey.window import Window
-from leadscrew.kernel.errors import NameUnknown, ValueRefused
+from leadscrew.util.errors import NameUnknown, ValueRefused
 
 FORCES = st.lists(st.floats(1.0, 400.0), min_size=5, max_size=5)
 RISE = (60.0, 98.0, 122.0, 135.0, 143.0)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from leadscrew.grey.score import Score, compare, standard_errors
-from leadscrew.kernel.errors import DataError
+from leadscrew.util.errors import DataError
 
 
 def scored(y, *models, **options):

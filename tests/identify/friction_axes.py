@@ -7,8 +7,8 @@ slowly enough for the scale to count: here ``2 a kp = 3 F_C`` with ``F_S`` of 1.
 
 import numpy as np
 
-from leadscrew.plants.ballscrew_stage import TRAVEL_MM_PER_RAD
-from leadscrew.references.friction_test import ROWS, friction_test
+from leadscrew.plants._ballscrew_stage import TRAVEL_MM_PER_RAD
+from leadscrew.references._friction_test import ROWS, friction_test
 from leadscrew.studies.fsmc_ballscrew.records import record_loop
 
 AXES = 60

@@ -4,7 +4,7 @@ from functools import cache
 
 import numpy as np
 
-from leadscrew.plants.ballscrew_stage import TRAVEL_MM_PER_RAD
+from leadscrew.plants._ballscrew_stage import TRAVEL_MM_PER_RAD
 from leadscrew.studies.fsmc_ballscrew.records import record_loop
 
 HARDER = (("plant.friction.coulomb", 1.2 * 6.24), ("plant.friction.static", 1.2 * 9.36))

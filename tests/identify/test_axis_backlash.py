@@ -11,10 +11,10 @@ import pytest
 from leadscrew import Loop, controller
 from leadscrew.identify.axis.backlash import backlash_of, lost_motion
 from leadscrew.identify.axis.cascade import Cascade
-from leadscrew.kernel.errors import DataError
 from leadscrew.logs.arrays import axis_log
-from leadscrew.plants.backlash import backlash_axis
-from leadscrew.references.sine import sine
+from leadscrew.plants._backlash import backlash_axis
+from leadscrew.references._sine import sine
+from leadscrew.util.errors import DataError
 from tests.identify.axis_exact import KP, KV, PERIOD, VALUES, Exact, recorded, strokes
 from tests.identify.test_axis_simulation import PUBLISHED, emps
 

@@ -5,18 +5,18 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from leadscrew.identify.axis.filters import (
+from leadscrew.identify.axis.record import (
     choose_length,
     corner_of,
     held,
     length_of,
+    record,
     samples,
     smoothed,
     touched,
     window,
 )
-from leadscrew.identify.axis.record import record
-from leadscrew.kernel.errors import DataError
+from leadscrew.util.errors import DataError
 
 DT = 1e-3
 

@@ -12,8 +12,8 @@ import pytest
 from leadscrew.identify.axis.cascade import Cascade
 from leadscrew.identify.axis.fit import identify_axis
 from leadscrew.identify.axis.result import AxisFit
-from leadscrew.kernel.errors import DataError, NameUnknown, ValueRefused
 from leadscrew.logs.arrays import AxisLog, axis_log
+from leadscrew.util.errors import DataError, NameUnknown, ValueRefused
 from tests.identify.axis_oracle import Axis, open_loop
 from tests.identify.axis_runs import AXIS, DT, run, shove
 from tests.identify.emps import PUBLISHED, emps
@@ -189,17 +189,17 @@ def test_emps_drags_more_backwards_and_the_halves_of_the_training_part_choose_th
 def test_the_ball_screw_stage_tells_its_bristles_and_is_simulated_with_them():
     """The record of docs/identify_friction.md: stiffness 100000 N m/rad and damping 316.2 N m s/rad are the truth."""
     from leadscrew import Loop
-    from leadscrew.controllers.pd_dob import pd_dob
-    from leadscrew.plants.ballscrew_stage import ballscrew_stage
-    from leadscrew.references.friction_test import duration, friction_test
-    from leadscrew.sensors.ruler import ruler
+    from leadscrew.controllers._pd_dob import pd_dob
+    from leadscrew.plants._ballscrew_stage import ballscrew_stage
+    from leadscrew.references._friction_test import friction_test, friction_test_duration
+    from leadscrew.sensors._ruler import ruler
 
     bare = pd_dob(kp=300.0, kd=0.5, kp_slow=0.0, kd_slow=0.0, observer_rate=0.0, friction=False, travel_per_rad=1.5923)
     loop = Loop(
         reference=friction_test(), controller=bare, plant=ballscrew_stage(travel_per_rad=1.5923),
         sensor=ruler(resolution_mm=1e-5), period=2.5e-4, method="rodas", rtol=1e-6, atol=1e-12, metrics={},
     )  # fmt: skip
-    run = loop.run(duration(), record=("output", "feedback"))
+    run = loop.run(friction_test_duration(), record=("output", "feedback"))
     angle = np.asarray(run["feedback"]) / 1.5923
     log = axis_log(run.time, run["output"], angle, position_unit="rad", drive_unit="N m", source="the stage")
     assert [f.kind for f in log.findings] == ["slip"]

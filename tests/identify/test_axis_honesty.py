@@ -13,11 +13,10 @@ import numpy as np
 import pytest
 
 from leadscrew.identify.axis.fit import identify_axis
-from leadscrew.identify.axis.judge import force_left
-from leadscrew.identify.axis.lack_of_fit import bins, sentence
 from leadscrew.identify.axis.result import AxisFit
+from leadscrew.identify.axis.verdict import bins, force_left, sentence
 from leadscrew.logs import axis_log
-from leadscrew.report.identified_axis_words import sentences
+from leadscrew.report.identified_axis import sentences
 from tests.identify.axis_oracle import Axis
 from tests.identify.axis_runs import AXIS, DT, run, shove
 from tests.identify.axis_truth import truths

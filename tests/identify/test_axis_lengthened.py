@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from leadscrew.identify.axis import refine_replay
-from leadscrew.identify.axis.refine_replay import Starts, lengthened, play, played
+from leadscrew.identify.axis import replay
+from leadscrew.identify.axis.replay import Starts, lengthened, play, played
 from tests.identify.axis_truth import truth
 
 
@@ -27,6 +27,6 @@ def test_a_replay_is_the_same_to_the_bit(monkeypatch):
     starts = Starts(np.array([0.0]), np.array([log.position[0]]), np.array([0.0]))
     runs = []
     for change in (lengthened, np.asarray):
-        monkeypatch.setattr(refine_replay, "lengthened", change)
+        monkeypatch.setattr(replay, "lengthened", change)
         runs.append(play(played(log), [point], starts, len(log.time), [1.5 * log.period]))
     assert np.array_equal(runs[0], runs[1]) and np.ptp(runs[0]) > 0.0

@@ -5,17 +5,14 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from leadscrew.identify.axis import lack_of_fit
-from leadscrew.identify.axis.candidates import Setting, choose, folds, models
+from leadscrew.identify.axis import verdict
 from leadscrew.identify.axis.delay import find_delay
-from leadscrew.identify.axis.filters import choose_length, corner_of
-from leadscrew.identify.axis.intervals import estimates_of, is_told, units
-from leadscrew.identify.axis.inverse_dynamics import blocks, huber, inverse_dynamics, jackknife
-from leadscrew.identify.axis.record import Record, record
-from leadscrew.identify.axis.stage import line, two_ways
-from leadscrew.identify.axis.terms import Terms
-from leadscrew.identify.axis.whiteness import whiteness
-from leadscrew.kernel.errors import DataError
+from leadscrew.identify.axis.inverse_dynamics import Terms, blocks, huber, inverse_dynamics, jackknife
+from leadscrew.identify.axis.linear_stage import Setting, choose, folds, line, models, two_ways
+from leadscrew.identify.axis.parameters import estimates_of, is_told, units
+from leadscrew.identify.axis.record import Record, choose_length, corner_of, record
+from leadscrew.identify.axis.verdict import whiteness
+from leadscrew.util.errors import DataError
 from tests.identify.axis_oracle import Axis
 from tests.identify.axis_runs import AXIS, DT, run, shove
 
@@ -210,10 +207,10 @@ def gathered(monkeypatch, means, speed=0.06, coulomb=10.0, top=0.5):
     """Bins of a record that passes a speed once for each mean force left, and reaches the top speed in between."""
     at = np.tile([speed, speed, top], len(means))
     left = np.column_stack([means, means, np.zeros(len(means))]).ravel()
-    monkeypatch.setattr(lack_of_fit, "force_left", lambda *_: (left, left))
-    monkeypatch.setattr(lack_of_fit, "speed_of", lambda _: at)
+    monkeypatch.setattr(verdict, "force_left", lambda *_: (left, left))
+    monkeypatch.setattr(verdict, "speed_of", lambda _: at)
     values = {"friction.forward.coulomb": coulomb, "friction.forward.viscous": 100.0}
-    return lack_of_fit.bins(None, values | {"friction.backward.coulomb": coulomb}, 25, 0.0)[0]
+    return verdict.bins(None, values | {"friction.backward.coulomb": coulomb}, 25, 0.0)[0]
 
 
 @pytest.mark.parametrize(("mean", "lacks"), [(0.74, False), (0.76, True), (-0.76, True)])

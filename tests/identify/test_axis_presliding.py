@@ -8,12 +8,12 @@ import numpy as np
 import pytest
 
 from leadscrew import Loop
-from leadscrew.controllers.pd_dob import pd_dob
-from leadscrew.identify.axis.presliding import presliding
+from leadscrew.controllers._pd_dob import pd_dob
+from leadscrew.identify.axis.static_friction import presliding
 from leadscrew.logs.arrays import axis_log
-from leadscrew.plants.ballscrew_stage import INERTIA, ballscrew_stage
-from leadscrew.references.friction_test import duration, friction_test
-from leadscrew.sensors.ruler import ruler
+from leadscrew.plants._ballscrew_stage import INERTIA, ballscrew_stage
+from leadscrew.references._friction_test import friction_test, friction_test_duration
+from leadscrew.sensors._ruler import ruler
 from tests.identify.test_axis_simulation import PUBLISHED, emps
 
 PER_RAD = 1.5923e-3
@@ -36,7 +36,7 @@ def test_a_ball_screw_stage_gives_its_bristles_in_rad_and_in_metres(unit: Litera
         reference=friction_test(), controller=bare, plant=ballscrew_stage(travel_per_rad=1.5923),
         sensor=ruler(resolution_mm=1e-5), period=2.5e-4, method="rodas", rtol=1e-6, atol=1e-12, metrics={},
     )  # fmt: skip
-    run = loop.run(duration(), record=("output", "feedback"))
+    run = loop.run(friction_test_duration(), record=("output", "feedback"))
     x, u = 1e-3 * np.asarray(run["feedback"]), np.asarray(run["output"])
     turn = PER_RAD if unit == "m" else 1.0
     log = axis_log(run.time, u / turn, x / PER_RAD * turn, position_unit=unit, drive_unit="N" if unit == "m" else "N m")

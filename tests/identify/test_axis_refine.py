@@ -8,11 +8,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from leadscrew.identify.axis.refine import Mode, refine
-from leadscrew.identify.axis.refine_errors import by_force, clustered
+from leadscrew.identify.axis.refine import Mode, by_force, clustered, refine
 from leadscrew.identify.axis.simulation import rms, simulate_closed, simulate_open
-from leadscrew.kernel.errors import LeadscrewError
 from leadscrew.logs.arrays import axis_log
+from leadscrew.util.errors import LeadscrewError
 from tests.identify.axis_exact import PERIOD, VALUES, Exact, recorded, replay, strokes
 from tests.identify.axis_truth import truths
 from tests.identify.test_axis_simulation import KNOWN, PUBLISHED, emps

@@ -6,7 +6,7 @@ import pytest
 from leadscrew.identify.axis.cascade import Cascade
 from leadscrew.identify.axis.fit import identify_axis
 from leadscrew.logs import axis_log
-from leadscrew.report.identified_axis_words import sentences
+from leadscrew.report.identified_axis import sentences
 from tests.identify.axis_oracle import Axis, closed_loop, open_loop
 from tests.identify.axis_runs import AXIS, DT, shove
 

@@ -10,8 +10,8 @@ import pytest
 
 from leadscrew.identify.axis.cascade import Cascade, best_difference, cascade_from, reproduced
 from leadscrew.identify.axis.simulation import rms, simulate_closed, simulate_open
-from leadscrew.kernel.errors import DataError, LeadscrewError, ValueRefused
 from leadscrew.logs.arrays import axis_log
+from leadscrew.util.errors import DataError, LeadscrewError, ValueRefused
 from tests.fuzzy.formats_systems import shared
 from tests.identify.axis_exact import KP, KV, PERIOD, VALUES, Exact, recorded, replay, strokes
 

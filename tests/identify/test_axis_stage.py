@@ -9,7 +9,7 @@ from typer.testing import CliRunner
 
 from leadscrew.cli import app
 from leadscrew.logs import read_axis_log
-from leadscrew.plants.ballscrew_stage import INERTIA, TRAVEL_MM_PER_RAD
+from leadscrew.plants._ballscrew_stage import INERTIA, TRAVEL_MM_PER_RAD
 from tests.identify.friction_records import record, write_csv
 
 UNITS = {"position": f"{1.0 / TRAVEL_MM_PER_RAD:.15g} rad", "drive": "N m"}

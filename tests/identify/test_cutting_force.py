@@ -6,11 +6,9 @@ import numpy as np
 import pytest
 
 from leadscrew.analysis.cutting_force import ChipAndEdge, Kienzle, PowerLaw, feed_for, kienzle, slope, specific_force
-from leadscrew.identify.cutting_force import ForceFit, fit_forces
-from leadscrew.identify.cutting_force_bootstrap import bootstrap
-from leadscrew.identify.cutting_force_fit import chip_and_edge_model, fit_law, power_model
+from leadscrew.identify.cutting_force import ForceFit, bootstrap, chip_and_edge_model, fit_forces, fit_law, power_model
 from leadscrew.identify.cutting_force_table import ForceTable
-from leadscrew.kernel.errors import DataError, ValueRefused
+from leadscrew.util.errors import DataError, ValueRefused
 
 FEEDS = np.array([0.1, 0.16, 0.25, 0.4, 0.1, 0.16, 0.25, 0.4])
 DEPTHS = np.array([0.5, 0.5, 0.5, 0.5, 2.0, 2.0, 2.0, 2.0])
@@ -132,14 +130,14 @@ def test_a_row_left_out_is_judged_by_the_law_of_the_others(method, model):
 
 
 def test_a_long_table_is_quick_and_its_error_left_out_is_the_same(monkeypatch):
-    from leadscrew.identify import cutting_force_fit
+    from leadscrew.identify import cutting_force
 
     rng = np.random.default_rng(8)
     feed, depth = rng.uniform(0.1, 0.5, 60), rng.uniform(0.5, 3.0, 60)
     cuts = table(1800.0 * depth * feed**0.75 * np.exp(0.04 * rng.normal(size=60)), feed, depth)
     for method in ("relative", "absolute"):
         one_by_one = fit_law(power_model(), method, cuts).left_out_percent
-        monkeypatch.setattr(cutting_force_fit, "MOST_REFITTED", 10)
+        monkeypatch.setattr(cutting_force, "MOST_REFITTED", 10)
         np.testing.assert_allclose(fit_law(power_model(), method, cuts).left_out_percent, one_by_one, atol=0.1)
         monkeypatch.undo()
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from leadscrew.identify.cutting_force_table import read_force_table
-from leadscrew.kernel.errors import DataError, ValueRefused
+from leadscrew.util.errors import DataError, ValueRefused
 
 FEED, DEPTH, FORCE = [0.1, 0.2, 0.4], [1.0, 1.0, 2.0], [212.6, 371.0, 1451.2]
 PLAIN = "feed,depth,force\n0.1,1.0,212.6\n0.2,1.0,371.0\n0.4,2.0,1451.2\n"

@@ -12,7 +12,7 @@ from leadscrew.identify.excite import Limits, Move, Stroke, check, information, 
 from leadscrew.identify.excite.belief import keys_of
 from leadscrew.identify.excite.files import Machine, reference_csv
 from leadscrew.identify.excite.information import columns_of
-from leadscrew.kernel.errors import DataError, NameUnknown, ValueRefused
+from leadscrew.util.errors import DataError, NameUnknown, ValueRefused
 from tests.identify.excite_beliefs import LIMITS, believed
 
 
@@ -69,7 +69,7 @@ def test_the_move_is_the_same_path_in_a_loop_of_ours():
     move = Move(0.15, (Stroke(0.20, 0.1, 0.1, "sliding"), Stroke(0.14, 0.2, 0.2, "sliding")), LIMITS)
     seen, block = sampled(move, 1e-3), path_of(move)
     plan = block.prepare(block.params, 1e-3)
-    from leadscrew.references.path import path_xy
+    from leadscrew.references._path import path_xy
 
     ours = [path_xy(plan, t).x for t in seen.time[::7]]
     for k, name in enumerate(("position", "velocity", "acceleration")):

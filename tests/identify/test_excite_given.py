@@ -11,7 +11,7 @@ from leadscrew.cli import app
 from leadscrew.identify.excite import propose
 from leadscrew.identify.excite.belief import belief_of, keys_of
 from leadscrew.identify.excite.files import Machine
-from leadscrew.kernel.errors import DataError, ValueRefused
+from leadscrew.util.errors import DataError, ValueRefused
 from tests.identify.excite_beliefs import LIMITS, believed
 
 
@@ -155,7 +155,7 @@ def test_limits_of_a_log_that_hardly_moved_and_bristles_without_friction_are_ref
 
 
 def test_strokes_on_bristles_stay_below_the_weaker_of_both_directions():
-    from leadscrew.identify.excite.blocks import candidates
+    from leadscrew.identify.excite.design import candidates
 
     belief = believed("presliding", symmetric=False)
     belief.values.update({"friction.backward.static": 10.0, "friction.backward.coulomb": 8.0})
@@ -165,7 +165,7 @@ def test_strokes_on_bristles_stay_below_the_weaker_of_both_directions():
 
 
 def test_what_hides_a_rise_of_friction_is_the_force_left_where_that_is_larger_than_the_sensor_s_noise():
-    from leadscrew.identify.excite.why import why_not
+    from leadscrew.identify.excite.design import why_not
 
     belief = believed("stribeck", force_noise=2.0)
     said = why_not("friction.forward.stribeck_speed", belief, 1.0, 0.001, LIMITS, 30.0)

@@ -10,11 +10,10 @@ from scipy.integrate import solve_ivp
 from leadscrew.friction.lugre import LuGre
 from leadscrew.identify.friction import FITTED, _Problem, _result, fit_friction
 from leadscrew.identify.friction_file import controller_with
-from leadscrew.identify.friction_record import Record, Sliding, checked, pieces, sliding
-from leadscrew.identify.friction_replay import replay_loop
-from leadscrew.kernel.errors import DataError, ValueRefused
-from leadscrew.plants.ballscrew_stage import INERTIA
-from leadscrew.references.friction_test import ROWS, duration, friction_test, plan_rows
+from leadscrew.identify.friction_record import Record, Sliding, checked, pieces, replay_loop, sliding
+from leadscrew.plants._ballscrew_stage import INERTIA
+from leadscrew.references._friction_test import ROWS, friction_test, friction_test_duration, plan_rows
+from leadscrew.util.errors import DataError, ValueRefused
 from tests.identify.friction_records import HARDER, off_percent, record
 
 TRUE = LuGre()
@@ -144,7 +143,7 @@ def test_an_inertia_or_delay_out_of_range_is_refused():
 def test_rows_of_the_friction_test_begin_and_end_at_rest():
     block, dt = friction_test(), 1e-6
     plan, ends = plan_rows(block.params, 2.5e-4), np.cumsum([n / f for _, f, n in ROWS])
-    assert duration() == pytest.approx(ends[-1]) and duration() < 8.0
+    assert friction_test_duration() == pytest.approx(ends[-1]) and friction_test_duration() < 8.0
     for t in (0.0, *(ends - 1e-9), *(ends + 1e-9), 100.0):
         motion = block(plan, t)
         assert abs(motion.position) < 1e-6 and abs(motion.velocity) < 1e-4

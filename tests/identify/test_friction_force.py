@@ -13,11 +13,11 @@ from leadscrew.friction.dahl import Dahl
 from leadscrew.friction.maxwell_slip import MaxwellSlip
 from leadscrew.friction.static_map import Sliding
 from leadscrew.identify.friction_force import force_record, identify_friction_force, settings
-from leadscrew.identify.friction_force.block import lugre_of, map_of
 from leadscrew.identify.friction_force.models import dahl_force, lugre_force, stops
 from leadscrew.identify.friction_force.record import encoder_step, without_flicker
-from leadscrew.kernel.errors import DataError, ValueRefused
-from leadscrew.plants.servo_axis_lugre import servo_axis_lugre
+from leadscrew.identify.friction_force.result import lugre_of, map_of
+from leadscrew.plants._servo_axis_lugre import servo_axis_lugre
+from leadscrew.util.errors import DataError, ValueRefused
 from tests.identify.friction_force_logs import PERIOD, TRUTH, cosines, log
 
 

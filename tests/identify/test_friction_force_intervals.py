@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from leadscrew.identify.friction_force import force_record, identify_friction_force
-from leadscrew.identify.friction_force.search import clusters_of, robust
+from leadscrew.identify.friction_force.task import clusters_of, robust
 from tests.identify.friction_force_logs import TRUTH, log
 
 STROKES = ((0.2e-3, 1.6), (0.05e-3, 0.4), (0.3e-3, 0.8))

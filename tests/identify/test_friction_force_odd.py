@@ -8,9 +8,8 @@ from typer.testing import CliRunner
 
 from leadscrew.cli import app
 from leadscrew.identify.friction_force import force_record, identify_friction_force, read_force_record
-from leadscrew.identify.friction_force.checks import doubles
-from leadscrew.identify.friction_force.record import encoder_step, slopes, without_flicker
-from leadscrew.kernel.errors import DataError, ValueRefused
+from leadscrew.identify.friction_force.record import doubles, encoder_step, slopes, without_flicker
+from leadscrew.util.errors import DataError, ValueRefused
 from tests.identify import hostile
 from tests.identify.friction_force_logs import log
 

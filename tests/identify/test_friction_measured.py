@@ -10,7 +10,7 @@ from scipy.io import loadmat
 from leadscrew.identify import friction_record
 from leadscrew.identify.friction import fit_friction
 from leadscrew.identify.friction_record import checked, sliding
-from leadscrew.kernel.errors import DataError
+from leadscrew.util.errors import DataError
 from tests.docs.snippets import ROOT
 from tests.fuzzy.formats_systems import shared
 

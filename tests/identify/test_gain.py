@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from leadscrew.identify.gain import Record, fit_gain
-from leadscrew.kernel.errors import DataError, ValueRefused
+from leadscrew.identify.linear.servo_gain import Record, fit_gain
 from leadscrew.studies.vud_lathe.laws import gain_fits, moves
+from leadscrew.util.errors import DataError, ValueRefused
 
 LAGS = (0.0008, 0.0015, 0.017)
 TIME = np.arange(21) * 0.1

@@ -9,7 +9,7 @@ import pytest
 from typer.testing import CliRunner
 
 from leadscrew.cli import app
-from leadscrew.kernel.errors import LeadscrewError
+from leadscrew.util.errors import LeadscrewError
 from tests.identify.hostile import LOGS, digest, listing, right, text, write
 
 ODD_FOR_ALL = {

@@ -7,8 +7,8 @@ import re
 
 import pytest
 
-from leadscrew.kernel.errors import DataError, LeadscrewError
 from leadscrew.logs import look_at, read_axis_log
+from leadscrew.util.errors import DataError, LeadscrewError
 from tests.identify.hostile import LOGS, ROW, listing, right, text, write
 
 SAYS = {

@@ -9,12 +9,12 @@ from typer.testing import CliRunner
 
 from leadscrew.cli import app
 from leadscrew.identify.linear.fit import identify_linear
-from leadscrew.identify.linear.handover import block, limits, machine_values
+from leadscrew.identify.linear.model import forced, free, sampled_response, step_of
 from leadscrew.identify.linear.record import linear_record, read_linear
-from leadscrew.identify.linear.response import forced, free, sampled_response, step_of
+from leadscrew.identify.linear.result import block, limits, machine_values
 from leadscrew.identify.linear.servo_gain import servo_gain
-from leadscrew.kernel.errors import DataError, NameUnknown, ValueRefused
 from leadscrew.studies.vud_lathe.laws import TABLE_1, gain_fits, moves
+from leadscrew.util.errors import DataError, NameUnknown, ValueRefused
 
 T = 1e-3
 

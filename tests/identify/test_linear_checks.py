@@ -8,13 +8,12 @@ import pytest
 
 from leadscrew.identify.linear.choose import Task, _score, choose, late
 from leadscrew.identify.linear.fit import identify_linear
-from leadscrew.identify.linear.handover import block, machine, machine_values
+from leadscrew.identify.linear.model import Structure
 from leadscrew.identify.linear.record import linear_record, read_linear
-from leadscrew.identify.linear.result import Interval
-from leadscrew.identify.linear.structure import Structure
-from leadscrew.identify.linear.sureness import Sure, _poles, within
-from leadscrew.kernel.errors import DataError
+from leadscrew.identify.linear.result import Interval, block, machine, machine_values
+from leadscrew.identify.linear.uncertainty import Sure, _poles, within
 from leadscrew.report.identified_linear import parameter_rows, stretch_rows
+from leadscrew.util.errors import DataError
 from tests.identify.test_linear import T, axis, finer, levels
 
 MM_PER_M = 1e3

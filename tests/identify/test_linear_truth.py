@@ -9,8 +9,8 @@ from scipy.io import loadmat
 
 from leadscrew.identify.linear.fit import identify_linear
 from leadscrew.identify.linear.record import linear_record
-from leadscrew.plants.lathe_servo import LatheServoParams
-from leadscrew.plants.xy_table import XYTableParams
+from leadscrew.plants._lathe_servo import LatheServoParams
+from leadscrew.plants._xy_table import XYTableParams
 from tests.docs.snippets import ROOT
 from tests.fuzzy.formats_systems import shared
 from tests.identify.test_linear import levels

@@ -2,8 +2,8 @@
 
 import pytest
 
-from leadscrew.identify.log import read_log
-from leadscrew.kernel.errors import DataError
+from leadscrew.logs.csv_columns import read_log
+from leadscrew.util.errors import DataError
 
 GOOD = "k,r,e\n0,-50,-0.264\n1,-50,-0.208\n0,50,0.264\n1,50,0.211\n"
 

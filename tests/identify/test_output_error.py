@@ -4,13 +4,13 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq, curve_fit
 
-from leadscrew.controllers.vud.power_law import power_law
+from leadscrew.controllers._vud.power_law import power_law
 from leadscrew.identify.output_error import Trajectory, fit_output_error
-from leadscrew.kernel.errors import DataError, NameUnknown, ValueRefused
 from leadscrew.kernel.loop import Loop
-from leadscrew.plants.lathe_servo import lathe_servo
-from leadscrew.references.step import step
-from leadscrew.sensors.encoder_count import encoder_count
+from leadscrew.plants._lathe_servo import lathe_servo
+from leadscrew.references._step import step
+from leadscrew.sensors._encoder_count import encoder_count
+from leadscrew.util.errors import DataError, NameUnknown, ValueRefused
 
 GAIN, EXPONENT, SPEED = "controller.gain", "controller.exponent", "plant.full_duty_speed_mm_s"
 TARGET = "reference.target"

@@ -10,7 +10,7 @@ from types import SimpleNamespace
 import pytest
 
 from leadscrew.identify.axis.result import AxisFit, Parameter
-from leadscrew.kernel.errors import DataError
+from leadscrew.util.errors import DataError
 from tests.budget import WHOLE
 from tests.identify.axis_coverage import shares, statements, table
 from tests.identify.axis_truth import Truth, truth, truths

@@ -18,10 +18,9 @@ from typing import Any
 import numpy as np
 
 from leadscrew.export.single import replay
-from leadscrew.kernel import compiler, native
-from leadscrew.kernel.c99.entry import entry_text
-from leadscrew.kernel.native import Entry
-from leadscrew.kernel.treework import treework
+from leadscrew.kernel.c99.translation import entry_text
+from leadscrew.kernel.engines import C_FLAGS, Entry, by_llvm, shared_library
+from leadscrew.kernel.trees import treework
 from tests.kernel import printed
 from tests.kernel.generated import module_of, module_text
 from tests.kernel.printed import rows, same
@@ -48,12 +47,12 @@ def fused(found: Any, steps: list[Any], folder: Path, engines: Sequence[str]) ->
     module.entry(found.drive, "drive")
     for engine in engines:
         if engine == "llvm":
-            entry = native.compiled(module, "drive", f"random_{module.identity()}", RANKS)
+            entry = by_llvm(module, "drive", f"random_{module.identity()}", RANKS)
         else:
             whole = engine == "c"
             text = entry_text(module, "drive", RANKS, fused=whole)
-            flags = compiler.FLAGS if whole else (*printed.STRICT, "-O2")
-            library = compiler.build(text, folder, f"drive_{whole}", *flags)
+            flags = C_FLAGS if whole else (*printed.STRICT, "-O2")
+            library = shared_library(text, folder, f"drive_{whole}", *flags)
             address = ctypes.cast(ctypes.CDLL(str(library)).drive, ctypes.c_void_p).value
             assert address is not None
             entry = Entry("drive", [RANKS[a] for a in module.arguments_of("drive")], address)

@@ -4,8 +4,8 @@ import linecache
 import random
 from typing import Any
 
-from leadscrew.kernel.errors import SubsetError
 from leadscrew.kernel.module import Module
+from leadscrew.util.errors import SubsetError
 
 HEAD = """\
 import math

@@ -4,25 +4,25 @@ from typing import NamedTuple
 
 import numpy as np
 
-from leadscrew import catalogue
-from leadscrew.actuators.dac import lathe_dac
-from leadscrew.actuators.saturation import saturation
-from leadscrew.controllers.sliding.continuous import seen_in_mm
-from leadscrew.disturbances.cut_load import cut_load
+from leadscrew import catalogue, resolve
+from leadscrew.actuators._dac import lathe_dac
+from leadscrew.actuators._saturation import saturation
+from leadscrew.controllers._sliding.continuous import seen_in_mm
+from leadscrew.disturbances._cut_load import cut_load
 from leadscrew.kernel.block import Block, controller
-from leadscrew.kernel.errors import LeadscrewError
 from leadscrew.kernel.loop import Loop
-from leadscrew.plants.ballscrew_stage import ballscrew_stage
-from leadscrew.plants.flexible_cut import flexible_cut
-from leadscrew.plants.turning import turning
-from leadscrew.plants.turning_lathe import turning_lathe
-from leadscrew.references.cut_line import along, cut_line
-from leadscrew.references.cutting_program import cutting_force, cutting_program
-from leadscrew.references.lathe_program import LatheDrive, lathe_program
-from leadscrew.references.sine import sine, sine_motion
-from leadscrew.sensors.cut_camera import cut_reading
-from leadscrew.sensors.lathe_sensors import lathe_sensors
-from leadscrew.sensors.load_cell import lathe_reading, load_cell
+from leadscrew.plants._ballscrew_stage import ballscrew_stage
+from leadscrew.plants._flexible_cut import flexible_cut
+from leadscrew.plants._turning import turning
+from leadscrew.plants._turning_lathe import turning_lathe
+from leadscrew.references._cut_line import along, cut_line
+from leadscrew.references._cutting_program import cutting_force, cutting_program
+from leadscrew.references._lathe_program import LatheDrive, lathe_program
+from leadscrew.references._sine import sine, sine_motion
+from leadscrew.sensors._cut_camera import cut_reading
+from leadscrew.sensors._lathe_sensors import lathe_sensors
+from leadscrew.sensors._load_cell import lathe_reading, load_cell
+from leadscrew.util.errors import LeadscrewError
 from tests.kernel import zoo
 
 
@@ -116,7 +116,7 @@ def _candidates(block: Block):
     else:
         plain = {"reference": COMMANDS[0], "controller": CONTROLLERS[0], "plant": zoo.mass, **rest}
         yield {**plain, block.kind: block}
-        plants = [catalogue.block(n) for n in catalogue.block_names() if catalogue.block(n).kind == "plant"]
+        plants = [resolve.block(n) for n in catalogue.block_names() if resolve.block(n).kind == "plant"]
         for plant in plants:
             yield {**plain, "plant": plant, block.kind: block}
         for c in CONTROLLERS:
@@ -128,7 +128,7 @@ def _candidates(block: Block):
 
 def around(name: str) -> Loop:
     """A loop with a block of the catalogue in its place."""
-    block = catalogue.block(name)
+    block = resolve.block(name)
     said = []
     for parts in _candidates(block):
         try:

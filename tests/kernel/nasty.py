@@ -9,7 +9,7 @@ from typing import Annotated, NamedTuple
 
 import numpy as np
 
-from leadscrew.kernel.sheet import Doc, Unit
+from leadscrew.kernel.parameters import Doc, Unit
 
 
 class int64_t(NamedTuple):

@@ -11,9 +11,9 @@ import numpy as np
 import pytest
 
 from leadscrew import catalogue
-from leadscrew.kernel import compiler
-from leadscrew.kernel.c99.entry import entry_text
-from leadscrew.kernel.native import Entry
+from leadscrew.kernel import engines
+from leadscrew.kernel.c99.translation import entry_text
+from leadscrew.kernel.engines import Entry
 from leadscrew.kernel.program import RANKS
 from tests.budget import WHOLE
 from tests.kernel import test_engines
@@ -38,7 +38,7 @@ def gcc():
 def entry_at(loop, folder, level) -> Entry:
     """A loop's single run from C in which every function is one of its own, as an export has it."""
     source = entry_text(loop.program.module, "single", RANKS["single"], fused=False)
-    made = compiler.build(source, folder, f"single{level[1:]}", *STRICT, level)
+    made = engines.shared_library(source, folder, f"single{level[1:]}", *STRICT, level)
     address = ctypes.cast(ctypes.CDLL(str(made)).single, ctypes.c_void_p).value
     order = [RANKS["single"][a] for a in loop.program.module.arguments_of("single")]
     return Entry("single", order, address)
@@ -127,7 +127,7 @@ def test_with_contraction_the_bits_would_differ(tmp_path):
         pytest.skip("fma: this processor has none")
     source = entry_text(loop.program.module, "single", RANKS["single"])
     flags = ("-std=gnu99", "-O2", "-mfma", "-ffp-contract=fast")
-    made = compiler.build(source, tmp_path, "fused", *flags)
+    made = engines.shared_library(source, tmp_path, "fused", *flags)
     address = ctypes.cast(ctypes.CDLL(str(made)).single, ctypes.c_void_p).value
     order = [RANKS["single"][a] for a in loop.program.module.arguments_of("single")]
     got, expected = recorded(loop, entry=Entry("single", order, address)), recorded(loop)
@@ -135,14 +135,14 @@ def test_with_contraction_the_bits_would_differ(tmp_path):
 
 
 def test_without_a_compiler_the_engine_says_what_to_do(monkeypatch):
-    from leadscrew.kernel.errors import EngineError
+    from leadscrew.util.errors import EngineError
 
     monkeypatch.setenv("PATH", "/nonexistent")
     monkeypatch.delenv("CC", raising=False)
-    compiler.find.cache_clear()
+    engines.c_compiler.cache_clear()
     with pytest.raises(EngineError, match="install gcc, or use engine='llvm'"):
-        compiler.find()
-    compiler.find.cache_clear()
+        engines.c_compiler()
+    engines.c_compiler.cache_clear()
 
 
 def test_the_engine_c_does_not_import_llvm(tmp_path):

@@ -9,7 +9,7 @@ import pytest
 from leadscrew.export.single import replay
 from leadscrew.kernel.c99 import comments
 from leadscrew.kernel.c99.names import LIBRARY, safe, safe_field
-from leadscrew.kernel.errors import SubsetError
+from leadscrew.util.errors import SubsetError
 from tests.budget import some
 from tests.kernel import nasty, printed, test_agreement, test_subset
 from tests.kernel.differential import differences

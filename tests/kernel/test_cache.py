@@ -192,7 +192,7 @@ def test_a_change_of_any_file_of_the_kernel_compiles_anew(tmp_path, monkeypatch)
 @pytest.mark.parametrize(
     ("name", "other"),
     [
-        ("leadscrew.__version__", "0.0.0"),
+        ("leadscrew._version.__version__", "0.0.0"),
         ("leadscrew.kernel.cache.sys", SimpleNamespace(version_info=SimpleNamespace(major=3, minor=99))),
         ("importlib.metadata.version", lambda package: "0.0.0"),
     ],

@@ -5,8 +5,8 @@ import math
 import pytest
 
 from leadscrew.experiment import Experiment
-from leadscrew.kernel.errors import SubsetError
-from leadscrew.kernel.treework import treework
+from leadscrew.kernel.trees import treework
+from leadscrew.util.errors import SubsetError
 
 STEP = '''"""A step of one long expression."""
 

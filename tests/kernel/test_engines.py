@@ -72,7 +72,7 @@ def test_a_single_run_and_its_lane_in_a_batch_give_the_same_bits(name):
     values = np.linspace(0.2, 0.9, 21)
     batch = loop.batch(0.1, {key: values}, record=None, threads=2, first=3)
     for k in (0, 7, 16, 20):
-        run = loop.using({key: float(values[k])}).run(0.1, run=3 + k)
+        run = loop.using({key: float(values[k])}).run(0.1, replicate=3 + k)
         for column in run.signals:
             assert same(run.signals[column], batch.signals[column][k]), (column, k)
         for metric, value in run.metrics.items():

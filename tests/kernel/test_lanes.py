@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 
 from leadscrew.kernel.block import make
-from leadscrew.kernel.errors import NameUnknown, ValueRefused
 from leadscrew.kernel.loop import DivergenceWarning, Loop
 from leadscrew.kernel.metrics import STANDARD
 from leadscrew.kernel.program import Program
+from leadscrew.util.errors import NameUnknown, ValueRefused
 from tests.kernel import zoo
 
 FULL = {
@@ -56,7 +56,7 @@ def test_the_compiled_batch_does_what_its_driver_says_with_arrays_delays_and_noi
     assert compiled["output"].shape == (19, 4) and compiled.time.tolist() == [k * 0.001 for k in (0, 3, 6, 9)]
     for k in (0, 15, 16, 18):
         changes = {"controller.weights": varied["controller.weights"][k], "actuator.most": varied["actuator.most"][k]}
-        single = loop.using(changes).run(0.012, run=4 + k, every=3, record=every, engine="python")
+        single = loop.using(changes).run(0.012, replicate=4 + k, every=3, record=every, engine="python")
         for name in single.signals:
             np.testing.assert_array_equal(single.signals[name], plain.signals[name][k], err_msg=f"{name} of run {k}")
         assert single.metrics.rms_error == plain.metrics["rms_error"][k]
@@ -105,7 +105,7 @@ def recall(p, s, command):
 
 
 def ready(p, dt):
-    """Nothing changes at the door."""
+    """Nothing changes at the validate."""
     return p
 
 
@@ -211,7 +211,7 @@ def test_one_array_for_all_runs_is_one_row():
     loop = Loop(**FULL, metrics={})
     batch = loop.batch(0.01, {"controller.weights": [0.1, 0.2, 0.3, 0.4]}, runs=2, record="output")
     assert batch.varied["controller.weights"].shape == (2, 4)
-    single = loop.using({"controller.weights": [0.1, 0.2, 0.3, 0.4]}).run(0.01, run=1)
+    single = loop.using({"controller.weights": [0.1, 0.2, 0.3, 0.4]}).run(0.01, replicate=1)
     np.testing.assert_array_equal(batch["output"][1], single["output"])
 
 

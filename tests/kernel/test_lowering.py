@@ -10,11 +10,11 @@ import types
 import numpy as np
 import pytest
 
-from leadscrew.kernel import bits, native
-from leadscrew.kernel.drivers import holes
-from leadscrew.kernel.errors import SubsetError
+from leadscrew.kernel import bits, engines
+from leadscrew.kernel.drivers import hooks
 from leadscrew.kernel.lower import Lowering
 from leadscrew.kernel.source import tree_of
+from leadscrew.util.errors import SubsetError
 
 RANKS = {"N2": (2, "i"), "J": (2, "i"), "F": (2, "f"), "G": (2, "f"), "A": (1, "f"), "N": (1, "i")}
 WEIGHTS = np.array([[1.0, 2.0, 3.0], [4.0, 5.0, 6.0]])
@@ -30,7 +30,7 @@ def machine_code(function):
     module = types.SimpleNamespace(
         fused=lambda _: node, arrays=lambda: CONSTANTS, arguments_of=lambda _: names, identity=lambda: title
     )
-    return native.compiled(module, function.__name__, title, RANKS)  # type: ignore[arg-type]
+    return engines.by_llvm(module, function.__name__, title, RANKS)  # type: ignore[arg-type]
 
 
 def lower(text: str) -> None:
@@ -245,19 +245,19 @@ def test_machine_code_takes_only_arrays_laid_out_as_it_reads_them():
         entry(np.zeros(18)[::2], np.zeros(8, dtype=np.int64))
 
 
-HOLES = [
+HOOKS = [
     f
-    for f in vars(holes).values()
-    if isinstance(f, types.FunctionType) and f.__module__ == holes.__name__ and f.__name__ != "_open"
+    for f in vars(hooks).values()
+    if isinstance(f, types.FunctionType) and f.__module__ == hooks.__name__ and f.__name__ != "_open"
 ]
 
 
-@pytest.mark.parametrize("hole", HOLES, ids=lambda f: f.__name__)
-def test_a_hole_that_nobody_linked_says_so_when_called(hole):
+@pytest.mark.parametrize("hook", HOOKS, ids=lambda f: f.__name__)
+def test_a_hook_that_nobody_linked_says_so_when_called(hook):
     with pytest.raises(NotImplementedError, match="called before it was linked"):
-        hole(*range(hole.__code__.co_argcount))
+        hook(*range(hook.__code__.co_argcount))
 
 
 def test_a_constant_that_nobody_linked_cannot_be_counted_with():
-    with pytest.raises(TypeError, match="the hole LANES is not linked"):
-        range(holes.LANES)
+    with pytest.raises(TypeError, match="the hook LANES is not linked"):
+        range(hooks.LANES)

@@ -7,12 +7,12 @@ import numpy as np
 import pytest
 
 from leadscrew import Loop, controller, plant
-from leadscrew.disturbances.step_load import step_load
+from leadscrew.disturbances._step_load import step_load
+from leadscrew.figures.formats import metric_rows
 from leadscrew.kernel import metrics
-from leadscrew.references.sine import sine
-from leadscrew.references.step import step
+from leadscrew.references._sine import sine
+from leadscrew.references._step import step
 from leadscrew.replay import _other_end
-from leadscrew.report.tables import metric_rows
 
 RATE, PERIOD = 40.0, 1e-3
 

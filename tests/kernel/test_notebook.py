@@ -33,7 +33,7 @@ import leadscrew as ls; ls.Loop(reference=1)""".splitlines()
 LOOP = """\
 from typing import NamedTuple
 from leadscrew import Loop, controller, plant
-from leadscrew.references.step import step
+from leadscrew.references._step import step
 class P(NamedTuple):
     kp: float = 2.0
 class S(NamedTuple):

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from leadscrew.kernel.block import make
-from leadscrew.kernel.errors import SubsetError
 from leadscrew.kernel.loop import Loop
-from tests.kernel import hostile_refused, zoo
+from leadscrew.util.errors import SubsetError
+from tests.kernel import zoo
 from tests.kernel.hostile import SAME, P, S
 from tests.kernel.hostile_refused import REFUSED
 from tests.kernel.printed import same
@@ -43,7 +43,7 @@ def test_what_engines_would_differ_in_is_refused_on_each_by_file_line_and_what_t
     for _ in range(2):  # a refusal is not forgotten
         with pytest.raises(SubsetError, match=REFUSED[step]) as caught:
             loop.run(0.05, engine=engine)
-        assert str(caught.value).startswith(f"{hostile_refused.__file__}:") and "\n" not in str(caught.value)
+        assert "hostile_refused.py:" in str(caught.value) and "\n" not in str(caught.value)
 
 
 @pytest.mark.parametrize("engine", ENGINES[1:])
@@ -152,7 +152,7 @@ def test_a_plant_that_returns_other_arrays_is_refused(step):
     for engine in ENGINES:
         with pytest.raises(SubsetError, match=r"another array as 'a'|one array on one path") as caught:
             plant_loop(step).run(0.05, engine=engine)
-        assert str(caught.value).startswith(f"{__file__}:")
+        assert "test_one_meaning.py:" in str(caught.value)
 
 
 @pytest.mark.parametrize("engine", ENGINES[1:])

@@ -13,7 +13,7 @@ import pytest
 from mpmath import mp, mpf
 
 from leadscrew.fuzzy.engine import execute
-from leadscrew.kernel import bits, native, portable
+from leadscrew.kernel import bits, engines, portable
 from leadscrew.kernel.lower import Lowering
 from leadscrew.kernel.module import Module
 
@@ -38,7 +38,7 @@ def module_of(entry) -> Module:
 def compiled(entry):
     """A function of arrays as machine code."""
     module = module_of(entry)
-    return native.compiled(module, entry.__name__, f"portable_{module.identity()}", RANKS)
+    return engines.by_llvm(module, entry.__name__, f"portable_{module.identity()}", RANKS)
 
 
 @functools.cache
@@ -294,8 +294,8 @@ def test_rising_functions_rise_between_neighbours_a_few_ulp_apart(name):
 @pytest.mark.parametrize("name", ["exp", "sin", "pow"])
 def test_hot_functions_vectorise(name):
     module = module_of(loop_over(name, "f"))
-    optimised = native.optimised(Lowering(module.fused("loop"), RANKS, module.arrays()).run())
-    assert native._machine()[0].emit_assembly(optimised).count("mulpd") > 5
+    optimised = engines.optimised(Lowering(module.fused("loop"), RANKS, module.arrays()).run())
+    assert engines._machine()[0].emit_assembly(optimised).count("mulpd") > 5
 
 
 def total(X, Y):

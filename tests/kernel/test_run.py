@@ -12,28 +12,35 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from leadscrew.kernel.errors import DataError
 from leadscrew.kernel.loop import Loop
 from leadscrew.kernel.run import load
+from leadscrew.util.errors import DataError, ValueRefused
 from tests.kernel import zoo
 
 LOOP = {"reference": zoo.sine, "controller": zoo.history, "plant": zoo.mass, "metrics": {}, "name": "saved"}
 
 
 def test_a_saved_run_comes_back_with_every_bit_and_its_manifest(tmp_path):
-    run = Loop(**LOOP, bound=50.0).run(0.1, every=3, run=4)
+    run = Loop(**LOOP, bound=50.0).run(0.1, every=3, replicate=4)
     folder = run.save(tmp_path / "a" / "run")
     manifest, signals = load(folder)
     assert set(signals) == set(run.signals)
     for name, values in signals.items():
         assert np.array_equal(values, run.signals[name])
     assert manifest["parameters"]["controller.weights"] == [0.4, 0.3, 0.2, 0.1]
-    assert manifest["run"] == 4 and manifest["every"] == 3 and manifest["schema_version"] == 1
+    assert manifest["replicate"] == 4 and manifest["every"] == 3 and manifest["schema_version"] == 1
     assert manifest["engine"] == "llvm" and manifest["blocks"]["plant"] == "mass" and manifest["bound"] == 50.0
     assert load(folder / "run.json")[0] == manifest
     with pytest.raises(DataError, match="exists already"):
         run.save(folder)
     assert sorted(p.name for p in folder.iterdir()) == ["run.json", "signals.parquet"]
+
+
+def test_the_old_name_of_the_noise_stream_is_refused_with_the_new_one():
+    loop = Loop(**LOOP)
+    for call in (lambda: loop.run(0.1, run=3), lambda: loop.start(run=3)):
+        with pytest.raises(ValueRefused, match="write replicate=3"):
+            call()
 
 
 def test_an_infinite_parameter_survives_the_manifest(tmp_path):

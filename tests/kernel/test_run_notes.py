@@ -8,8 +8,8 @@ import pytest
 
 from leadscrew import Loop, controller, disturbance, plant, reference
 from leadscrew.kernel.loop import RunWarning
-from leadscrew.references.s_curve import s_curve
-from leadscrew.references.step import step
+from leadscrew.references._s_curve import s_curve
+from leadscrew.references._step import step
 
 PERIOD = 0.01
 
@@ -158,9 +158,9 @@ def test_a_reversed_loop_that_diverges_says_so_too():
 )
 def test_no_scenario_of_a_study_is_called_reversed(study, names):
     """Controllers that limit-cycle and creep among them."""
-    from leadscrew import catalogue
+    from leadscrew import resolve
 
-    of = catalogue.study(study)
+    of = resolve.study(study)
     for name in names:
         for scenario in list(of.scenarios.values())[::4]:
             loop = of.loop(name or next(iter(of.controllers)), scenario.name)

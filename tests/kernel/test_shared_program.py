@@ -3,14 +3,14 @@
 import numpy as np
 import pytest
 
-from leadscrew.controllers.pid import pid
-from leadscrew.kernel.asked import trees
+from leadscrew.controllers._pid import pid
 from leadscrew.kernel.block import controller
 from leadscrew.kernel.loop import Loop
 from leadscrew.kernel.metrics import rms_error
+from leadscrew.kernel.normalised_trees import trees
 from leadscrew.kernel.program import programs
-from leadscrew.references.sine import sine
-from leadscrew.references.step import step
+from leadscrew.references._sine import sine
+from leadscrew.references._step import step
 from tests.kernel import zoo
 
 

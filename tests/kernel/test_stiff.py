@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from leadscrew import Loop, catalogue, controller, plant
-from leadscrew.kernel.errors import BlockError, ValueRefused
+from leadscrew import Loop, catalogue, controller, plant, resolve
 from leadscrew.kernel.frame import as_floats
 from leadscrew.kernel.layout import Layout
-from leadscrew.plants.mass_lugre import mass_lugre
-from leadscrew.references.sine import sine
-from leadscrew.references.step import step
+from leadscrew.plants._mass_lugre import mass_lugre
+from leadscrew.references._sine import sine
+from leadscrew.references._step import step
+from leadscrew.util.errors import BlockError, ValueRefused
 from tests.kernel import zoo
 
 PERIOD = 0.75e-3
@@ -79,7 +79,7 @@ def test_the_manifest_of_a_continuous_loop_names_the_method_and_tolerances_that_
 
 def test_the_manifest_names_tolerances_only_where_they_count():
     parts = {"reference": sine, "controller": through, "metrics": {}}
-    own = Loop(plant=catalogue.block("xy_table"), substeps=4, **parts).integration
+    own = Loop(plant=resolve.block("xy_table"), substeps=4, **parts).integration
     assert own == {"method": "own step", "substeps": 4, "rtol": None, "atol": None}
     explicit = Loop(plant=zoo.mass, substeps=2, **parts).integration
     assert explicit == {"method": "rk4", "substeps": 2, "rtol": None, "atol": None}
@@ -118,7 +118,7 @@ def test_only_a_plant_that_gives_its_derivative_can_be_declared_stiff():
 def test_a_stiff_plant_at_0_75_ms_is_right_to_a_millionth_without_naming_a_method(name, push):
     parts = {"reference": sine(amplitude=push, frequency=2.0), "controller": through, "metrics": {}, "period": PERIOD}
     runs = [
-        Loop(plant=catalogue.block(name), **parts, **options).run(0.3, record="actual").check()
+        Loop(plant=resolve.block(name), **parts, **options).run(0.3, record="actual").check()
         for options in ({}, {"method": "rodas", "rtol": 1e-9, "atol": 1e-14})
     ]
     signal = next(k for k in runs[0].signals if k != "time")
@@ -128,7 +128,7 @@ def test_a_stiff_plant_at_0_75_ms_is_right_to_a_millionth_without_naming_a_metho
 
 def test_no_plant_of_the_catalogue_is_unstable_in_rk4_steps_of_1_ms_without_saying_that_it_is_stiff():
     """The fastest rate at rest and in motion, by differences: RK4 is stable on the real axis down to -2.785 / h."""
-    blocks = [catalogue.block(n) for n in catalogue.block_names()]
+    blocks = [resolve.block(n) for n in catalogue.block_names()]
     found = {b.name: b for b in blocks if b.kind == "plant" and "dt" not in b.signals}
     assert {"ballscrew_stage", "mass_lugre", "backlash_two_mass"} <= set(found)
     assert {n: b.stiff for n, b in found.items()} == {n: 1e-3 * fastest_rate(b) > 2.785 for n, b in found.items()}

@@ -7,7 +7,7 @@ import numpy as np
 
 from leadscrew.kernel.block import actuator, controller, disturbance, plant, reference, sensor
 from leadscrew.kernel.noise import normal
-from leadscrew.kernel.sheet import Doc, Ge, Gt, Unit
+from leadscrew.kernel.parameters import Doc, Ge, Gt, Unit
 
 GRAVITY = 9.81
 

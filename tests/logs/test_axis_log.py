@@ -6,10 +6,10 @@ import hashlib
 import numpy as np
 import pytest
 
-from leadscrew.kernel.errors import DataError, NameUnknown, ValueRefused
 from leadscrew.logs import axis_log, look_at, read_axis_log, read_table
 from leadscrew.logs.roles import role_of, roles
 from leadscrew.logs.text import table_of
+from leadscrew.util.errors import DataError, NameUnknown, ValueRefused
 from tests.logs.records import arrays, moves
 
 TIME, DRIVE, POSITION, COMMAND = moves()

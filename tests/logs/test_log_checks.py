@@ -7,12 +7,11 @@ import pytest
 from typer.testing import CliRunner
 
 from leadscrew.cli import app
-from leadscrew.kernel.errors import DataError
 from leadscrew.logs import axis_log, look_at, read_axis_log
-from leadscrew.logs.jumps import jumps
 from leadscrew.logs.measure import motion
 from leadscrew.logs.plausible import check_drive
-from leadscrew.logs.signals import check_clipped, check_constant, check_numbers
+from leadscrew.logs.signals import check_clipped, check_constant, check_numbers, jumps
+from leadscrew.util.errors import DataError
 from tests.fuzzy.formats_systems import shared
 from tests.logs.records import arrays, moves
 

@@ -11,8 +11,8 @@ import pytest
 from scipy.io import savemat
 
 from leadscrew.export import hal_run
-from leadscrew.kernel.errors import DataError
 from leadscrew.logs import read_axis_log, read_table
+from leadscrew.util.errors import DataError
 from tests.logs.records import moves
 from tests.tools import missing
 
@@ -169,8 +169,8 @@ def run_folder(tmp_path_factory):
     folder = tmp_path_factory.mktemp("run")
     signals = {"time": TIME, "command.position": 1e3 * COMMAND, "feedback": 1e3 * POSITION, "output": DRIVE}
     pq.write_table(pa.table({**signals, "applied": DRIVE, "actual": 1e3 * POSITION}), folder / "signals.parquet")
-    blocks = {"plant": "ballscrew_stage", "controller": "pd_dob", "reference": "sine_motion", "sensor": "ruler"}
-    (folder / "run.json").write_text(json.dumps({"blocks": blocks, "period_s": 1e-3, "parameters": {}}))
+    units = {"plant": "mm", "controller": "N m", "sensor": "mm"}
+    (folder / "run.json").write_text(json.dumps({"units": units, "period_s": 1e-3, "parameters": {}}))
     return folder
 
 
@@ -195,12 +195,3 @@ def test_a_folder_whose_blocks_name_a_python_file_does_not_run_it(run_folder, tm
     (tmp_path / "a" / "run.json").write_text(json.dumps({"blocks": blocks, "parameters": {}}))
     assert "feedback" not in read_table(tmp_path / "a").units
     assert not (tmp_path / "ran").exists()
-
-
-def test_the_unit_of_a_machine_shown_in_metres_is_known(run_folder, tmp_path):
-    shutil.copytree(run_folder, tmp_path / "a")
-    said = {"blocks": {"plant": "servo_axis", "controller": "pd_dob"}, "parameters": {"plant.per_si": 1.0}}
-    (tmp_path / "a" / "run.json").write_text(json.dumps(said))
-    assert read_table(tmp_path / "a").units["feedback"] == "1 m"
-    (tmp_path / "a" / "run.json").write_text(json.dumps({**said, "parameters": {"plant.per_si": 1000.0}}))
-    assert read_table(tmp_path / "a").units["feedback"] == "mm"

@@ -8,9 +8,9 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from scipy.io import savemat
 
-from leadscrew.kernel.errors import LeadscrewError
 from leadscrew.logs import look_at, read_table
 from leadscrew.logs.text import table_of
+from leadscrew.util.errors import LeadscrewError
 
 
 @pytest.fixture(scope="module")

@@ -5,8 +5,8 @@ import re
 import numpy as np
 import pytest
 
-from leadscrew.kernel.errors import DataError
 from leadscrew.logs import axis_log
+from leadscrew.util.errors import DataError
 
 STICKS = 0.1
 """Seconds from slip to slip."""

@@ -9,10 +9,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from leadscrew import reading
-from leadscrew.kernel.errors import DataError
 from leadscrew.logs import read_axis_log, read_table
 from leadscrew.logs.text import table_of
+from leadscrew.util import reading
+from leadscrew.util.errors import DataError
 
 BODY = [[0.0, -1.25, 3e-7], [0.001, 2.5, -4e-7], [0.002, 1e6, 5.0], [0.003, 0.1, 7.0]]
 

@@ -8,15 +8,14 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
-from leadscrew import catalogue
+from leadscrew import resolve
 from leadscrew.cli import app
 from leadscrew.identify.axis.result import AxisFit, Judged, Parameter
-from leadscrew.kernel.errors import DataError, ValueRefused
 from leadscrew.machine import MachineFile, from_axis, from_linear, read, write
 from leadscrew.machine.axis_study import controllers_of, loop_of, plant_of
 from leadscrew.machine.gains import cascade
-from leadscrew.machine.log import of_log
-from leadscrew.machine.scenarios import scenarios
+from leadscrew.machine.scenarios import of_log, scenarios
+from leadscrew.util.errors import DataError, ValueRefused
 
 SIDE = {"coulomb": 20.4, "static": 20.4, "viscous": 203.5, "stribeck_speed": 1e-3}
 EMPS = MachineFile(
@@ -66,7 +65,7 @@ def test_a_file_that_is_wrong_is_refused_with_its_key(file, old, new, complaint)
     assert old in text
     file.write_text(text.replace(old, new, 1))
     with pytest.raises((DataError, ValueRefused), match=complaint) as refused:
-        catalogue.study(str(file))
+        resolve.study(str(file))
     assert file.name in str(refused.value)
 
 
@@ -155,7 +154,7 @@ def test_a_fit_becomes_a_machine_in_mm_with_its_delay_and_the_controller_of_the_
     assert machine.parameters["friction.backward.static"] == 21.4
     assert machine.identified["hold_out"]["rms_mm"] == pytest.approx(2.5)
     write(tmp_path / "table.toml", machine)
-    found = catalogue.study(str(tmp_path / "table.toml"))
+    found = resolve.study(str(tmp_path / "table.toml"))
     loop = found.loop("ours.cascade", "move")
     assert loop.sent == 11 and loop.step == pytest.approx(1e-4)
     assert loop.run(1.0).metrics.max_error < 1.0
@@ -169,7 +168,7 @@ def test_a_fit_with_bristles_moves_too(tmp_path):
     parameters = base.parameters | {k: told._replace(value=v, low=v, high=v) for k, v in more.items()}
     machine = from_axis(replace(base, model="lugre", parameters=parameters), "table")
     write(tmp_path / "table.toml", machine)
-    loop = catalogue.study(str(tmp_path / "table.toml")).loop("ours.cascade_model", "step")
+    loop = resolve.study(str(tmp_path / "table.toml")).loop("ours.cascade_model", "step")
     assert machine.model == "servo_axis_lugre" and loop.run(0.5).diverged is None
 
 
@@ -185,7 +184,7 @@ def test_a_linear_model_becomes_a_machine_that_a_pid_holds(tmp_path):
             "drive_unit": "V", "period": 5e-4, "resolution": 1e-4}  # fmt: skip
     limits = {"drive": 10.0, "speed": 200.0, "acceleration": 3000.0, "travel": [0.0, 100.0]}
     write(tmp_path / "xy.toml", from_linear(told, "xy", limits, "log.csv"))
-    study = catalogue.study(str(tmp_path / "xy.toml"))
+    study = resolve.study(str(tmp_path / "xy.toml"))
     run = study.loop("ours.pid", "step").run(0.5)
     assert run.diverged is None and run.metrics.overshoot < 60.0
     assert abs(run["true_error"][-1]) < 0.02 * 0.1
@@ -226,7 +225,7 @@ def with_log(tmp_path):
 
 @pytest.mark.slow
 def test_the_command_of_the_log_is_asked_for_again(with_log):
-    study = catalogue.study(str(with_log))
+    study = resolve.study(str(with_log))
     assert study.scenarios["log"].duration_s == 2.0
     run = study.loop("ours.cascade_model", "log").run(2.0)
     assert run["command.position"][250] == pytest.approx(2.0, abs=1e-6)
@@ -235,7 +234,7 @@ def test_the_command_of_the_log_is_asked_for_again(with_log):
 
 
 def test_a_log_that_has_gone_or_changed_is_not_taken_for_the_old_one(with_log):
-    study = catalogue.study(str(with_log))
+    study = resolve.study(str(with_log))
     log = with_log.parent / "log.csv"
     log.write_text(log.read_text() + "2,0,0,0\n")
     with pytest.raises(DataError, match="is not the log that emps was identified from"):

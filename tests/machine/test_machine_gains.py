@@ -5,9 +5,9 @@ import numpy as np
 import pytest
 from scipy.linalg import expm
 
-from leadscrew.kernel.errors import DataError
 from leadscrew.machine.file import MachineFile
 from leadscrew.machine.gains import pid
+from leadscrew.util.errors import DataError
 
 W1, W2 = 2.0 * np.pi * 40.0, 2.0 * np.pi * 30.0
 TWO_MASSES = np.polymul([1.0, 20.0, 0.0], [1.0 / W1**2, 0.04 / W1, 1.0])

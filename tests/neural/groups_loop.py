@@ -4,11 +4,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from leadscrew.controllers.sofnn.all_weights import sofnn_all_weights
-from leadscrew.disturbances.cut_load import cut_load
+from leadscrew.controllers._sofnn.all_weights import sofnn_all_weights
+from leadscrew.disturbances._cut_load import cut_load
 from leadscrew.kernel.loop import Loop
-from leadscrew.neural.performance import NETWORK
-from leadscrew.references.cut_line import cut_line
+from leadscrew.references._cut_line import cut_line
 from tests.controllers.sofnn_loop import T, knife_loop
 
 ALL = {"q_centre": 0.01, "q_certainty": 0.01}
@@ -20,7 +19,7 @@ def all_groups():
     """Round and round a lap of 100 mm: with the tables of a long one the loop would be too large for HAL's memory."""
     bend = 2.0 * np.pi / 100.0
     lap = {"heading": 60.0 * np.sin(TURNS), "curvature": np.radians(60.0 * bend * np.cos(TURNS)), "samples": 200}
-    controller = sofnn_all_weights(source=NETWORK, passes=2, **ALL)
+    controller = sofnn_all_weights(source="network", passes=2, **ALL)
     loop = knife_loop(controller)
     return Loop(
         reference=replace(cut_line, params=cut_line.params._replace(**lap, again=True)),

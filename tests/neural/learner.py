@@ -6,11 +6,11 @@ from typing import NamedTuple
 import numpy as np
 
 from leadscrew import Loop
-from leadscrew.fuzzy.partition import Axis
+from leadscrew.fuzzy.inference import Axis
 from leadscrew.kernel.block import controller, plant
 from leadscrew.neural.inference_net import AXIS, W0, fired, network_output
 from leadscrew.neural.kalman import kalman_learn
-from leadscrew.references.step import step
+from leadscrew.references._step import step
 
 
 class LearnerParams(NamedTuple):

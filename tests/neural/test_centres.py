@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
-from leadscrew.fuzzy.partition import Axis
-from leadscrew.kernel.errors import ValueRefused
+from leadscrew.fuzzy.inference import Axis
 from leadscrew.neural.centres import best_centres, centre_slope, put_in_order, train_centres
 from leadscrew.neural.inference_net import CENTRES, CHINESE_RULES, fired, initial_rules, network_output, regressors
 from leadscrew.neural.samples import reasoning_samples, train_rules
+from leadscrew.util.errors import ValueRefused
 
 
 def test_slopes_are_those_of_the_output():

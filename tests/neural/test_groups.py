@@ -5,13 +5,13 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 
-from leadscrew.controllers.sofnn.all_weights import AllWeightsState, sofnn_all_weights
-from leadscrew.controllers.sofnn.network import sofnn
+from leadscrew.controllers._sofnn.all_weights import AllWeightsState, sofnn_all_weights
+from leadscrew.controllers._sofnn.network import sofnn
 from leadscrew.export.folder import compiler_path
 from leadscrew.neural.groups import SIZE, full_covariance, learn_all, said_by, triangle_of
 from leadscrew.neural.inference_net import AXIS, CENTRES, W0, fired, network_output
-from leadscrew.references.cut_line import TangentCommand
-from leadscrew.sensors.cut_camera import SeenCut
+from leadscrew.references._cut_line import TangentCommand
+from leadscrew.sensors._cut_camera import SeenCut
 from tests.controllers.sofnn_loop import knife_loop, rms, state_of
 from tests.neural.groups_loop import ALL, all_groups
 from tests.tools import missing

@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 from scipy.interpolate import RegularGridInterpolator
 
-from leadscrew.kernel.errors import DataError, ValueRefused
 from leadscrew.neural.inference_net import (
     AXIS,
     CENTRES,
@@ -17,6 +16,7 @@ from leadscrew.neural.inference_net import (
     regressors,
 )
 from leadscrew.neural.samples import LEVELS, Samples, copied_rmse, reasoning_samples, train_rules, trained_start
+from leadscrew.util.errors import DataError, ValueRefused
 
 BOTH = pytest.mark.parametrize("rules", [initial_rules(), CHINESE_RULES], ids=["initial", "chinese"])
 

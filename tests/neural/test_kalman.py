@@ -5,11 +5,11 @@ import math
 import numpy as np
 import pytest
 
-from leadscrew.kernel.errors import NameUnknown
 from leadscrew.neural.inference_net import AXIS, W0, Fired, fired
 from leadscrew.neural.kalman import kalman_learn
 from leadscrew.neural.kalman_dense import kalman_learn_dense, regressor, updated
 from leadscrew.studies.sofnn_tangent.covariance import covariance_forms, judged, kept
+from leadscrew.util.errors import NameUnknown
 from tests.neural.learner import learned, learner_loop, state
 
 MILD = {"q": 0.05, "cap": 4.0, "r": 0.01}

@@ -8,7 +8,6 @@ import pytest
 from scipy.interpolate import RegularGridInterpolator
 
 from leadscrew import Loop, controller, plant
-from leadscrew.kernel.errors import DataError
 from leadscrew.neural.performance import (
     BILINEAR,
     GOLDEN,
@@ -23,9 +22,13 @@ from leadscrew.neural.performance import (
     looked_up,
     looked_up_rounded,
     measured,
+    net_text,
+    read_net,
+    read_table,
+    write_net,
 )
-from leadscrew.neural.performance_file import net_text, read_net, read_table, write_net
-from leadscrew.references.step import step
+from leadscrew.references._step import step
+from leadscrew.util.errors import DataError
 from tests.fuzzy.formats_systems import shared
 from tests.tools import runnable
 

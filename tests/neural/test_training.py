@@ -8,16 +8,27 @@ import pytest
 from scipy.optimize import approx_fprime
 from typer.testing import CliRunner
 
-from leadscrew.kernel.errors import EngineError, NameUnknown, ValueRefused
-from leadscrew.neural.genetic import Found, Genetic, evolve
-from leadscrew.neural.performance import GOLDEN, TABLE, Performance, measured
-from leadscrew.neural.performance_file import read_net
-from leadscrew.neural.performance_loss import CELLS, Loss, polish, rmse_of
-from leadscrew.neural.performance_shape import READINGS, Shape, reading, shape_of, surface
+from leadscrew.neural.genetic import Found, Genetic, cma_search, evolve, pymoo_search
+from leadscrew.neural.performance import (
+    CELLS,
+    GOLDEN,
+    READINGS,
+    TABLE,
+    Loss,
+    Performance,
+    Shape,
+    measured,
+    polish,
+    read_net,
+    reading,
+    rmse_of,
+    shape_of,
+    surface,
+)
 from leadscrew.neural.safety import Safety, crossing, safety, table_faults
-from leadscrew.neural.searches import cma_search, pymoo_search
 from leadscrew.neural.training import METHODS, train
 from leadscrew.studies.sofnn_tangent.trainings import nets
+from leadscrew.util.errors import EngineError, NameUnknown, ValueRefused
 
 COUNTS = {"18": 18, "18_linear": 18, "19": 19, "24": 24, "25": 25, "16_four_hidden": 16, "16_five_hidden": 16}
 
@@ -227,8 +238,8 @@ def test_shapes_that_are_none_are_refused(options, said):
 def command():
     import typer
 
-    from leadscrew.cli.door import Door
-    from leadscrew.cli.tangent_train import train as typed
+    from leadscrew.cli.exit_codes import Door
+    from leadscrew.cli.tangent import train as typed
 
     app = typer.Typer(cls=Door)
     app.command("train")(typed)

@@ -7,12 +7,12 @@ from typing import Annotated, NamedTuple
 
 import numpy as np
 
-from leadscrew.controllers.pid import pid
+from leadscrew.controllers._pid import pid
 from leadscrew.kernel.block import Block, controller, plant
 from leadscrew.kernel.loop import Loop
-from leadscrew.kernel.sheet import Doc, Ge, Gt, Le, Unit
-from leadscrew.references.sine import sine
-from leadscrew.studies.study import Scenario, Study
+from leadscrew.kernel.parameters import Doc, Ge, Gt, Le, Unit
+from leadscrew.references._sine import sine
+from leadscrew.study_data import Scenario, Study
 
 
 class GainParams(NamedTuple):

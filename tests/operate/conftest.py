@@ -2,8 +2,7 @@
 
 import pytest
 
-from leadscrew.operate.operated import Operated
-from leadscrew.operate.session import Start
+from leadscrew.operate.operated import Operated, Start
 from tests.operate.bench_study import NAME
 
 

@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from leadscrew.controllers.wrapping import copied, prepared
+from leadscrew.controllers._wrapping import copied, prepared
 from leadscrew.kernel.block import Block
 from leadscrew.operate.explain.parts import follow
 from leadscrew.operate.explain.shown import Now

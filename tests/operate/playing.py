@@ -7,7 +7,7 @@ import numpy as np
 
 from leadscrew.experiment import Experiment
 from leadscrew.kernel.live import Live
-from leadscrew.operate.profile import profile_of
+from leadscrew.operate.profiles import profile_of
 
 STUDIES = ("vud_lathe", "grey_turning", "fsmc_ballscrew", "sofnn_tangent", "npid_xytable")
 

@@ -10,10 +10,10 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as arrays
 from typer.testing import CliRunner
 
-from leadscrew.kernel.errors import DataError, NameUnknown, ValueRefused
 from leadscrew.logs import read_table
-from leadscrew.operate import capture_formats, captures
+from leadscrew.operate import capture_files, captures
 from leadscrew.operate.captures import FORMATS, Capture
+from leadscrew.util.errors import DataError, NameUnknown, ValueRefused
 
 MANY = ["parquet", "csv", pytest.param("mat", marks=pytest.mark.slow)]
 SHARED = settings(deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
@@ -45,7 +45,7 @@ def test_a_capture_comes_back_as_it_was(form, tmp_path):
 def test_every_double_comes_back_bit_for_bit(form, rows, tmp_path):
     rows = np.where(np.isnan(rows), np.nan, rows)  # One kind of NaN: text has no other.
     taken = capture(rows, ("time", "a", "b"), units={})
-    back = capture_formats.read(captures.save(taken, tmp_path, "x", form, replace=True))
+    back = capture_files.read_own(captures.save(taken, tmp_path, "x", form, replace=True))
     assert back.rows.tobytes() == rows.tobytes()
 
 
@@ -67,7 +67,7 @@ def test_any_names_units_and_words_come_back(form, names, unit, said, tmp_path):
     taken = capture(
         rows, tuple(names), units={names[0]: unit}, name=said, about={"a": said, said: [1, None, {"b": 2.5}]}
     )
-    back = capture_formats.read(captures.save(taken, tmp_path, "x", form, replace=True))
+    back = capture_files.read_own(captures.save(taken, tmp_path, "x", form, replace=True))
     assert {**back.__dict__, "rows": 0} == {**taken.__dict__, "rows": 0} and back.rows.tobytes() == rows.tobytes()
 
 
@@ -123,7 +123,7 @@ def test_a_capture_without_times_gets_them_in_the_file_only(tmp_path):
     for form in FORMATS:
         path = captures.save(taken, tmp_path, "x", form)
         assert next(iter(read_table(path).columns.values())).tolist() == [25.0, 25.25, 25.5, 25.75]
-        assert capture_formats.read(path).columns == ("a", "b")
+        assert capture_files.read_own(path).columns == ("a", "b")
 
 
 @pytest.mark.parametrize(

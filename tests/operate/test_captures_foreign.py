@@ -7,9 +7,9 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from leadscrew.kernel.errors import DataError, LeadscrewError, ValueRefused
-from leadscrew.operate import capture_apart, captures
+from leadscrew.operate import capture_files, captures
 from leadscrew.operate.captures import FORMATS, Capture
+from leadscrew.util.errors import DataError, LeadscrewError, ValueRefused
 
 BYTES = settings(deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
 HALSCOPE = "# Sampling period is 1000000 ns\n" + "joint.0.pos-cmd;pid.output\n" + "1.0;0.5\n" * 3 + "2.5;-0.5\n" * 7
@@ -182,9 +182,9 @@ def test_a_matlab_file_that_crashes_its_reader_is_refused_and_the_process_goes_o
 def test_a_large_log_is_read_in_a_process_of_its_own_to_the_same_bits(tmp_path, monkeypatch):
     rows = "".join(f"{k / 1000:.3f},{float(np.sin(k))!r}\n" for k in range(12_000))
     path = text(tmp_path, f"time (s),x [mm]\n{rows}")
-    assert path.stat().st_size > capture_apart.SMALL
+    assert path.stat().st_size > capture_files.SMALL
     apart = captures.load(path)
-    monkeypatch.setattr(capture_apart, "SMALL", 1e9)
+    monkeypatch.setattr(capture_files, "SMALL", 1e9)
     here = captures.load(path)
     assert apart.rows.tobytes() == here.rows.tobytes() and apart.rows.shape == (12_000, 2)
     assert {**apart.__dict__, "rows": 0} == {**here.__dict__, "rows": 0}

@@ -4,8 +4,7 @@ import hashlib
 
 import pytest
 
-from leadscrew.operate.operated import Operated
-from leadscrew.operate.session import Start
+from leadscrew.operate.operated import Operated, Start
 from tests.operate.bench_study import NAME
 
 

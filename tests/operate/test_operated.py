@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from leadscrew.experiment import Experiment
-from leadscrew.kernel.errors import NameUnknown, ValueRefused
+from leadscrew.util.errors import NameUnknown, ValueRefused
 from tests.operate.bench_study import NAME
 
 

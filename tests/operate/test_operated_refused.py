@@ -2,9 +2,8 @@
 
 import pytest
 
-from leadscrew.kernel.errors import NameUnknown, ValueRefused
-from leadscrew.operate.operated import Operated
-from leadscrew.operate.session import Start
+from leadscrew.operate.operated import Operated, Start
+from leadscrew.util.errors import NameUnknown, ValueRefused
 from tests.operate.bench_study import NAME
 
 

@@ -5,13 +5,14 @@ import sys
 
 import pytest
 
-from leadscrew import catalogue
+from leadscrew import resolve
 from leadscrew.experiment import Experiment
-from leadscrew.kernel.errors import NameUnknown, ValueRefused
-from leadscrew.operate.profile import fitted, profile_of
+from leadscrew.figures.signals import signal_unit
+from leadscrew.operate.profile import fitted
+from leadscrew.operate.profiles import profile_of
 from leadscrew.operate.profiles.sofnn_tangent import MATERIALS
-from leadscrew.plants import flexible_cut
-from leadscrew.report.tables import signal_unit
+from leadscrew.plants import _flexible_cut as flexible_cut
+from leadscrew.util.errors import NameUnknown, ValueRefused
 from tests.operate.playing import STUDIES, loop_of
 
 LENGTHS = {"mm": 1.0, "um": 1e-3, "nm": 1e-6}
@@ -31,7 +32,7 @@ def machine(request):
 def own_unit(loop, column):
     """The unit of a column as its NamedTuple, else the blocks of the loop, say it."""
     from leadscrew.kernel.layout import is_branch
-    from leadscrew.kernel.sheet import entries
+    from leadscrew.kernel.parameters import entries
 
     root, _, rest = column.partition(".")
     example = loop.signals.get({"disturbance": "load", "true_error": "actual", "error": "feedback"}.get(root, root))
@@ -143,7 +144,7 @@ def test_a_ball_bar_is_offered_only_where_two_axes_can_make_a_circle():
 
 def test_a_machine_starts_with_a_controller_and_a_scenario_of_its_study(machine):
     profile, _, _ = machine
-    study = catalogue.study(profile.study)
+    study = resolve.study(profile.study)
     assert profile.controller in study.controllers
     assert profile.scenario in study.scenarios
     assert 0.0 < profile.window_s <= 20.0
@@ -224,7 +225,7 @@ def test_a_controller_that_reads_the_programme_is_told_of_a_programmed_depth_onl
 
 def test_a_profile_is_read_without_plotting_or_web():
     code = (
-        "import sys; from leadscrew.operate.profile import profile_of; "
+        "import sys; from leadscrew.operate.profiles import profile_of; "
         f"[profile_of(n) for n in {STUDIES!r}]; "
         "sys.exit(any(m in sys.modules for m in ('matplotlib', 'scipy', 'starlette', 'pyarrow')))"
     )

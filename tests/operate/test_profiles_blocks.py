@@ -7,16 +7,16 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from leadscrew.actuators.stiction import StictionParams, stiction
-from leadscrew.disturbances.five_sines import FiveSinesParams, Line, five_sines
-from leadscrew.disturbances.five_sines_pulse import FiveSinesPulseParams, five_sines_pulse
-from leadscrew.disturbances.pulse_load import PulseLoadParams
+from leadscrew.actuators._stiction import StictionParams, stiction
+from leadscrew.disturbances._five_sines import FiveSinesParams, Line, five_sines
+from leadscrew.disturbances._five_sines_pulse import FiveSinesPulseParams, five_sines_pulse
+from leadscrew.disturbances._pulse_load import PulseLoadParams
 from leadscrew.kernel.noise import Noise, normal
-from leadscrew.plants.lathe_servo import LathePosition
-from leadscrew.sensors import noisy_count
-from leadscrew.sensors.encoder_count import EncoderCountParams, encoder_count
-from leadscrew.sensors.grating_count import GratingCountParams, grating_count
-from leadscrew.sensors.noisy import NoisyParams, noisy
+from leadscrew.plants._lathe_servo import LathePosition
+from leadscrew.sensors import _noisy_count as noisy_count
+from leadscrew.sensors._encoder_count import EncoderCountParams, encoder_count
+from leadscrew.sensors._grating_count import GratingCountParams, grating_count
+from leadscrew.sensors._noisy import NoisyParams, noisy
 
 DT = 1e-3
 NOISE = Noise(7, 0, 2, 11)

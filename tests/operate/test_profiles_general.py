@@ -6,9 +6,8 @@ import numpy as np
 import pytest
 
 from leadscrew.machine import write
-from leadscrew.operate.operated import Operated
+from leadscrew.operate.operated import Operated, Start
 from leadscrew.operate.profiles import general
-from leadscrew.operate.session import Start
 from tests.machine.test_machine_file import EMPS
 
 TABLE = replace(EMPS, name="table", noise=0.0)

@@ -7,7 +7,8 @@ import pytest
 
 from leadscrew.experiment import Experiment
 from leadscrew.machine import write
-from leadscrew.operate.profile import fitted, profile_of
+from leadscrew.operate.profile import fitted
+from leadscrew.operate.profiles import profile_of
 from leadscrew.operate.profiles.sofnn_tangent import MATERIALS
 from tests.machine.test_machine_file import EMPS
 from tests.operate.playing import loop_of, play
@@ -129,7 +130,7 @@ def test_a_push_at_a_machine_file_s_axis_is_seen_in_its_load(own):
 
 
 def test_a_study_that_does_not_exist_is_refused_with_the_nearest():
-    from leadscrew.kernel.errors import NameUnknown
+    from leadscrew.util.errors import NameUnknown
 
     with pytest.raises(NameUnknown, match="vud_lathe"):
         profile_of("vud_late")

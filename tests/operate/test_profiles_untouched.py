@@ -3,8 +3,7 @@
 import pytest
 
 from leadscrew.experiment import Experiment
-from leadscrew.operate.profile import profile_of
-from leadscrew.operate.profiles import general
+from leadscrew.operate.profiles import general, profile_of
 from tests.operate.playing import STUDIES, roots
 
 CASES = [

@@ -8,9 +8,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from leadscrew.kernel.errors import NameUnknown, ValueRefused
-from leadscrew.operate.scope import RING_BYTES, Scope, Trigger
-from leadscrew.operate.scope_trigger import noise
+from leadscrew.operate.scope import RING_BYTES, Scope, Trigger, noise
+from leadscrew.util.errors import NameUnknown, ValueRefused
 
 PERIOD = 1e-3
 

@@ -3,7 +3,7 @@
 import ast
 
 from leadscrew.operate import script
-from leadscrew.operate.session import Session, Start
+from leadscrew.operate.operated import Session, Start
 
 
 def test_no_name_or_value_breaks_out_of_the_script_of_its_session():

@@ -8,11 +8,11 @@ from datetime import UTC, datetime
 import numpy as np
 import pytest
 
-from leadscrew.kernel.errors import DataError, NameUnknown, ValueRefused
-from leadscrew.operate import running, script, session_file, session_report
-from leadscrew.operate.operated import Operated
+from leadscrew.operate import script, session_file
+from leadscrew.operate.operated import Operated, Start
 from leadscrew.operate.recorder import Recorder
-from leadscrew.operate.session import Start
+from leadscrew.report import session as session_report
+from leadscrew.util.errors import DataError, NameUnknown, ValueRefused
 from tests.operate.bench_study import NAME
 
 
@@ -194,7 +194,7 @@ def test_numbers_of_changes_that_come_close_together_do_not_lie_over_each_other(
 
 
 def test_marks_say_where_a_run_parts_in_which_nothing_was_done(played, monkeypatch, tmp_path):
-    monkeypatch.setattr(running, "MARKED", 64)
+    monkeypatch.setattr("leadscrew.operate.operated.MARKED", 64)
     operated = played[0].restarted()
     operated.advance(150)
     operated.set({"plant.gain": 20.1})
@@ -208,8 +208,8 @@ def test_marks_say_where_a_run_parts_in_which_nothing_was_done(played, monkeypat
 
 
 def test_marks_are_few_however_long_the_run_and_the_same_in_all_pieces(played, monkeypatch):
-    monkeypatch.setattr(running, "MARKED", 2)
-    monkeypatch.setattr(running, "MARKS", 5)
+    monkeypatch.setattr("leadscrew.operate.operated.MARKED", 2)
+    monkeypatch.setattr("leadscrew.operate.operated.MARKS", 5)
     whole, cut = played[0].restarted(), played[0].restarted()
     whole.advance(210)
     for _ in range(30):

@@ -6,10 +6,10 @@ import sys
 import numpy as np
 import pytest
 
-from leadscrew.kernel.errors import ValueRefused
-from leadscrew.operate import script, session_file, session_report
-from leadscrew.operate.operated import Operated
-from leadscrew.operate.session import Start
+from leadscrew.operate import script, session_file
+from leadscrew.operate.operated import Operated, Start
+from leadscrew.report import session as session_report
+from leadscrew.util.errors import ValueRefused
 
 MACHINES = {
     "vud_lathe": ("corrected.vud_beta_e", "sequence", "ours.pd"),

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from leadscrew.operate.stretches import Envelope, Stretch
+from leadscrew.report.session import Envelope, Stretch
 
 
 def test_the_error_of_a_stretch_is_that_of_all_its_rows_whatever_its_sign():

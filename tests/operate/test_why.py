@@ -6,23 +6,23 @@ import re
 import numpy as np
 import pytest
 
-from leadscrew import catalogue
-from leadscrew.controllers.force.gain_normalised import gain_normalised
-from leadscrew.controllers.grey_fuzzy import gpfc, smith, tfc
-from leadscrew.controllers.guard.feed_override import feed_override
-from leadscrew.controllers.guard.force_guard import force_guard
-from leadscrew.controllers.input_dob import input_dob
-from leadscrew.controllers.sofnn import TUNINGS as SOFNN
-from leadscrew.controllers.sofnn.all_weights import sofnn_all_weights
-from leadscrew.controllers.tangent.curvature_network import TUNINGS as CURVATURE
-from leadscrew.controllers.vud.family import vud_family
-from leadscrew.controllers.vud.scaled import vud_scaled
-from leadscrew.kernel.sheet import entries
+from leadscrew import resolve
+from leadscrew.controllers._force.gain_normalised import gain_normalised
+from leadscrew.controllers._grey_fuzzy import gpfc, smith, tfc
+from leadscrew.controllers._guard.feed_override import feed_override
+from leadscrew.controllers._guard.force_guard import force_guard
+from leadscrew.controllers._input_dob import input_dob
+from leadscrew.controllers._sofnn.all_weights import sofnn_all_weights
+from leadscrew.controllers._tangent.curvature_network import TUNINGS as CURVATURE
+from leadscrew.controllers._vud.family import vud_family
+from leadscrew.controllers._vud.scaled import vud_scaled
+from leadscrew.kernel.parameters import entries
 from leadscrew.operate.why import explained, explainer
-from leadscrew.references.cut_line import TangentCommand
-from leadscrew.references.cutting_program import CutCommand
-from leadscrew.sensors.cut_camera import SeenCut
-from leadscrew.sensors.load_cell import CutReading
+from leadscrew.references._cut_line import TangentCommand
+from leadscrew.references._cutting_program import CutCommand
+from leadscrew.sensors._cut_camera import SeenCut
+from leadscrew.sensors._load_cell import CutReading
+from leadscrew.studies.sofnn_tangent.tunings import TUNINGS as SOFNN
 from tests.operate.plain import check_shares, periods, said, value_of
 
 STUDIES = ("vud_lathe", "grey_turning", "fsmc_ballscrew", "sofnn_tangent", "npid_xytable")
@@ -55,7 +55,7 @@ def seen_cut(k: int) -> tuple[TangentCommand, SeenCut]:
 
 
 def vud_blocks() -> dict:
-    found = catalogue.study("vud_lathe").controllers
+    found = resolve.study("vud_lathe").controllers
     return {n: b for n, b in found.items() if "rules" in getattr(b.params, "_fields", ())}
 
 
@@ -213,7 +213,7 @@ def test_the_rules_of_the_curvature_and_the_rest_give_the_offset(name: str) -> N
 
 @pytest.mark.parametrize("study", STUDIES)
 def test_no_fuzzy_and_no_sliding_controller_is_left_without_its_why(study: str) -> None:
-    for name, block in catalogue.study(study).controllers.items():
+    for name, block in resolve.study(study).controllers.items():
         tables = {e.key.rsplit(".", 1)[-1]: np.size(e.default) for e in entries(block.params)}
         fuzzy = "rules" in tables or "terms" in tables or tables.get("prior", 0) >= 49
         sliding = re.search(r"smc|twisting", name) is not None
@@ -224,7 +224,7 @@ def test_no_fuzzy_and_no_sliding_controller_is_left_without_its_why(study: str) 
 
 
 def test_a_controller_without_a_view_says_why() -> None:
-    study = catalogue.study("npid_xytable")
+    study = resolve.study("npid_xytable")
     found = explainer(study.loop("paper.pid", "quiet"), "paper.pid")
     assert found.views == ()
     assert found.reason.startswith("paper.pid is neither a fuzzy nor a sliding-mode controller")

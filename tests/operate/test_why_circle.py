@@ -6,16 +6,15 @@ import math
 import numpy as np
 import pytest
 
-from leadscrew import Loop, catalogue
-from leadscrew.analysis.circular import command
-from leadscrew.analysis.circular.drawn import Circle as Asked
-from leadscrew.analysis.circular.drawn import draw
-from leadscrew.analysis.circular.machine import Machine, with_reference
+from leadscrew import Loop, resolve
+from leadscrew.analysis.circular import simulation
 from leadscrew.analysis.circular.paths import CCW, CircularTest, Turn
 from leadscrew.analysis.circular.quantities import quantities
-from leadscrew.kernel.errors import ValueRefused
+from leadscrew.analysis.circular.simulation import Circle as Asked
+from leadscrew.analysis.circular.simulation import Machine, draw, with_reference
 from leadscrew.operate.why import Circle
-from leadscrew.references.sine import sine_motion
+from leadscrew.references._sine import sine_motion
+from leadscrew.util.errors import ValueRefused
 
 COLUMNS = ["time", "command.position", "actual", "feedback", "y.actual", "y.feedback"]
 RADIUS, FREQUENCY = 0.5, 0.5
@@ -23,7 +22,7 @@ RADIUS, FREQUENCY = 0.5, 0.5
 
 def loops(radius: float = RADIUS, ahead: float = 0.5 * math.pi, frequency: float = FREQUENCY) -> list[Loop]:
     """Two axes of the ball-screw stage under sines, as a circle is operated; none of them is run."""
-    study = catalogue.study("fsmc_ballscrew")
+    study = resolve.study("fsmc_ballscrew")
     own = study.loop("ours.smc_4khz", "sine_slow")
     return [
         with_reference(own, sine_motion(amplitude=radius, frequency=frequency, phase=phase, offset=2.0))
@@ -149,15 +148,15 @@ def test_a_hundred_turns_are_kept_and_drawn_as_one_is() -> None:
 @pytest.mark.slow
 def test_a_turn_that_a_machine_draws_has_the_figures_of_the_ball_bar_test() -> None:
     """Against :func:`draw` of the same stage, circle and feed, which runs and samples it by itself."""
-    study = catalogue.study("fsmc_ballscrew")
+    study = resolve.study("fsmc_ballscrew")
     own = study.loop("ours.smc_4khz", "sine_slow")
     values = {"radius": 2.0, "speed": 2.0, "start": 0.0, "turning": 1.0}
     first = own.signals["actual"]
     values |= {"centre_x": first - 2.0, "centre_y": first}
-    pair = [with_reference(own, made(**values)) for made in (command.circle_x_motion, command.circle_y_motion)]
+    pair = [with_reference(own, made(**values)) for made in (simulation.circle_x_motion, simulation.circle_y_motion)]
     columns = ["time", "actual", "y.actual"]
     circle = Circle(pair, columns)
-    lives = [loop.start(run=k) for k, loop in enumerate(pair)]
+    lives = [loop.start(replicate=k) for k, loop in enumerate(pair)]
     per_turn = round(math.pi / own.period)
     for _ in range(23):
         runs = [live.advance(per_turn // 10, record="actual") for live in lives]

@@ -8,12 +8,12 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 
-from leadscrew import Loop, catalogue, plant
-from leadscrew.controllers.grey_fuzzy import tfc
+from leadscrew import Loop, plant, resolve
+from leadscrew.controllers._grey_fuzzy import tfc
 from leadscrew.experiment import Experiment
 from leadscrew.fuzzy import block
 from leadscrew.operate.why import explainer
-from leadscrew.references.step import step
+from leadscrew.references._step import step
 from tests.fuzzy.systems import mamdani, sugeno
 from tests.operate.plain import check_shares, said
 
@@ -154,7 +154,7 @@ def test_every_controller_of_every_study_is_explained_where_it_runs() -> None:
     """One loop of each family in motion, by the Python engine: the views have what their names promise."""
     seen = set()
     for study in ("vud_lathe", "grey_turning", "fsmc_ballscrew", "sofnn_tangent"):
-        made = catalogue.study(study)
+        made = resolve.study(study)
         for name, controller in made.controllers.items():
             family = controller.step.__qualname__, controller.step.__module__
             why = explainer(loop := made.loop(name, next(iter(made.scenarios))), name)

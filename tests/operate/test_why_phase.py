@@ -5,20 +5,20 @@ import math
 import numpy as np
 import pytest
 
-from leadscrew.controllers.friction_feed_forward import friction_feed_forward
-from leadscrew.controllers.look_ahead import look_ahead
-from leadscrew.controllers.sliding.complementary import csmc
-from leadscrew.controllers.sliding.continuous import Seen, csmc_ideal, fsmc_ideal, smc_ideal, smc_integral_ideal
-from leadscrew.controllers.sliding.conventional import smc
-from leadscrew.controllers.sliding.fuzzy import TUNINGS, fsmc
-from leadscrew.controllers.sliding.integral import smc_integral
-from leadscrew.controllers.sliding.super_twisting import super_twisting
-from leadscrew.controllers.wrapping import prepared
+from leadscrew.controllers._friction_feed_forward import friction_feed_forward
+from leadscrew.controllers._look_ahead import look_ahead
+from leadscrew.controllers._sliding.complementary import csmc
+from leadscrew.controllers._sliding.continuous import Seen, csmc_ideal, fsmc_ideal, smc_ideal, smc_integral_ideal
+from leadscrew.controllers._sliding.conventional import smc
+from leadscrew.controllers._sliding.fuzzy import TUNINGS, fsmc
+from leadscrew.controllers._sliding.integral import smc_integral
+from leadscrew.controllers._sliding.super_twisting import super_twisting
+from leadscrew.controllers._wrapping import prepared
 from leadscrew.friction.lugre import steady_friction
 from leadscrew.operate.explain.shown import Now
 from leadscrew.operate.explain.sliding import trail
 from leadscrew.operate.why import explained
-from leadscrew.references.motion import Motion
+from leadscrew.references._motion import Motion
 from tests.operate.plain import check_shares, periods, row_of
 
 RNG = np.random.default_rng(4)

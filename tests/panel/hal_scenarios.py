@@ -13,9 +13,9 @@ from pathlib import Path
 
 import numpy as np
 
-from leadscrew.kernel.errors import LeadscrewError
 from leadscrew.panel import hal
 from leadscrew.panel.hal.attach import Attachment
+from leadscrew.util.errors import LeadscrewError
 
 FILE = Path("machine_hal.toml")
 KINDS = ("pin", "sig", "param", "comp", "funct", "thread", "alias")

@@ -1,4 +1,4 @@
-"""The web application at its door, before a machine stands behind it."""
+"""The web application at its guard, before a machine stands behind it."""
 
 import json
 
@@ -8,7 +8,7 @@ from starlette.websockets import WebSocketDisconnect
 
 from leadscrew.panel.app import application
 from leadscrew.panel.audit import Audit
-from leadscrew.panel.gate import Gate
+from leadscrew.panel.http_guard import Gate
 from leadscrew.panel.hub import Hub
 from leadscrew.panel.link import NoAnswer
 

@@ -11,8 +11,8 @@ from queue import Queue
 import pytest
 
 from leadscrew.cli.panel import _open
-from leadscrew.kernel.errors import DataError, ValueRefused
 from leadscrew.panel.serve import Options, address, bound, token_for
+from leadscrew.util.errors import DataError, ValueRefused
 
 LEADSCREW = [sys.executable, "-m", "leadscrew", "panel", "--no-open"]
 

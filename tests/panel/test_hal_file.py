@@ -7,9 +7,9 @@ from pathlib import Path
 
 import pytest
 
-from leadscrew.kernel.errors import DataError
-from leadscrew.panel.hal import door, plan, show, view
+from leadscrew.panel.hal import machine, plan, show, write_policy
 from leadscrew.panel.hal.file import parsed, read
+from leadscrew.util.errors import DataError
 
 PAGE = (Path(__file__).resolve().parents[2] / "docs" / "panel_hal.md").read_text(encoding="utf-8")
 FILE = re.search(r"```toml\n(.*?)```", PAGE, re.S)[1]
@@ -59,7 +59,7 @@ def test_the_file_of_the_page_fits_and_makes_the_plots_that_it_names():
     assert asked["kinds"] == "ffffb" and asked["loaded"] and asked["load"][0] == "depth=4000"
     assert asked["nets"][0] == [False, "x-pos-cmd", "sampler.0.pin.0"]
     assert asked["nets"][2] == [True, "leadscrew.2", "pid.x.error", "sampler.0.pin.2"]
-    told = view.describe(file, {"pid.Pgain": 20.0, "pid.FF1": 0.0}, {"pid.Pgain": 25.0, "pid.FF1": 0.0})
+    told = machine.describe(file, {"pid.Pgain": 20.0, "pid.FF1": 0.0}, {"pid.Pgain": 25.0, "pid.FF1": 0.0})
     gain = told["parameters"][0]
     assert (gain["group"], gain["label"], gain["low"], gain["high"], gain["value"]) == (
         "pid",
@@ -74,7 +74,7 @@ def test_the_file_of_the_page_fits_and_makes_the_plots_that_it_names():
 
 def test_without_plots_there_is_one_for_each_kind_and_unit():
     text = FILE[: FILE.index("[[plots]]")]
-    titles = [p["title"] for p in view.plots(parsed(text, "f.toml"))]
+    titles = [p["title"] for p in machine.plots(parsed(text, "f.toml"))]
     assert titles == ["Command and feedback", "Error", "Output", "Other"]
 
 
@@ -131,20 +131,20 @@ def test_a_file_that_is_not_there_is_told(tmp_path):
     ],
 )
 def test_what_enables_stops_moves_or_guards_is_refused(name, words):
-    assert words in door.refused(name, "float", HAL)
+    assert words in write_policy.refused(name, "float", HAL)
 
 
 def test_whole_numbers_of_a_watchdog_and_of_the_thread_are_refused():
-    assert "watchdog" in door.refused("hm2_7i92.0.watchdog.timeout_ns", "int", HAL)
-    assert "'tmax'" in door.refused("pid.x.do-pid-calcs.tmax", "int", HAL)
-    assert "servo-thread" in door.refused("servo-thread.time", "float", HAL) or door.refused(
+    assert "watchdog" in write_policy.refused("hm2_7i92.0.watchdog.timeout_ns", "int", HAL)
+    assert "'tmax'" in write_policy.refused("pid.x.do-pid-calcs.tmax", "int", HAL)
+    assert "servo-thread" in write_policy.refused("servo-thread.time", "float", HAL) or write_policy.refused(
         "servo-thread.time", "int", HAL
     )
 
 
 @pytest.mark.parametrize("name", ["pid.x.Pgain", "pid.x.FF1", "pid.x.bias", "hm2_7i92.0.pwmgen.00.scale"])
 def test_gains_may_be_written(name):
-    assert door.refused(name, "float", HAL) == ""
+    assert write_policy.refused(name, "float", HAL) == ""
 
 
 @pytest.mark.parametrize(
@@ -154,7 +154,7 @@ def test_gains_may_be_written(name):
      "charge-pump.rate", "emc.x", "run.speed"],
 )  # fmt: skip
 def test_names_that_enable_or_stop_are_refused_in_any_spelling(name):
-    assert door.by_name(name)
+    assert write_policy.by_name(name)
 
 
 def test_a_sampler_that_is_read_by_somebody_is_not_taken():

@@ -7,8 +7,8 @@ import os
 
 import pytest
 
-from leadscrew.panel.hal import attached_pause
-from leadscrew.panel.hal.attached_parts import Fifo
+from leadscrew.panel.hal import attached
+from leadscrew.panel.hal.attached import Fifo
 
 
 class Stream:
@@ -69,11 +69,11 @@ def test_a_thread_is_touched_only_while_it_sleeps(tmp_path, monkeypatch):
         def get_value(self, name):
             return next(ticks)
 
-    monkeypatch.setattr(attached_pause, "sleepers", lambda: [os.open(stat, os.O_RDONLY)])
+    monkeypatch.setattr(attached, "sleepers", lambda: [os.open(stat, os.O_RDONLY)])
     monkeypatch.setattr(os, "pread", lambda *words: b"13 (rtapi_app:T#0) " + next(states) + b" 1 2")
-    assert attached_pause.in_pause(Ticking(), "servo", 1.0, lambda: 7) == 7
+    assert attached.in_pause(Ticking(), "servo", 1.0, lambda: 7) == 7
     assert next(states) == b"S" and len(list(states)) == 7
     monkeypatch.setattr(os, "pread", lambda *words: b"13 (rtapi_app:T#0) R 1 2")
-    monkeypatch.setattr(attached_pause, "PATIENCE_S", 0.05)
-    with pytest.raises(attached_pause.NoPause):
-        attached_pause.in_pause(Ticking(), "servo", 1.0, lambda: 7)
+    monkeypatch.setattr(attached, "PATIENCE_S", 0.05)
+    with pytest.raises(attached.NoPause):
+        attached.in_pause(Ticking(), "servo", 1.0, lambda: 7)

@@ -13,7 +13,8 @@ from leadscrew.panel.messages import ALL, READERS, WRITERS, Refused, parse
 GOOD = {
     "hello": {"name": "Ann", "secret": "s" * 16, "since": None},
     "speed": {"value": 0.5}, "machine": {"study": "vud_lathe"}, "switch": {"controller": "ours.pd"},
-    "set": {"changes": {"controller.kp": 1.5, "controller.on": True, "plant.table": [[1.0, 2], [3, 4]]}},
+    "set": {"changes": {"controller.kp": 1.5, "controller.on": True, "controller.law": "back-calculation",
+                        "plant.table": [[1.0, 2], [3, 4]]}},
     "compare": {"mode": "pinned"}, "disturb": {"name": "load_pulse", "fields": {"size": 3}},
     "arm": {"signal": "error", "level": 0.1, "slope": "rising", "mode": "single", "pre": 0.2, "length_s": 1},
     "capture_save": {"name": "a b-1_2.c", "format": "csv"}, "capture_load": {"name": "a.csv"},
@@ -74,7 +75,8 @@ def test_json_with_surprises_is_refused(text, why):
     [
         ("speed", {"value": "1"}), ("speed", {"value": True}), ("set", {"changes": {}}),
         ("set", {"changes": {"a b": 1}}),
-        ("set", {"changes": {"controller.kp": "0.5"}}), ("set", {"changes": {"controller.kp": None}}),
+        ("set", {"changes": {"controller.kp": "0.5"}}), ("set", {"changes": {"controller.law": "a<b"}}),
+        ("set", {"changes": {"controller.kp": None}}),
         ("set", {"changes": {"controller.kp": {"x": 1}}}), ("set", {"changes": {f"a{i}": 1 for i in range(257)}}),
         ("set", {"changes": {"t": [0.0] * 513}}), ("arm", {"signal": "error", "level": 0.0, "pre": 2.0}),
         ("arm", {"signal": "error", "level": 0.0, "slope": "up"}), ("audit", {"last": 10**9}), ("audit", {"last": 0}),
@@ -100,7 +102,7 @@ def test_a_refused_hello_never_repeats_the_secret():
 
 def test_a_refused_value_names_its_key():
     with pytest.raises(Refused) as refused:
-        parse(said("set", changes={"controller.ki": 1.0, "controller.kp": "much"}))
+        parse(said("set", changes={"controller.ki": 1.0, "controller.kp": "1 V"}))
     assert refused.value.key == "controller.kp" and "expected a number" in str(refused.value)
 
 

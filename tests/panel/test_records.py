@@ -8,13 +8,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from leadscrew.kernel.errors import DataError, NameUnknown
 from leadscrew.panel import audit as audit_module
 from leadscrew.panel import presets
 from leadscrew.panel.audit import Audit
 from leadscrew.panel.control import Control
-from leadscrew.panel.names import SUFFIXES, capture_file, is_capture_name
-from leadscrew.panel.plain import plain, text_of
+from leadscrew.panel.downloads import SUFFIXES, capture_file, is_capture_name
+from leadscrew.panel.strict_json import plain, text_of
+from leadscrew.util.errors import DataError, NameUnknown
 
 
 def test_every_change_is_in_the_log_at_once_with_old_and_new(tmp_path):

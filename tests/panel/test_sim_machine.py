@@ -11,15 +11,15 @@ import numpy as np
 import pytest
 
 from leadscrew.cli.panel import _spec
-from leadscrew.kernel.errors import NameUnknown, ValueRefused
-from leadscrew.operate import capture_formats, capture_logs, captures, session_file
-from leadscrew.operate.session import Start
-from leadscrew.panel import describing, records, sim_machine
+from leadscrew.operate import capture_files, captures, session_file
+from leadscrew.operate.operated import Start
+from leadscrew.panel import description, records, sim_machine
 from leadscrew.panel.frames import GHOST, LIVE
 from leadscrew.panel.machine import Later
+from leadscrew.panel.scope_commands import ScopeCommands
 from leadscrew.panel.sim_machine import SimMachine
-from leadscrew.panel.taking import Taking
 from leadscrew.panel.worker import machine_of
+from leadscrew.util.errors import NameUnknown, ValueRefused
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 
@@ -143,8 +143,8 @@ def test_a_controller_that_the_command_line_named_is_in_the_list_and_can_be_chos
 
 
 def test_a_study_is_called_by_its_title_and_a_machine_file_by_its_name():
-    assert describing._title("vud_lathe") == describing.study_of("vud_lathe").title != "vud_lathe"
-    assert describing._title("/somewhere/of mine/axis.toml") == "axis.toml"
+    assert description._title("vud_lathe") == description.study_of("vud_lathe").title != "vud_lathe"
+    assert description._title("/somewhere/of mine/axis.toml") == "axis.toml"
 
 
 @pytest.mark.slow
@@ -168,6 +168,24 @@ def test_the_default_stays_the_studys_over_a_reset_and_what_was_set_stays_set(ma
 
 
 @pytest.mark.slow
+def test_an_option_is_shown_set_refused_and_undone_by_its_name(machine):
+    key, names = "controller.anti_windup", ["none", "clamping", "back-calculation"]
+    shown = parameter(machine, key)
+    assert (shown["type"], shown["choices"], shown["value"], shown["live"]) == ("choice", names, "clamping", True)
+    ran(machine, 20)
+    assert did(machine, "set", changes={key: "none"})["new"] == {key: "none"}
+    assert (
+        parameter(machine, key)["value"] == "none" and machine._here().loop.blocks["controller"].params.anti_windup == 0
+    )
+    with pytest.raises(ValueRefused, match=r"controller.anti_windup = 'nothing'.*there are none, clamping"):
+        did(machine, "set", changes={key: "nothing"})
+    with pytest.raises(ValueRefused, match=r"kp = 'none'.*expected a number"):
+        did(machine, "set", changes={"controller.kp": "none"})
+    assert 'anti_windup = "none"' in session_file.text(machine._here().session())
+    did(machine, "undo")
+    assert parameter(machine, key)["value"] == "clamping"
+
+
 def test_an_armed_trigger_goes_on_waiting_in_the_next_run(machine):
     did(machine, "arm", **ARM)
     ran(machine, 10)
@@ -244,7 +262,7 @@ def test_values_of_one_axis_of_a_circle_stay_over_a_reset(tmp_path):
 
 
 def test_a_capture_says_whether_it_was_loaded(tmp_path):
-    taking = Taking(tmp_path)
+    taking = ScopeCommands(tmp_path)
     taking.watch(["time", "feedback"], {}, 1e-3)
     did(taking, "arm", **{**ARM, "level": 2.0, "length_s": 0.003})
     taking.feed(0, np.column_stack([np.arange(9) * 1e-3, np.arange(9.0)]), {})
@@ -264,9 +282,9 @@ def test_a_file_that_a_page_sends_or_opens_is_parsed_in_a_process_of_its_own(tmp
     def here(path):
         raise AssertionError(f"{path} is parsed in the machine's process")
 
-    for module in (capture_formats, capture_logs):
-        monkeypatch.setattr(module, "read", here)
-    taking = Taking(tmp_path / "captures")
+    for reader in ("read_own", "read_log"):
+        monkeypatch.setattr(capture_files, reader, here)
+    taking = ScopeCommands(tmp_path / "captures")
     assert did(taking, "capture_receive", name=f"b.{form}", path=str(sent)) == {"name": "a", "rows": 9}
     did(taking, "capture_load", name=f"b.{form}")
     (seen,) = taking.held.values()

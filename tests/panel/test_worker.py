@@ -6,8 +6,8 @@ import json
 
 import pytest
 
-from leadscrew.panel.child import Spec
 from leadscrew.panel.machine import Later
+from leadscrew.panel.process import Spec
 from leadscrew.panel.worker import Gone, Worker
 
 

@@ -5,10 +5,10 @@ import math
 import numpy as np
 import pytest
 
-from leadscrew.kernel.errors import DataError, NameUnknown
 from leadscrew.paths.dxf import bulged
 from leadscrew.paths.read import read_drawing
 from leadscrew.paths.segments import Arc, EllipseArc, Spline
+from leadscrew.util.errors import DataError, NameUnknown
 
 ezdxf = pytest.importorskip("ezdxf")
 DOWN = {"extrusion": (0, 0, -1)}

@@ -5,15 +5,15 @@ import math
 import numpy as np
 import pytest
 
-from leadscrew.kernel.errors import DataError, ValueRefused
 from leadscrew.paths.gcode import paths_of_gcode
 from leadscrew.paths.read import read_drawing
 from leadscrew.paths.shapes import rounded_rectangle
-from leadscrew.references.gcode import segments_from_gcode
-from leadscrew.references.gcode_reader import Dialect, moves_from_gcode
+from leadscrew.references._gcode import segments_from_gcode
+from leadscrew.references._gcode_reader import Dialect, moves_from_gcode
 from leadscrew.tangent.emit import program as written
 from leadscrew.tangent.settings import Settings
 from leadscrew.tangent.stroke import strokes_of
+from leadscrew.util.errors import DataError, ValueRefused
 
 PROGRAM = """%
 G21 G90 G64 P0.01 (a knife)

@@ -10,9 +10,9 @@ from hypothesis import strategies as st
 from scipy.integrate import quad
 from scipy.special import ellipeinc
 
-from leadscrew.kernel.errors import ValueRefused
 from leadscrew.paths.segments import Arc, Bezier, EllipseArc, Line, Spline
 from leadscrew.paths.shapes import Rosette, clamped_spline
+from leadscrew.util.errors import ValueRefused
 
 NURBS = Spline(
     [[0, 0], [10, 20], [25, 25], [40, 0], [55, -10], [70, 15]],

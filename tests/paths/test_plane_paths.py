@@ -5,10 +5,10 @@ import math
 import numpy as np
 import pytest
 
-from leadscrew.kernel.errors import ValueRefused
 from leadscrew.paths.path import Path, polyline, sampled, wrapped
 from leadscrew.paths.segments import Arc, Bezier, Line
 from leadscrew.paths.shapes import flower, rounded_rectangle, wave
+from leadscrew.util.errors import ValueRefused
 
 # Samples at 0.5 mm, smallest radius, swivel rate at 50 mm/s.
 SHAPES = {

@@ -6,9 +6,9 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from leadscrew.kernel.errors import DataError, NameUnknown, ValueRefused
 from leadscrew.paths.read import read_drawing
 from leadscrew.paths.segments import Arc, EllipseArc
+from leadscrew.util.errors import DataError, NameUnknown, ValueRefused
 
 HEAD = (
     '<svg xmlns="http://www.w3.org/2000/svg" xmlns:xlink="http://www.w3.org/1999/xlink" '

@@ -9,7 +9,7 @@ from scipy.integrate import solve_ivp
 
 from leadscrew.kernel.block import controller, reference
 from leadscrew.kernel.loop import Loop
-from leadscrew.plants.backlash import (
+from leadscrew.plants._backlash import (
     BacklashAxisParams,
     DeadBand,
     Play,
@@ -18,7 +18,7 @@ from leadscrew.plants.backlash import (
     followed,
     reaction,
 )
-from leadscrew.plants.backlash_two_mass import backlash_two_mass, damping_ratio, restitution_of
+from leadscrew.plants._backlash_two_mass import backlash_two_mass, damping_ratio, restitution_of
 from tests.tools import runnable
 
 REDUCED = 83.6 * 62.4 / (83.6 + 62.4)

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from leadscrew.plants.ballscrew_axial import BallscrewAxialParams, BallscrewAxialState, axial_jacobian, ballscrew_axial
-from leadscrew.plants.ballscrew_stage import ballscrew_stage
+from leadscrew.plants._ballscrew_axial import BallscrewAxialParams, BallscrewAxialState, axial_jacobian, ballscrew_axial
+from leadscrew.plants._ballscrew_stage import ballscrew_stage
 from tests.plants.test_ballscrew_stage import TIGHT, opened
 
 LEAD = 1.5923e-3

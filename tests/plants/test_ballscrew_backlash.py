@@ -7,30 +7,30 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from leadscrew.controllers.pd_dob import TUNINGS
-from leadscrew.disturbances.step_load import step_load
+from leadscrew.controllers._pd_dob import TUNINGS
+from leadscrew.disturbances._step_load import step_load
 from leadscrew.kernel.block import controller, reference
 from leadscrew.kernel.loop import Loop
-from leadscrew.plants.backlash import AxisPosition, Play, followed
-from leadscrew.plants.backlash_two_mass import (
+from leadscrew.plants._backlash import AxisPosition, Play, followed
+from leadscrew.plants._backlash_two_mass import (
     BacklashTwoMassState,
     backlash_two_mass,
     damping_ratio,
     two_mass_jacobian,
 )
-from leadscrew.plants.ballscrew_backlash import (
+from leadscrew.plants._ballscrew_backlash import (
     BallscrewBacklashState,
     backlash_in_motion,
     backlash_jacobian,
     ballscrew_backlash,
     planned,
 )
-from leadscrew.plants.ballscrew_play import BallscrewPlayState, ballscrew_play, play_in_motion, play_jacobian
-from leadscrew.plants.ballscrew_stage import ballscrew_stage
-from leadscrew.plants.mass_dahl import MassDahlState, mass_dahl, mass_dahl_jacobian
-from leadscrew.references.sine import sine_motion
-from leadscrew.sensors.axis_encoder import axis_encoder
-from leadscrew.sensors.dual_encoder import dual_encoder
+from leadscrew.plants._ballscrew_play import BallscrewPlayState, ballscrew_play, play_in_motion, play_jacobian
+from leadscrew.plants._ballscrew_stage import ballscrew_stage
+from leadscrew.plants._mass_dahl import MassDahlState, mass_dahl, mass_dahl_jacobian
+from leadscrew.references._sine import sine_motion
+from leadscrew.sensors._axis_encoder import axis_encoder
+from leadscrew.sensors._dual_encoder import dual_encoder
 from tests.tools import runnable
 
 LEAD = 1.5923e-3

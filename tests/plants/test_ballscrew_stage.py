@@ -10,7 +10,7 @@ from scipy.integrate import solve_ivp
 
 from leadscrew.kernel.block import controller, reference
 from leadscrew.kernel.loop import Loop
-from leadscrew.plants.ballscrew_stage import (
+from leadscrew.plants._ballscrew_stage import (
     BallscrewStageParams,
     BallscrewStageState,
     ballscrew_stage,

@@ -7,7 +7,7 @@ import subprocess
 import numpy as np
 import pytest
 
-from leadscrew.bench.stage_schemes import (
+from leadscrew.bench.stage import (
     SMOOTH,
     TRUTH,
     angles,
@@ -16,12 +16,12 @@ from leadscrew.bench.stage_schemes import (
     every,
     sharp_pd,
 )
-from leadscrew.controllers.pd_dob import pd_dob
+from leadscrew.controllers._pd_dob import pd_dob
 from leadscrew.export.controller import export_controller
 from leadscrew.export.folder import write
-from leadscrew.plants import ballscrew_stage_fixed as module
-from leadscrew.plants.ballscrew_stage import INERTIA, BallscrewStageParams, ballscrew_stage
-from leadscrew.plants.ballscrew_stage_fixed import ballscrew_stage_fixed, solve_stage, stage_step
+from leadscrew.plants import _ballscrew_stage_fixed as module
+from leadscrew.plants._ballscrew_stage import INERTIA, BallscrewStageParams, ballscrew_stage
+from leadscrew.plants._ballscrew_stage_fixed import ballscrew_stage_fixed, solve_stage, stage_step
 from tests.controllers.stage_loop import stage_loop
 from tests.plants.test_ballscrew_stage import opened, radau
 from tests.tools import missing, runnable

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from scipy import signal
 
-from leadscrew.kernel.errors import ValueRefused
-from leadscrew.plants.lathe_servo import LatheServoParams, lathe_servo
-from leadscrew.plants.linear import state_space, transfer_function
+from leadscrew.plants._lathe_servo import LatheServoParams, lathe_servo
+from leadscrew.plants._linear import state_space, transfer_function
+from leadscrew.util.errors import ValueRefused
 
 DT = 0.01
 

@@ -6,15 +6,15 @@ import numpy as np
 import pytest
 from scipy import signal
 
-from leadscrew.controllers.pid import pid
-from leadscrew.disturbances.cut_load import CutLoad, cut_load
-from leadscrew.kernel.errors import ValueRefused
+from leadscrew.controllers._pid import pid
+from leadscrew.disturbances._cut_load import CutLoad, cut_load
 from leadscrew.kernel.loop import Loop
 from leadscrew.kernel.noise import Noise
-from leadscrew.plants.flexible_cut import MATERIALS, FlexibleCutParams, FlexibleCutState, flexible_cut, steady_shear
-from leadscrew.references.cut_line import ROOM, along, cut_line, tables
-from leadscrew.references.step import step
-from leadscrew.sensors.cut_camera import cut_camera, cut_reading
+from leadscrew.plants._flexible_cut import MATERIALS, FlexibleCutParams, FlexibleCutState, flexible_cut, steady_shear
+from leadscrew.references._cut_line import ROOM, along, cut_line, tables
+from leadscrew.references._step import step
+from leadscrew.sensors._cut_camera import cut_camera, cut_reading
+from leadscrew.util.errors import ValueRefused
 from tests.kernel.loops import turns_blade
 
 T = 0.01
@@ -94,12 +94,12 @@ def test_texture_has_its_size_and_length_at_every_feed():
     for feed in (20.0, 50.0):
         loop = knife(disturbance=cut_load(feed=feed, size=0.25), plant=flexible_cut(feed=feed))
         n = np.concatenate(
-            [loop.run(60.0, run=k, record="disturbance.texture")["disturbance.texture"] for k in range(3)]
+            [loop.run(60.0, replicate=k, record="disturbance.texture")["disturbance.texture"] for k in range(3)]
         )
         near = int(3.0 / (feed * T))
         assert np.std(n) == pytest.approx(0.25, rel=0.08)
         assert np.corrcoef(n[:-near], n[near:])[0, 1] == pytest.approx(math.exp(-near * feed * T / 3.0), abs=0.06)
-        first = [loop.run(T, run=k, record="disturbance.texture")["disturbance.texture"][0] for k in range(200)]
+        first = [loop.run(T, replicate=k, record="disturbance.texture")["disturbance.texture"][0] for k in range(200)]
         assert np.std(first) == pytest.approx(0.25, rel=0.2)
 
 

@@ -8,13 +8,13 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from leadscrew.kernel.block import controller, reference
-from leadscrew.kernel.errors import ValueRefused
 from leadscrew.kernel.loop import Loop
-from leadscrew.plants.mass_dahl import mass_dahl
-from leadscrew.plants.mass_lugre import MassLuGreParams, MassLuGreState, mass_lugre, mass_lugre_jacobian
-from leadscrew.plants.mass_maxwell_slip import mass_maxwell_slip, with_elements
-from leadscrew.plants.mass_stribeck import mass_stribeck
-from leadscrew.references.ramp import ramp
+from leadscrew.plants._mass_dahl import mass_dahl
+from leadscrew.plants._mass_lugre import MassLuGreParams, MassLuGreState, mass_lugre, mass_lugre_jacobian
+from leadscrew.plants._mass_maxwell_slip import mass_maxwell_slip, with_elements
+from leadscrew.plants._mass_stribeck import mass_stribeck
+from leadscrew.references._ramp import ramp
+from leadscrew.util.errors import ValueRefused
 from tests.tools import runnable
 
 TIGHT = {"method": "rodas", "rtol": 1e-9, "atol": 1e-13}

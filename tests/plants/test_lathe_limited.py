@@ -4,14 +4,14 @@ import numpy as np
 import pytest
 from lathe_limited_oracle import solve
 
-from leadscrew.actuators.pwm import pwm
-from leadscrew.controllers.vud import duty_pd
+from leadscrew.actuators._pwm import pwm
+from leadscrew.controllers._vud import duty_pd
 from leadscrew.kernel.loop import Loop
-from leadscrew.plants import lathe_servo_limited as limited_module
-from leadscrew.plants.lathe_servo import lathe_servo
-from leadscrew.plants.lathe_servo_limited import LatheLimitedState, lathe_servo_limited
-from leadscrew.references.step import step
-from leadscrew.sensors.grating_count import grating_count
+from leadscrew.plants import _lathe_servo_limited as limited_module
+from leadscrew.plants._lathe_servo import lathe_servo
+from leadscrew.plants._lathe_servo_limited import LatheLimitedState, lathe_servo_limited
+from leadscrew.references._step import step
+from leadscrew.sensors._grating_count import grating_count
 from tests.tools import runnable
 
 NEVER = {"current_limit_a": 1e9, "top_speed_mm_s": 1e9}

@@ -6,14 +6,14 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from leadscrew.controllers.vud import vud_beta_e
-from leadscrew.kernel.errors import ValueRefused
+from leadscrew.controllers._vud import vud_beta_e
 from leadscrew.kernel.loop import Loop
-from leadscrew.plants.lathe_screw import LatheScrewPosition, lathe_screw
-from leadscrew.plants.lathe_servo import lathe_servo
-from leadscrew.references.step import step
-from leadscrew.sensors.grating_count import grating_count
-from leadscrew.sensors.screw_encoder import screw_encoder
+from leadscrew.plants._lathe_screw import LatheScrewPosition, lathe_screw
+from leadscrew.plants._lathe_servo import lathe_servo
+from leadscrew.references._step import step
+from leadscrew.sensors._grating_count import grating_count
+from leadscrew.sensors._screw_encoder import screw_encoder
+from leadscrew.util.errors import ValueRefused
 from tests.tools import runnable
 
 ALL = {"lead_error": 4e-5, "cyclic_error_mm": 0.003, "backlash_mm": 0.006, "warming_K": 3.0}

@@ -5,9 +5,9 @@ from typing import NamedTuple
 
 import pytest
 
-from leadscrew import Loop, catalogue, controller
+from leadscrew import Loop, catalogue, controller, resolve
 from leadscrew.kernel.layout import is_branch
-from leadscrew.references.step import step
+from leadscrew.references._step import step
 from tests.cli.conftest import call  # noqa: F401
 
 SECONDS = 0.2
@@ -38,7 +38,7 @@ def moved(block, period=0.001, load=None):
 
 
 def plants_of(name):
-    study = catalogue.study(name)
+    study = resolve.study(name)
     first = next(iter(study.controllers))
     loops = [study.loop(first, scenario) for scenario in study.scenarios]
     return {loop.blocks["plant"].name: loop for loop in loops}
@@ -57,7 +57,7 @@ def test_a_positive_input_moves_every_machine_of_a_study_as_its_sense_says(name)
 
 @pytest.mark.parametrize("name", ["lathe_servo", "lathe_screw", "lathe_servo_limited"])
 def test_the_lathe_moves_towards_negative_positions(name):
-    block = catalogue.block(name, "plant")
+    block = resolve.block(name, "plant")
     assert block.sense == -1 and moved(block) < 0.0
 
 

@@ -5,12 +5,12 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from leadscrew import Loop
-from leadscrew.controllers.axis_cascade import axis_cascade
+from leadscrew.controllers._axis_cascade import axis_cascade
 from leadscrew.friction.static_map import Sliding, TwoSided
-from leadscrew.plants.servo_axis import ServoAxisParams, servo_axis, servo_axis_start, servo_axis_step
-from leadscrew.plants.servo_axis_lugre import servo_axis_lugre
-from leadscrew.references.eased_sine import eased_sine_motion
-from leadscrew.sensors.axis_reading import axis_reading
+from leadscrew.plants._servo_axis import ServoAxisParams, servo_axis, servo_axis_start, servo_axis_step
+from leadscrew.plants._servo_axis_lugre import servo_axis_lugre
+from leadscrew.references._eased_sine import eased_sine_motion
+from leadscrew.sensors._axis_reading import axis_reading
 
 PLAIN = ServoAxisParams(mass=2.0, force_per_drive=1.0, offset=0.0, per_si=1.0)
 DT = 1e-3

@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 
 from leadscrew import Loop, controller
-from leadscrew.disturbances.step_load import step_load
-from leadscrew.kernel.errors import ValueRefused
-from leadscrew.plants.turning import turning
-from leadscrew.plants.turning.chip import CELLS, IRON, S45C, blank, cut, leave_surface, surface_before
-from leadscrew.plants.turning.process import hold
-from leadscrew.references.cutting_program import cutting_force, depth_at
-from leadscrew.sensors.load_cell import load_cell
+from leadscrew.disturbances._step_load import step_load
+from leadscrew.plants._turning import turning
+from leadscrew.plants._turning.chip import CELLS, IRON, S45C, blank, cut, leave_surface, surface_before
+from leadscrew.plants._turning.process import hold
+from leadscrew.references._cutting_program import cutting_force, depth_at
+from leadscrew.sensors._load_cell import load_cell
+from leadscrew.util.errors import ValueRefused
 
 STEADY_V = 35.5 / 150.0
 """Feed of 35.5 mm/min: 150 N on S45C at 1 mm and 1,200 1/min."""

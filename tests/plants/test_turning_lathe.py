@@ -6,15 +6,15 @@ import numpy as np
 import pytest
 
 from leadscrew import Loop, controller
-from leadscrew.kernel.errors import ValueRefused
-from leadscrew.plants.turning import turning
-from leadscrew.plants.turning.radial import Cross, CrossServo, cross_hold, moved_across
-from leadscrew.plants.turning.spindle import Spindle, SpindleMotor, spindle_hold, turned_on
-from leadscrew.plants.turning.workpiece import Workpiece, checked, stock_at, stretches
-from leadscrew.plants.turning_lathe import turning_lathe
-from leadscrew.references.cutting_program import cutting_force
-from leadscrew.references.lathe_program import LatheDrive
-from leadscrew.sensors.load_cell import load_cell
+from leadscrew.plants._turning import turning
+from leadscrew.plants._turning.radial import Cross, CrossServo, cross_hold, moved_across
+from leadscrew.plants._turning.spindle import Spindle, SpindleMotor, spindle_hold, turned_on
+from leadscrew.plants._turning.workpiece import Workpiece, checked, stock_at, stretches
+from leadscrew.plants._turning_lathe import turning_lathe
+from leadscrew.references._cutting_program import cutting_force
+from leadscrew.references._lathe_program import LatheDrive
+from leadscrew.sensors._load_cell import load_cell
+from leadscrew.util.errors import ValueRefused
 
 FEED_V = 35.5 / 150.0
 

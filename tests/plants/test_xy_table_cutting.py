@@ -3,16 +3,16 @@
 import numpy as np
 import pytest
 
-from leadscrew.controllers.npid import READINGS
-from leadscrew.controllers.pid import pid
-from leadscrew.disturbances.five_sines import five_sines
-from leadscrew.disturbances.sine_load import sine_load
-from leadscrew.kernel.errors import LeadscrewError
+from leadscrew.controllers._npid import READINGS
+from leadscrew.controllers._pid import pid
+from leadscrew.disturbances._five_sines import five_sines
+from leadscrew.disturbances._sine_load import sine_load
 from leadscrew.kernel.loop import Loop
-from leadscrew.plants.xy_table import xy_table
-from leadscrew.plants.xy_table_cutting import xy_table_cutting
-from leadscrew.references.sine import sine
-from leadscrew.references.step import step
+from leadscrew.plants._xy_table import xy_table
+from leadscrew.plants._xy_table_cutting import xy_table_cutting
+from leadscrew.references._sine import sine
+from leadscrew.references._step import step
+from leadscrew.util.errors import LeadscrewError
 
 PERIOD = 5e-4
 

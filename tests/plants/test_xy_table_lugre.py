@@ -5,12 +5,12 @@ import math
 import numpy as np
 import pytest
 
-from leadscrew.controllers.pid import pid
-from leadscrew.kernel.errors import ValueRefused
+from leadscrew.controllers._pid import pid
 from leadscrew.kernel.loop import Loop
-from leadscrew.plants.xy_table import xy_table
-from leadscrew.plants.xy_table_lugre import LEVELS, xy_table_lugre
-from leadscrew.references.sine import sine
+from leadscrew.plants._xy_table import xy_table
+from leadscrew.plants._xy_table_lugre import LEVELS, xy_table_lugre
+from leadscrew.references._sine import sine
+from leadscrew.util.errors import ValueRefused
 
 STEP = 25e-6
 

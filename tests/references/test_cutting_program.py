@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from leadscrew.references.cutting_program import (
+from leadscrew.references._cutting_program import (
     NEVER_S,
     CuttingProgramParams,
     DepthProgram,

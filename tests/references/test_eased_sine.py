@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from leadscrew.references.eased_sine import EasedSineParams, eased_sine, eased_sine_motion
+from leadscrew.references._eased_sine import EasedSineParams, eased_sine, eased_sine_motion
 
 P = EasedSineParams(amplitude=2.0, frequency=0.7, ease_s=1.0)
 

@@ -7,9 +7,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from leadscrew.kernel.errors import DataError, ValueRefused
-from leadscrew.references.gcode import path_from_gcode, segments_from_gcode
-from leadscrew.references.path import PathPoint, arc, duration
+from leadscrew.references._gcode import path_from_gcode, segments_from_gcode
+from leadscrew.references._path import PathPoint, arc, duration
+from leadscrew.util.errors import DataError, ValueRefused
 
 
 def trace(block, times):

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from leadscrew.kernel.errors import DataError, ValueRefused
-from leadscrew.references.logged import logged_command
+from leadscrew.references._logged import logged_command
+from leadscrew.util.errors import DataError, ValueRefused
 
 
 def at(block, t):

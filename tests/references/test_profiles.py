@@ -7,11 +7,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from leadscrew.kernel.errors import ValueRefused
-from leadscrew.references.motion import Motion, profile_duration, shortest_profile
-from leadscrew.references.s_curve import s_curve
-from leadscrew.references.trapezoid import trapezoid
-from leadscrew.references.waypoints import waypoints
+from leadscrew.references._motion import Motion, profile_duration, shortest_profile
+from leadscrew.references._s_curve import s_curve
+from leadscrew.references._trapezoid import trapezoid
+from leadscrew.references._waypoints import waypoints
+from leadscrew.util.errors import ValueRefused
 
 magnitudes = st.floats(-3, 4).map(lambda e: 10.0**e)
 distances = st.builds(lambda e, sign: sign * 10.0**e, st.floats(-6, 4), st.sampled_from([-1.0, 1.0]))

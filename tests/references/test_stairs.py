@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from leadscrew.kernel.errors import LeadscrewError
 from leadscrew.kernel.loop import Loop
-from leadscrew.references.stairs import stairs
+from leadscrew.references._stairs import stairs
+from leadscrew.util.errors import LeadscrewError
 from tests.kernel import zoo
 
 

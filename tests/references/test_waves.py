@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 from scipy.signal import chirp as scipy_chirp
 
-from leadscrew.references.chirp import chirp, log_chirp
-from leadscrew.references.filtered_step import filtered_step
-from leadscrew.references.quintic import quintic
-from leadscrew.references.ramp import ramp, ramp_motion
-from leadscrew.references.sine import sine, sine_motion
-from leadscrew.references.step import step
+from leadscrew.references._chirp import chirp, log_chirp
+from leadscrew.references._filtered_step import filtered_step
+from leadscrew.references._quintic import quintic
+from leadscrew.references._ramp import ramp, ramp_motion
+from leadscrew.references._sine import sine, sine_motion
+from leadscrew.references._step import step
 
 
 def test_step_changes_at_the_nearest_sample():

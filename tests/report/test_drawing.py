@@ -9,11 +9,11 @@ from types import SimpleNamespace
 
 import pytest
 
-from leadscrew.kernel.errors import BlockError
 from leadscrew.report import drawing
 from leadscrew.report.report import Picture, Report, Section
 from leadscrew.studies.exhibits import FigureOf
 from leadscrew.studies.results import Contents
+from leadscrew.util.errors import BlockError
 from tests.tune.shared import waited
 
 MINE = os.getpid()

@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from leadscrew.report import backlash, friction
+from leadscrew.report import friction
 
-QUICK = (friction.friction_velocity_figure, friction.presliding_figure, backlash.classic_figure)
-SLOW = (friction.break_away_figure, friction.stick_slip_figure, backlash.modern_figure)
+QUICK = (friction.friction_velocity_figure, friction.presliding_figure, friction.classic_figure)
+SLOW = (friction.break_away_figure, friction.stick_slip_figure, friction.modern_figure)
 
 
 def assert_readable(figure):
@@ -37,7 +37,7 @@ def test_the_picture_of_inner_loops_shows_who_remembers():
 
 
 def test_the_picture_of_the_play_has_the_width_of_the_play():
-    play = next(line for line in backlash.classic_figure().axes[0].lines if line.get_label().startswith("equal"))
+    play = next(line for line in friction.classic_figure().axes[0].lines if line.get_label().startswith("equal"))
     drive, table = play.get_data()
     assert max(drive - table) == pytest.approx(1.0) and min(drive - table) == pytest.approx(-1.0)
     assert np.ptp(drive - table) == pytest.approx(2.0)
@@ -48,7 +48,7 @@ def test_after_a_reversal_an_elastic_impact_swings_longer_than_a_soft_one():
     """1 mm at 1 Hz: 50 ms after the flank change the table still swings with a restitution of 0.9, not with 0.05."""
     swings = []
     for restitution in (0.9, 0.05):
-        run = backlash.imposed_reversal(1e-3, 2.0 * np.pi, restitution, sample=2e-4)
+        run = friction.imposed_reversal(1e-3, 2.0 * np.pi, restitution, sample=2e-4)
         twist = run["plant.motor"] - run["plant.table"]
         assert np.abs(run["plant.motor"] - 1e-3 * np.sin(2.0 * np.pi * run.time)).max() < 1e-8
         since = run.time - 0.25

@@ -9,17 +9,17 @@ import numpy as np
 import pytest
 
 from leadscrew.fuzzy import formats
-from leadscrew.fuzzy.activity import activity
 from leadscrew.fuzzy.evaluate import compiled
+from leadscrew.fuzzy.explanation import activity
 from leadscrew.fuzzy.formats import fld
 from leadscrew.fuzzy.shapes import membership
 from leadscrew.fuzzy.system import And, Input, Is, Output, Rule, RuleBlock, System, Term
-from leadscrew.kernel.errors import NameUnknown, ValueRefused
 from leadscrew.report import fuzzy as pictures
 from leadscrew.report.fuzzy.membership import curve, rows_of
 from leadscrew.report.fuzzy.rules import brief, gathered
 from leadscrew.report.fuzzy.surfaces import label_places
 from leadscrew.report.fuzzy.words import ends, formula, number
+from leadscrew.util.errors import NameUnknown, ValueRefused
 from tests.budget import in_every_run
 from tests.fuzzy.formats_systems import shared
 from tests.fuzzy.systems import LABELS, mamdani, sugeno, triangles, with_output

@@ -8,12 +8,14 @@ import numpy as np
 import pytest
 from matplotlib.figure import Figure
 
+from leadscrew.figures import formats
+from leadscrew.figures.runs import run_figure
+from leadscrew.figures.signals import signal_unit
 from leadscrew.kernel.block import controller
 from leadscrew.kernel.loop import Loop
-from leadscrew.references.sine import sine_motion
-from leadscrew.report import html, tables
-from leadscrew.report.plots import run_figure
-from leadscrew.report.strict import strict
+from leadscrew.references._sine import sine_motion
+from leadscrew.report import html
+from leadscrew.util.strict_json import strict
 from tests.cli.plain_study import LOOP, gain, slide
 
 
@@ -54,18 +56,18 @@ def test_a_motion_is_drawn_by_its_position():
 
 
 def test_numbers_in_tables():
-    assert [tables.number(x) for x in (None, math.nan, 1 / 3, True, "", np.eye(2), 12)] == [
+    assert [formats.number(x) for x in (None, math.nan, 1 / 3, True, "", np.eye(2), 12)] == [
         "–", "–", "0.333333", "yes", "–", "array 2 x 2", "12",
     ]  # fmt: skip
-    assert tables.plain("the :class:`~a.b.Motion` of ``x``") == "the Motion of x"
+    assert formats.plain("the :class:`~a.b.Motion` of ``x``") == "the Motion of x"
 
 
 def test_metric_units_follow_the_loop():
     loop = Loop(reference=sine_motion, controller=follow, plant=slide, engine="python")
-    units = {r.name: r.unit for r in tables.metric_rows(loop.run(0.01))}
+    units = {r.name: r.unit for r in formats.metric_rows(loop.run(0.01))}
     assert units["rms_error"] == "mm" and units["settling_time"] == "s"
     assert all("[" not in u for u in units.values())
-    assert tables.signal_unit(loop, "time") == "s" and tables.signal_unit(loop, "disturbance") == ""
+    assert signal_unit(loop, "time") == "s" and signal_unit(loop, "disturbance") == ""
 
 
 def test_strict_json_has_no_infinity():

@@ -7,10 +7,9 @@ import numpy as np
 import pytest
 
 from leadscrew.identify.axis.result import Parameter
-from leadscrew.kernel.errors import DataError
 from leadscrew.report import identified_axis as tables
-from leadscrew.report.identified_axis_page import page_of, write
-from leadscrew.report.identified_axis_words import scaled, sentences
+from leadscrew.report.identified_axis import page_of, scaled, sentences, write
+from leadscrew.util.errors import DataError
 from tests.report.axis_fits import alike, made_up, stretch
 
 

@@ -5,8 +5,8 @@ import numpy as np
 import pytest
 from scipy.stats import multivariate_normal
 
-from leadscrew.report import identified_axis_picture as picture
-from leadscrew.report.identified_axis_friction import QUANTILE, band, friction_map, medians, resistance, shown_by_log
+from leadscrew.report import identified_axis as picture
+from leadscrew.report.identified_axis import QUANTILE, band, friction_map, medians, resistance, shown_by_log
 from tests.report.axis_fits import KEYS, alike, made_up, stretch
 
 matplotlib.use("Agg")

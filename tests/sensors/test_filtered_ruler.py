@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 from scipy.signal import lsim
 
-from leadscrew.controllers.pd_dob import pd_dob
-from leadscrew.kernel.errors import ValueRefused
+from leadscrew.controllers._pd_dob import pd_dob
 from leadscrew.kernel.loop import Loop
-from leadscrew.plants.ballscrew_stage import ballscrew_stage
-from leadscrew.references.sine import sine_motion
-from leadscrew.sensors.filtered_ruler import filtered_ruler
-from leadscrew.sensors.ruler import ruler
+from leadscrew.plants._ballscrew_stage import ballscrew_stage
+from leadscrew.references._sine import sine_motion
+from leadscrew.sensors._filtered_ruler import filtered_ruler
+from leadscrew.sensors._ruler import ruler
+from leadscrew.util.errors import ValueRefused
 
 DT = 2.5e-4
 

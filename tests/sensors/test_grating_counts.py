@@ -8,14 +8,14 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from leadscrew.actuators.saturation import saturation
-from leadscrew.kernel.errors import ValueRefused
+from leadscrew.actuators._saturation import saturation
 from leadscrew.kernel.loop import Loop
 from leadscrew.kernel.noise import Noise
-from leadscrew.plants.lathe_servo import LathePosition, lathe_servo
-from leadscrew.sensors.grating import counting
-from leadscrew.sensors.grating.counter import grating_counter, sector_of
-from leadscrew.sensors.grating.quadrature import (
+from leadscrew.plants._lathe_servo import LathePosition, lathe_servo
+from leadscrew.sensors._grating_count import grating_count
+from leadscrew.sensors.grating import _counting as counting
+from leadscrew.sensors.grating._counter import grating_counter, sector_of
+from leadscrew.sensors.grating._quadrature import (
     PERFECT,
     SignalErrors,
     interpolation_error,
@@ -23,8 +23,8 @@ from leadscrew.sensors.grating.quadrature import (
     quadrature,
     signals,
 )
-from leadscrew.sensors.grating.ruler import grating_ruler
-from leadscrew.sensors.grating_count import grating_count
+from leadscrew.sensors.grating._ruler import grating_ruler
+from leadscrew.util.errors import ValueRefused
 from tests.kernel.loops import COMMANDS, CONTROLLERS
 
 QUIET = Noise(seed=0, run=0, block=0, period=0)

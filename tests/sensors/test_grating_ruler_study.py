@@ -5,10 +5,10 @@ import math
 import numpy as np
 import pytest
 
-from leadscrew.sensors.grating.counting import analytic_counts, counted
-from leadscrew.sensors.grating.heydemann import fit_ellipse
-from leadscrew.sensors.grating.moire import GRATING, fringe_width
-from leadscrew.sensors.grating.quadrature import PERFECT, interpolation_error, quadrature
+from leadscrew.identify.heydemann import fit_ellipse
+from leadscrew.sensors.grating._counting import analytic_counts, counted
+from leadscrew.sensors.grating._moire import GRATING, fringe_width
+from leadscrew.sensors.grating._quadrature import PERFECT, interpolation_error, quadrature
 from leadscrew.studies.vud_lathe.laws import ANGLE_RAD, POINTS, SEED, TRIAL, crossed_period_mm
 
 

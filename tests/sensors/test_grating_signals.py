@@ -5,19 +5,19 @@ import math
 import numpy as np
 import pytest
 
-from leadscrew.kernel.errors import DataError, ValueRefused
+from leadscrew.identify.heydemann import fit_ellipse, fit_log
 from leadscrew.kernel.noise import Noise
-from leadscrew.plants.lathe_servo import LathePosition
-from leadscrew.sensors.grating.heydemann import fit_ellipse, fit_log
-from leadscrew.sensors.grating.moire import GRATING, fringe_width, magnification, small_angle_error
-from leadscrew.sensors.grating.quadrature import (
+from leadscrew.plants._lathe_servo import LathePosition
+from leadscrew.sensors.grating._moire import GRATING, fringe_width, magnification, small_angle_error
+from leadscrew.sensors.grating._quadrature import (
     PERFECT,
     SignalErrors,
     first_order_error,
     interpolation_error,
     quadrature,
 )
-from leadscrew.sensors.grating.ruler import grating_ruler
+from leadscrew.sensors.grating._ruler import grating_ruler
+from leadscrew.util.errors import DataError, ValueRefused
 
 ONE_PITCH = 0.01 * np.arange(720) / 720
 SPREAD_OVER = np.linspace(0.0, 2.0 * np.pi, 40, endpoint=False)

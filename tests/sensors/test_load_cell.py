@@ -5,10 +5,10 @@ import pytest
 
 from leadscrew import Loop, controller
 from leadscrew.kernel.noise import Noise
-from leadscrew.plants.turning import turning
-from leadscrew.references.cutting_program import cutting_force
-from leadscrew.sensors.faulty_load_cell import KINDS, faulty_load_cell
-from leadscrew.sensors.load_cell import CutReading, lathe_reading, load_cell
+from leadscrew.plants._turning import turning
+from leadscrew.references._cutting_program import cutting_force
+from leadscrew.sensors._faulty_load_cell import faulty_load_cell
+from leadscrew.sensors._load_cell import CutReading, lathe_reading, load_cell
 
 
 @controller()
@@ -68,10 +68,10 @@ def test_counts_are_counts():
         ("constant", 3.0, [100.0, 100.0, 100.0, 100.0, 140.0]),
         ("dead", 3.0, [100.0, 0.0, 0.0, 0.0, 140.0]),
         ("saturated", -500.0, [100.0, -500.0, -500.0, -500.0, 140.0]),
-        ("error code", 9999.0, [100.0, 9999.0, 9999.0, 9999.0, 140.0]),
+        ("error_code", 9999.0, [100.0, 9999.0, 9999.0, 9999.0, 140.0]),
         ("jump", 3.0, [100.0, 113.0, 123.0, 133.0, 140.0]),
         ("drift", 50.0, [100.0, 110.0, 121.0, 132.0, 140.0]),
-        ("wrong scale", 0.5, [100.0, 55.0, 60.0, 65.0, 140.0]),
+        ("wrong_scale", 0.5, [100.0, 55.0, 60.0, 65.0, 140.0]),
         ("frozen", 3.0, [100.0, 3.0, 3.0, 3.0, 140.0]),
     ],
 )
@@ -80,7 +80,7 @@ def test_a_broken_cell_shows_what_its_table_says_from_its_first_sample_to_the_on
 ):
     """Force rising by 10 N each 0.02 s, broken from 0.02 s on, sound again from 0.08 s on."""
     block = faulty_load_cell(
-        fault=KINDS[fault], size_n=size, from_s=0.02, until_s=0.08, **{"lathe.noise_n": 0.0, "lathe.keep": 0.5}
+        fault=fault, size_n=size, from_s=0.02, until_s=0.08, **{"lathe.noise_n": 0.0, "lathe.keep": 0.5}
     )
     state, shown, kept = block.state, [], 0.0
     for k in range(5):

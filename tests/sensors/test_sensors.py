@@ -7,18 +7,18 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from leadscrew.actuators.limits import limits
-from leadscrew.actuators.saturation import saturation
-from leadscrew.disturbances.pulse_load import pulse_load
-from leadscrew.disturbances.sine_load import sine_load
-from leadscrew.disturbances.step_load import step_load
-from leadscrew.disturbances.white_noise import white_noise
-from leadscrew.kernel.errors import ValueRefused
+from leadscrew.actuators._limits import limits
+from leadscrew.actuators._saturation import saturation
+from leadscrew.disturbances._pulse_load import pulse_load
+from leadscrew.disturbances._sine_load import sine_load
+from leadscrew.disturbances._step_load import step_load
+from leadscrew.disturbances._white_noise import white_noise
 from leadscrew.kernel.noise import Noise
-from leadscrew.sensors.ideal import ideal
-from leadscrew.sensors.lag import lag
-from leadscrew.sensors.noisy_ruler import noisy_ruler
-from leadscrew.sensors.ruler import ruler
+from leadscrew.sensors._ideal import ideal
+from leadscrew.sensors._lag import lag
+from leadscrew.sensors._noisy_ruler import noisy_ruler
+from leadscrew.sensors._ruler import ruler
+from leadscrew.util.errors import ValueRefused
 
 
 @given(st.floats(-1000, 1000))

@@ -2,10 +2,10 @@
 
 from functools import cache
 
-from leadscrew import catalogue
+from leadscrew import resolve
 from leadscrew.studies.lab import Lab
 
 
 @cache
 def lab() -> Lab:
-    return Lab(catalogue.study("sofnn_tangent"))
+    return Lab(resolve.study("sofnn_tangent"))

@@ -7,7 +7,7 @@ from pathlib import Path
 import matplotlib.pyplot as plt
 import pytest
 
-from leadscrew import catalogue
+from leadscrew import catalogue, resolve
 from leadscrew.studies import results
 from tests.fuzzy.formats_systems import shared
 
@@ -22,7 +22,7 @@ def rows_of(file: Path) -> list[dict[str, str]]:
 @pytest.mark.slow
 @pytest.mark.parametrize("name", [pytest.param(n, marks=pytest.mark.xdist_group(f"whole {n}")) for n in STUDIES])
 def test_every_number_of_the_whole_study_is_expected_and_met(name):
-    study, done = catalogue.study(name), []
+    study, done = resolve.study(name), []
     found = results.evaluate(study, lambda what, share: done.append(share))
     assert done == sorted(done) and done[-1] == 1.0
     assert found.missed == []
@@ -41,7 +41,7 @@ def test_every_number_of_the_whole_study_is_expected_and_met(name):
 @pytest.mark.parametrize("name", STUDIES)
 def test_every_number_beside_one_of_the_paper_is_what_it_was_before_this_form(name):
     """``baseline/NAME.csv`` says where each number of the study's first form is now, or why it changed or is gone."""
-    now = results.expected(catalogue.study(name).folder)
+    now = results.expected(resolve.study(name).folder)
     rows = rows_of(Path(__file__).with_name("baseline") / f"{name}.csv")
     before = {
         r["id"].removeprefix(f"{name}."): r["measured"] for r in rows_of(shared(f"baseline/{name}.csv")) if r["paper"]
@@ -61,7 +61,7 @@ def test_every_number_beside_one_of_the_paper_is_what_it_was_before_this_form(na
 
 @pytest.mark.parametrize("name", STUDIES)
 def test_items_of_the_paper_and_claims_name_each_other(name):
-    study = catalogue.study(name)
+    study = resolve.study(name)
     rows, contents = rows_of(study.folder / "paper_items.csv"), study.contents()
     assert {item for c in contents.claims for item in c.items} == {
         r["item"] for r in rows if r["covered_by"] == "claim"
@@ -79,6 +79,6 @@ def test_items_of_the_paper_and_claims_name_each_other(name):
 
 @pytest.mark.parametrize("name", STUDIES)
 def test_ten_to_twelve_key_claims_and_a_conclusion_of_three_sentences_at_most_make_the_summary(name):
-    found = results.evaluate(catalogue.study(name), key=True)
+    found = results.evaluate(resolve.study(name), key=True)
     assert found.missed == [] and 10 <= len(found.claims) <= 12 and all(c.key for c in found.claims)
     assert 1 <= len(found.conclusion) <= 4 and not any("nan" in sentence for sentence in found.conclusion)

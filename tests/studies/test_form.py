@@ -5,10 +5,10 @@ import time
 
 import pytest
 
-from leadscrew.kernel.errors import BlockError, DataError, ValueRefused
 from leadscrew.studies import results
 from leadscrew.studies.claims import Measured, at_least, at_most, claim, equals, to_its_digits, verdict_of, within
 from leadscrew.studies.lab import Lab, measure
+from leadscrew.util.errors import BlockError, DataError, ValueRefused
 
 
 @pytest.fixture
@@ -110,21 +110,21 @@ def test_a_number_out_of_its_tolerance_is_a_miss_and_a_broken_file_is_refused(tm
 
 
 def test_the_example_of_the_guide_is_a_complete_study(tmp_path, monkeypatch):
-    from leadscrew import catalogue
+    from leadscrew import resolve
     from tests.docs.snippets import ROOT, python_of
 
     (tmp_path / "tiny.py").write_text(python_of(ROOT / "CONTRIBUTING.md"))
     monkeypatch.chdir(tmp_path)
-    found = results.evaluate(catalogue.study("tiny.py:STUDY"))
+    found = results.evaluate(resolve.study("tiny.py:STUDY"))
     (row,), (shown,) = found.claims, found.experiments
     assert (row.verdict, row.as_printed) == ("reproduced", pytest.approx(0.1))
     assert shown.table.rows["ours.pi"] == (pytest.approx(0.0, abs=1e-6),)
     assert found.figures[0].draw(found.lab).axes
     file = results.write_expected(found)
-    assert results.evaluate(catalogue.study("tiny.py:STUDY")).missed == []
+    assert results.evaluate(resolve.study("tiny.py:STUDY")).missed == []
     with file.open("a") as rows:
         rows.write("gone/ours,1.0,0\n")
-    assert [m.id for m in results.evaluate(catalogue.study("tiny.py:STUDY")).missed] == ["gone/ours"]
+    assert [m.id for m in results.evaluate(resolve.study("tiny.py:STUDY")).missed] == ["gone/ours"]
 
 
 def test_a_claim_that_raises_is_named_and_two_of_one_name_are_refused():

@@ -8,7 +8,7 @@ import pytest
 
 from leadscrew.kernel.block import controller, reference
 from leadscrew.kernel.loop import Loop
-from leadscrew.plants.ballscrew_stage import ballscrew_stage
+from leadscrew.plants._ballscrew_stage import ballscrew_stage
 from leadscrew.studies.fsmc_ballscrew.controllers import CONTROLLERS
 from leadscrew.studies.fsmc_ballscrew.scenarios import SCENARIOS, build
 from leadscrew.studies.fsmc_ballscrew.tracking import at_rest, elsewhere, place_of_largest, reversal

@@ -5,11 +5,11 @@ import math
 import numpy as np
 import pytest
 
-from leadscrew import catalogue
-from leadscrew.controllers.pd_dob import pd_dob
-from leadscrew.controllers.sliding.integral import smc_integral
-from leadscrew.plants.ballscrew_stage import INERTIA
-from leadscrew.references.motion import Motion
+from leadscrew import resolve
+from leadscrew.controllers._pd_dob import pd_dob
+from leadscrew.controllers._sliding.integral import smc_integral
+from leadscrew.plants._ballscrew_stage import INERTIA
+from leadscrew.references._motion import Motion
 from leadscrew.studies.fsmc_ballscrew import equal
 from leadscrew.studies.lab import Lab
 
@@ -48,7 +48,7 @@ def test_a_pd_with_an_observer_and_fixed_gains_is_a_pid():
 @pytest.mark.filterwarnings("ignore:.*diverged")
 def test_a_sine_from_rest_is_late_and_leaves_the_track_when_it_is_asked_to():
     """A delay or a mode that the scenario does not pass on leaves the loop as it was."""
-    study = catalogue.study("fsmc_ballscrew")
+    study = resolve.study("fsmc_ballscrew")
     delayed = study.build(study.controllers["ours.pd_dob"], study.scenario("rest_fast", {"delay": True}))
     flexible = study.build(study.controllers["ours.pd_dob"], study.scenario("rest_fast", {"axial_mode": True}))
     plain = study.build(study.controllers["ours.pd_dob"], study.scenario("rest_fast"))
@@ -60,7 +60,7 @@ def test_a_sine_from_rest_is_late_and_leaves_the_track_when_it_is_asked_to():
 @pytest.mark.slow
 def test_the_judge_and_the_search_agree_on_the_order_of_the_best_and_the_worst_law():
     """Other stages and finer steps: a law that is good on the search's stages alone would change places."""
-    found = equal.judged(Lab(catalogue.study("fsmc_ballscrew")), "rigid")
+    found = equal.judged(Lab(resolve.study("fsmc_ballscrew")), "rigid")
     for law in ("pd_dob", "smc"):
         assert found[law].worst_um == pytest.approx(equal.searched_um(law), rel=0.5)
     assert found["pd_dob"].worst_um < found["smc"].worst_um

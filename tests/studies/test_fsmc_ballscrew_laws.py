@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from leadscrew import catalogue
-from leadscrew.controllers.sliding.stage import SlidingParams, View, layer_slope, switching_gain
+from leadscrew import resolve
+from leadscrew.controllers._sliding.stage import SlidingParams, View, layer_slope, switching_gain
 from leadscrew.friction.lugre import TABLE_2, LuGre
-from leadscrew.plants.ballscrew_stage import INERTIA, TRAVEL_MM_PER_RAD
+from leadscrew.plants._ballscrew_stage import INERTIA, TRAVEL_MM_PER_RAD
 from leadscrew.studies.fsmc_ballscrew import laws
 from leadscrew.studies.fsmc_ballscrew.attraction import SYSTEMS, UNKNOWN, hold, reach
 from leadscrew.studies.fsmc_ballscrew.claims import FIGURES
@@ -30,7 +30,7 @@ from leadscrew.studies.lab import Lab
 from tests.fuzzy.formats_systems import shared
 
 LAM = 150.0
-LAB = Lab(catalogue.study("fsmc_ballscrew"))
+LAB = Lab(resolve.study("fsmc_ballscrew"))
 
 
 def printed_rates(x):

@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from leadscrew import catalogue
+from leadscrew import resolve
 from leadscrew.analysis.circular.paths import CircularTest, Turn
 from leadscrew.analysis.circular.quantities import quantities
-from leadscrew.analysis.friction_runs import break_away
-from leadscrew.plants.ballscrew_stage import INERTIA, TRAVEL_MM_PER_RAD
-from leadscrew.plants.mass_lugre import mass_lugre
+from leadscrew.analysis.friction import break_away
+from leadscrew.plants._ballscrew_stage import INERTIA, TRAVEL_MM_PER_RAD
+from leadscrew.plants._mass_lugre import mass_lugre
 from leadscrew.studies.fsmc_ballscrew import backlash, drives
 from leadscrew.studies.fsmc_ballscrew.circles import CIRCLES, both, circle_of, jumps_um, one
 from leadscrew.studies.fsmc_ballscrew.friction_experiments import peak_friction
@@ -21,7 +21,7 @@ from leadscrew.studies.lab import Lab
 
 MM = 1.5923
 """Travel of the table per radian, Table 1."""
-LAB = Lab(catalogue.study("fsmc_ballscrew"))
+LAB = Lab(resolve.study("fsmc_ballscrew"))
 
 
 def by_scipy(way, cosine, when):

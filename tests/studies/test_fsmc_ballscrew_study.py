@@ -2,11 +2,11 @@
 
 import pytest
 
-from leadscrew import catalogue
-from leadscrew.kernel.errors import LeadscrewError
+from leadscrew import resolve
 from leadscrew.studies import results
+from leadscrew.util.errors import LeadscrewError
 
-STAGE = catalogue.study("fsmc_ballscrew")
+STAGE = resolve.study("fsmc_ballscrew")
 
 
 def test_every_controller_fits_into_every_scenario():
@@ -39,4 +39,4 @@ def test_every_equation_table_and_figure_of_the_paper_is_an_item():
 def test_the_friction_estimate_from_the_commanded_speed_is_named_as_our_reading():
     assert any("commanded speed" in a.value and a.why.startswith("Our reading") for a in STAGE.assumed)
     for name in ("paper.smc", "paper.csmc", "paper.fsmc", "corrected.smc", "corrected.fsmc"):
-        assert STAGE.loop(name, "sine_fast").parameters["controller.friction_from"] == 1
+        assert STAGE.loop(name, "sine_fast").parameters["controller.friction_from"] == "commanded"

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from leadscrew.controllers.grey_fuzzy import tfc
+from leadscrew.controllers._grey_fuzzy import tfc
 from leadscrew.studies.grey_turning import engineers_choice as choice
 from leadscrew.studies.grey_turning import equal_effort as effort
 from leadscrew.studies.grey_turning.equal_effort import (
@@ -79,7 +79,7 @@ def test_candidates_beside_each_other_have_the_noise_of_the_run_that_is_told():
     done = told.batch(0.5, {"sensor.which": np.array([3, 5, 3])}, record=("feedback",))["feedback"]
     plain = lab().loop(block, SCENARIO, machine=row.plant)
     for k, which in enumerate((3, 5, 3)):
-        assert np.array_equal(done[k], plain.run(0.5, record=("feedback",), run=which)["feedback"])
+        assert np.array_equal(done[k], plain.run(0.5, record=("feedback",), replicate=which)["feedback"])
     assert not np.array_equal(done[0], done[1])
 
 
@@ -88,7 +88,7 @@ def test_candidates_beside_each_other_have_the_noise_of_the_run_that_is_told():
 def test_the_kept_factors_cost_what_their_searches_said(under):
     cost = COSTS[under]
     for row in [row for row in tuned(under) if row.search == 1]:
-        runs = [loop_of(row).run(cost.horizon_s, record=RECORDED, run=k) for k in TUNED_ON]
+        runs = [loop_of(row).run(cost.horizon_s, record=RECORDED, replicate=k) for k in TUNED_ON]
         assert np.mean([cost_by_hand(run, cost.penalty) for run in runs]) == pytest.approx(row.cost, rel=1e-3), row
 
 
@@ -135,7 +135,7 @@ def test_the_search_can_be_done_again_and_ends_where_the_kept_one_did(plant):
 # ---- what an engineer would use
 def test_lathes_of_the_table_lie_in_the_ranges_of_the_searches_and_none_was_seen_by_one():
     from leadscrew.tune.space import Space
-    from leadscrew.tune.tuner_plan import held_out_plants
+    from leadscrew.tune.tuner import held_out_plants
 
     found = choice.lathes()
     space = Space.of({key: (float(v.min()), float(v.max())) for key, v in found.items()})

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 from scipy.stats import kstest
 
-from leadscrew.kernel.errors import NameUnknown
 from leadscrew.studies.grey_turning.random_plants import (
     COMMON,
     FEEDS,
@@ -20,6 +19,7 @@ from leadscrew.studies.grey_turning.random_plants import (
     share,
 )
 from leadscrew.studies.grey_turning.readings import Reading, read
+from leadscrew.util.errors import NameUnknown
 from tests.studies.turning_lab import lab
 
 
@@ -70,7 +70,7 @@ def test_a_comparison_of_four_draws_worked_by_hand():
 def test_a_draw_of_the_batch_is_that_single_cut():
     loop, varied = lab().loop("corrected.gpfc_b_s9", SCENARIO), draws("plant_f", 20)
     together = drawn(lab(), "corrected.gpfc_b_s9", count=20)
-    alone = loop.using({k: float(v[17]) for k, v in varied.items()}).run(3.0, record=("feedback",), run=17)
+    alone = loop.using({k: float(v[17]) for k, v in varied.items()}).run(3.0, record=("feedback",), replicate=17)
     single = read(alone["feedback"])
     assert single.overshoot[0] == together.overshoot[17] and single.iae[0] == together.iae[17]
 

@@ -6,18 +6,18 @@ import numpy as np
 import pytest
 from turning_oracle import Fuzzy, Lathe, grey, run
 
-from leadscrew import catalogue
-from leadscrew.controllers.grey_fuzzy.rule_tables import TABLES
-from leadscrew.controllers.grey_fuzzy.tunings import FACTORS
-from leadscrew.sensors.load_cell import load_cell
+from leadscrew import resolve
+from leadscrew.controllers._grey_fuzzy.rule_tables import TABLES
+from leadscrew.sensors._load_cell import load_cell
 from leadscrew.studies import results
 from leadscrew.studies.grey_turning import cuts, laws, protection, removal
 from leadscrew.studies.grey_turning.cuts import BOTH, Case, Cuts, Row, better, compared, together
 from leadscrew.studies.grey_turning.readings import SeedMean, read, seed_mean
+from leadscrew.studies.grey_turning.tunings import FACTORS
 from tests.budget import WHOLE
 from tests.studies.turning_lab import lab
 
-STUDY = catalogue.study("grey_turning")
+STUDY = resolve.study("grey_turning")
 ON_THE_RING = 1171.875
 """Spindle speed at which a step of 1 ms is five of the 256 places a revolution: interpolation is then exact."""
 S9 = (28.0, 15.4, 0.0214)

@@ -5,10 +5,10 @@ import math
 import numpy as np
 import pytest
 
-from leadscrew.controllers.npid import npid
-from leadscrew.controllers.npid import slope as slope_of
-from leadscrew.disturbances.kicked_load import KickedLoadParams, kicked_load
-from leadscrew.references.step import step
+from leadscrew.controllers._npid import npid
+from leadscrew.controllers._npid import slope as slope_of
+from leadscrew.disturbances._kicked_load import KickedLoadParams, kicked_load
+from leadscrew.references._step import step
 from leadscrew.studies.npid_xytable import chatter as c
 from leadscrew.studies.npid_xytable import laws
 from leadscrew.studies.npid_xytable.cutting import load_volts

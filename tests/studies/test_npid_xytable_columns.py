@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from leadscrew.controllers.npid import npid, scaled_error
+from leadscrew.controllers._npid import npid, scaled_error
 from leadscrew.studies.npid_xytable.calibration import gain_um_per_mv, responses
 from leadscrew.studies.npid_xytable.cutting import BOX, amplitudes_um, phases_of, spindle_lines_hz, tried
 from leadscrew.studies.npid_xytable.laws import (

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from leadscrew.controllers.pid import TUNINGS as PID
-from leadscrew.disturbances.sine_load import sine_load
+from leadscrew.controllers._pid import TUNINGS as PID
+from leadscrew.disturbances._sine_load import sine_load
 from leadscrew.studies.npid_xytable.calibration import gain_um_per_mv
 from leadscrew.studies.npid_xytable.rejection import BEST, best_pid, let_through, opened, peak
 from leadscrew.studies.npid_xytable.spindle import ADAPTIVE, KNOWN_SPEED, wrong_speed

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from leadscrew.controllers.pid import TUNINGS
-from leadscrew.plants.xy_table_cutting import xy_table_cutting
+from leadscrew.controllers._pid import TUNINGS
+from leadscrew.plants._xy_table_cutting import xy_table_cutting
 from leadscrew.studies.npid_xytable.calibration import PERIOD_S, gain_um_per_mv
 from leadscrew.studies.npid_xytable.spindle import APART, SWEPT, closed_form, line, seen_hz, sweep, table
 from tests.studies.npid_lab import lab
@@ -70,7 +70,7 @@ def test_a_resonator_at_the_folded_line_moves_the_table_at_both_frequencies(forc
 
 def test_resonators_are_refused_above_half_the_control_rate():
     """The block says so itself: nobody places one at a folded line by accident."""
-    from leadscrew.kernel.errors import ValueRefused
+    from leadscrew.util.errors import ValueRefused
 
     with pytest.raises(ValueRefused, match=r"1600 Hz .* half the sampling frequency"):
         lab().loop(SWEPT["resonant"](spindle_hz=400.0, teeth=4), "sine_1mm").run(0.1)

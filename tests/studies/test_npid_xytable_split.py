@@ -5,8 +5,8 @@ import pytest
 
 from leadscrew.analysis.stability.driven import driven
 from leadscrew.analysis.stability.margins import margins
-from leadscrew.controllers.npid_split import parted
-from leadscrew.controllers.pid import pid
+from leadscrew.controllers._npid_split import parted
+from leadscrew.controllers._pid import pid
 from leadscrew.studies.npid_xytable import search
 from leadscrew.studies.npid_xytable import split_law as split
 from leadscrew.studies.npid_xytable.controllers import BOUNDS, CONTROLLERS

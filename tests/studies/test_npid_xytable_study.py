@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
-from leadscrew.analysis.stability.sampled import sampled_loop
-from leadscrew.catalogue import study
-from leadscrew.controllers.wrapping import takes_motion
-from leadscrew.kernel.errors import LeadscrewError
+from leadscrew.analysis.stability.loop import sampled_loop
+from leadscrew.controllers._wrapping import takes_motion
+from leadscrew.resolve import study
 from leadscrew.studies import results
+from leadscrew.util.errors import LeadscrewError
 from tests.budget import WHOLE
 
 TABLE = study("npid_xytable")

@@ -2,12 +2,12 @@
 
 import pytest
 
+from leadscrew.analysis.stability.loop import sampled_loop
 from leadscrew.analysis.stability.margins import margins
-from leadscrew.analysis.stability.sampled import sampled_loop
-from leadscrew.controllers.pid import TUNINGS, pid
+from leadscrew.controllers._pid import TUNINGS, pid
 from leadscrew.kernel.loop import Loop
-from leadscrew.plants.xy_table_two_mass import XYTableTwoMassParams, xy_table_two_mass
-from leadscrew.references.sine import sine
+from leadscrew.plants._xy_table_two_mass import XYTableTwoMassParams, xy_table_two_mass
+from leadscrew.references._sine import sine
 from leadscrew.studies.npid_xytable.two_mass import Axis, judged, notched, slowed
 
 RETUNED = TUNINGS["ours.pid_ms_159"]

@@ -7,11 +7,11 @@ import pytest
 from scipy import stats
 
 from leadscrew.analysis.stability.margins import margins
-from leadscrew.controllers.npid import npid
-from leadscrew.controllers.npid_after import npid_after
-from leadscrew.controllers.pid import pid
-from leadscrew.references.eased_sine import eased_sine
-from leadscrew.references.step import step
+from leadscrew.controllers._npid import npid
+from leadscrew.controllers._npid_after import npid_after
+from leadscrew.controllers._pid import pid
+from leadscrew.references._eased_sine import eased_sine
+from leadscrew.references._step import step
 from leadscrew.studies.npid_xytable.cutting import load_volts, sines, swing_um
 from leadscrew.studies.npid_xytable.laws import straight_fit
 from leadscrew.studies.npid_xytable.rejection import opened

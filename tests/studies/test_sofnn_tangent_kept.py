@@ -4,24 +4,24 @@ import numpy as np
 import pytest
 from scipy.ndimage import gaussian_filter1d
 
-from leadscrew import catalogue, controller_file
-from leadscrew.analysis.piece_learning import next_offsets
-from leadscrew.controllers.tangent.curvature_feed_forward import curvature_feed_forward
-from leadscrew.controllers.tangent.curvature_network import curvature_network
-from leadscrew.controllers.tangent.taught_offset import taught_alone
-from leadscrew.kernel.errors import ValueRefused
-from leadscrew.kernel.sheet import checked_replace
+from leadscrew import controller_file, resolve
+from leadscrew.controllers._tangent.curvature_feed_forward import curvature_feed_forward
+from leadscrew.controllers._tangent.curvature_network import curvature_network
+from leadscrew.controllers._tangent.taught_offset import taught_alone
+from leadscrew.kernel.parameters import checked_replace
 from leadscrew.studies.sofnn_tangent import all_weights, curvature_rules, scenarios, tuning, workflow
 from leadscrew.studies.sofnn_tangent.cuts import rules
 from leadscrew.studies.sofnn_tangent.delayed_pd import delayed_pd
 from leadscrew.studies.sofnn_tangent.pieces import PLACES, PLAIN, Learned, Plan, others_mean, pieces
 from leadscrew.studies.sofnn_tangent.scenarios import LINES, MATERIAL_NAMES, PERIOD_S, line
 from leadscrew.studies.tuned import FOLDER
+from leadscrew.tangent.piece_learning import next_offsets
 from leadscrew.tune.space import Space
-from leadscrew.tune.tuner_plan import at_ends, training
+from leadscrew.tune.tuner import at_ends, training
+from leadscrew.util.errors import ValueRefused
 from tests.studies.tangent_lab import lab
 
-STUDY = catalogue.study("sofnn_tangent")
+STUDY = resolve.study("sofnn_tangent")
 FABRIC = Plan(1, runs=2, materials=("fabric",))
 FLOWER_S = 7.91
 
@@ -34,7 +34,7 @@ def test_a_table_from_piece_to_piece_is_the_hand_written_one():
     table, errors = np.zeros(PLACES), []
     for piece in range(3):
         loop = lab().loop(taught_alone(table), "flower_fabric")
-        run = loop.run(FLOWER_S, record=("output", "feedback"), run=2 * piece + 1)
+        run = loop.run(FLOWER_S, record=("output", "feedback"), replicate=2 * piece + 1)
         errors.append(run.metrics.rms_error)
         d, e = run["output"], run["feedback"]
         n = len(d)
@@ -54,7 +54,7 @@ def test_what_is_carried_is_what_the_last_piece_ended_with():
     assert np.array_equal(carried.rms[0], batch.rms[0])
     block, errors = curvature_feed_forward, []
     for piece in range(2):
-        live = lab().loop(block, "flower_fabric").using(seed=scenarios.SEED).start(run=2 * piece)
+        live = lab().loop(block, "flower_fabric").using(seed=scenarios.SEED).start(replicate=2 * piece)
         errors.append(live.advance(live.loop.periods(FLOWER_S), every=0).metrics.rms_error)
         state = rules(live)
         block = curvature_feed_forward(prior=state.weights, prior_covariance=state.covariance)
@@ -164,7 +164,7 @@ def test_the_third_piece_of_a_table_is_what_three_pieces_by_hand_give():
         loop = (
             lab().loop(taught_alone(table), "flower_fabric").using({key: column[1] for key, column in plants.items()})
         )
-        run = loop.run(FLOWER_S, run=7 + 4 * piece + 3)
+        run = loop.run(FLOWER_S, replicate=7 + 4 * piece + 3)
         after = next_offsets(table[: len(run["output"])], run["output"], run["feedback"], 0.7, 5, 1.0, 0.8)
         table = np.pad(after, (0, PLACES - len(after)), mode="edge")
     assert found["rms_error"].shape == (2, 2) and run.metrics["rms_error"] == found["rms_error"][1, 1]

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from leadscrew.catalogue import study
 from leadscrew.neural.inference_net import W0
+from leadscrew.resolve import study
 from leadscrew.studies.results import expected
 from leadscrew.studies.sofnn_tangent.cuts import FIXED, NONE, PID, PNN, TABLE, TUNED, deviations
 from tests.studies import tangent_oracle as oracle

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from leadscrew.catalogue import study
+from leadscrew.resolve import study
 from leadscrew.studies.lab import Lab
 from leadscrew.studies.sofnn_tangent import scenarios
 from leadscrew.studies.sofnn_tangent.claims import changed, changed_deviation
@@ -44,7 +44,7 @@ def test_a_cell_has_textures_of_its_own_and_every_controller_meets_the_same():
     assert mild.rms.shape == (1, 3, 3) and len(set(mild.rms.ravel())) == 9
     again = cells(Lab(STUDY), NONE, runs=3, lines=("wave",))
     assert np.array_equal(again.rms, strong.rms)
-    single = lab().loop(NONE, "wave_leather").run(9.25, run=3)
+    single = lab().loop(NONE, "wave_leather").run(9.25, replicate=3)
     assert single.metrics["rms_error"] == strong.rms[0, 1, 0]
 
 

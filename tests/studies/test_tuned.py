@@ -7,11 +7,11 @@ from pathlib import Path
 import pytest
 from typer.testing import CliRunner
 
-from leadscrew import catalogue, controller_file
+from leadscrew import catalogue, controller_file, resolve
 from leadscrew.cli import app
 from leadscrew.studies.tuned import FOLDER, tuned
 
-FILES = [file for name in catalogue.STUDIES for file in sorted((catalogue.study(name).folder / FOLDER).glob("*.toml"))]
+FILES = [file for name in catalogue.STUDIES for file in sorted((resolve.study(name).folder / FOLDER).glob("*.toml"))]
 
 
 def ids(file: Path) -> str:
@@ -21,13 +21,13 @@ def ids(file: Path) -> str:
 @pytest.mark.parametrize("file", FILES, ids=ids)
 def test_the_gains_are_those_of_a_controller_of_the_study_and_a_command_tells_where_from(file):
     found = controller_file.read(file)
-    study = catalogue.study(file.parts[-3])
+    study = resolve.study(file.parts[-3])
     command = shlex.split(found.tuning["command"])
     assert command[:2] == ["leadscrew", "design"] or command[:3] == ["leadscrew", "tune", study.name]
     assert found.study == study.name
     assert found.tuning["holds"] is True, "the constraints are kept on plants that the search did not see"
     blocks = [b for b in study.controllers.values() if b.params is not None and not b.continuous]
-    block = tuned(study.folder, file.stem, controller_file.block(file, study))
+    block = tuned(study.folder, file.stem, resolve.from_controller_file(file, study))
     assert repr(block.params) in map(repr, (b.params for b in blocks)), "with the names of all types in it"
 
 

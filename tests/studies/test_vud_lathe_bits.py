@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from leadscrew.catalogue import study
+from leadscrew.resolve import study
 from tests.budget import some
 from tests.tools import runnable
 
@@ -52,6 +52,6 @@ def test_a_run_of_a_gain_sweep_is_the_single_run_with_that_gain():
     gains = np.linspace(259.0, 334.0, 20)
     batch = loop.batch(2.0, {"plant.full_duty_speed_mm_s": gains}, record=None)
     for k in (0, 11, 19):
-        run = loop.using({"plant.full_duty_speed_mm_s": float(gains[k])}).run(2.0, run=k)
+        run = loop.using({"plant.full_duty_speed_mm_s": float(gains[k])}).run(2.0, replicate=k)
         for name in run.signals:
             assert np.array_equal(run.signals[name].view(np.int64), batch.signals[name][k].view(np.int64)), name

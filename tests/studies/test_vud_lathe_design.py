@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy import signal
 
-from leadscrew.controllers.vud.universe import TABLE_2
+from leadscrew.controllers._vud.universe import TABLE_2
 from leadscrew.studies.vud_lathe import curvature as circuit
 from leadscrew.studies.vud_lathe import curvature as trials
 from leadscrew.studies.vud_lathe.laws import learn, moves

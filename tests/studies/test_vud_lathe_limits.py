@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from scipy.optimize import linprog, minimize_scalar
 
-from leadscrew.plants.lathe_servo_limited import LatheLimitedParams, chain_matrices, lathe_servo_limited
-from leadscrew.plants.linear import hold_matrices
+from leadscrew.plants._lathe_servo_limited import LatheLimitedParams, chain_matrices, lathe_servo_limited
+from leadscrew.plants._linear import hold_matrices
 from leadscrew.studies.vud_lathe import limits as r
 from leadscrew.studies.vud_lathe.scenarios import STEPS
 from tests.studies.lathe_lab import lab

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from leadscrew.controllers.vud.power_law import power_law
-from leadscrew.plants.lathe_servo import lathe_servo
-from leadscrew.sensors.encoder_count import encoder_count
+from leadscrew.controllers._vud.power_law import power_law
+from leadscrew.plants._lathe_servo import lathe_servo
+from leadscrew.sensors._encoder_count import encoder_count
 from leadscrew.studies.vud_lathe import old_servo as original
 from leadscrew.studies.vud_lathe.laws import bent_gain_fit, best_exponent, gain_fits, moves
 from leadscrew.studies.vud_lathe.old_servo import EXPONENT, GAIN, SPEED

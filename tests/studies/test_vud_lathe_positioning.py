@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from leadscrew import catalogue
+from leadscrew import resolve
 from leadscrew.studies.lab import Lab
 from leadscrew.studies.vud_lathe import iso_230_2 as ours
 from leadscrew.studies.vud_lathe.scenarios import MACHINES, STEPS
@@ -46,7 +46,7 @@ def test_the_warming_alone_spreads_the_runs_behind_the_encoder(tests, monkeypatc
     at = np.abs(ours.TARGETS_MM)
     assert all(np.corrcoef(at, s)[0, 1] > 0.95 for s in spread)
     monkeypatch.setattr(ours, "WARMING_K", 0.0)
-    cold = ours.run_test(Lab(catalogue.study("vud_lathe")), "encoder")
+    cold = ours.run_test(Lab(resolve.study("vud_lathe")), "encoder")
     assert cold.both.repeatability < 1.2 * cold.both.reversal + 0.5 < tests["encoder"].both.repeatability
     assert cold.compensated().both.accuracy < 0.2 * tests["encoder"].compensated().both.accuracy
 

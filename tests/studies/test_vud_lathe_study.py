@@ -5,19 +5,19 @@ import numpy as np
 import pytest
 from plain_loop import PERIOD, run_plain
 
-from leadscrew import catalogue
-from leadscrew.kernel.errors import DataError, NameUnknown, ValueRefused
-from leadscrew.plants.lathe_servo import lathe_servo
-from leadscrew.sensors.encoder_count import encoder_count
-from leadscrew.sensors.grating_count import grating_count
+from leadscrew import resolve
+from leadscrew.plants._lathe_servo import lathe_servo
+from leadscrew.sensors._encoder_count import encoder_count
+from leadscrew.sensors._grating_count import grating_count
 from leadscrew.studies import results
 from leadscrew.studies.vud_lathe import laws
 from leadscrew.studies.vud_lathe.claims import CORRECTED, OLD, PAPER, PD, metric
 from leadscrew.studies.vud_lathe.scenarios import ON_THE_ENCODER, PRINTED_SECONDS, STEPS
+from leadscrew.util.errors import DataError, NameUnknown, ValueRefused
 from tests.budget import in_every_run
 from tests.studies.lathe_lab import lab
 
-STUDY = catalogue.study("vud_lathe")
+STUDY = resolve.study("vud_lathe")
 
 
 @pytest.mark.parametrize("controller", in_every_run([PAPER, CORRECTED, OLD, PD], [CORRECTED, OLD]))

@@ -2,10 +2,10 @@
 
 from functools import cache
 
-from leadscrew import catalogue
+from leadscrew import resolve
 from leadscrew.studies.lab import Lab
 
 
 @cache
 def lab() -> Lab:
-    return Lab(catalogue.study("grey_turning"))
+    return Lab(resolve.study("grey_turning"))

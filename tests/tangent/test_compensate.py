@@ -5,7 +5,6 @@ import math
 import numpy as np
 import pytest
 
-from leadscrew.kernel.errors import DataError, ValueRefused
 from leadscrew.paths import shapes
 from leadscrew.paths.path import Path
 from leadscrew.paths.segments import Line
@@ -13,13 +12,13 @@ from leadscrew.tangent import machine
 from leadscrew.tangent.compensate import Learning, compensated
 from leadscrew.tangent.deviation import cutoff_of, deviation_of, errors_along, noise_of
 from leadscrew.tangent.emit import program
-from leadscrew.tangent.measured import Trace
-from leadscrew.tangent.placing import Placing, by_marks, fitted
-from leadscrew.tangent.points import thinned
+from leadscrew.tangent.machine import Scan, marks_of, scanned
+from leadscrew.tangent.matching import Placing, by_marks, fitted, thinned
+from leadscrew.tangent.measurement import Trace
 from leadscrew.tangent.program import program_of
-from leadscrew.tangent.scan import Scan, marks_of, scanned
 from leadscrew.tangent.settings import Settings
 from leadscrew.tangent.stroke import strokes_of
+from leadscrew.util.errors import DataError, ValueRefused
 
 PLAIN = Settings()
 NONE = np.empty(0)

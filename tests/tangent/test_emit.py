@@ -6,7 +6,6 @@ import re
 import numpy as np
 import pytest
 
-from leadscrew.kernel.errors import DataError, ValueRefused
 from leadscrew.paths import shapes
 from leadscrew.paths.path import Path, polyline
 from leadscrew.paths.segments import Arc, Line
@@ -15,6 +14,7 @@ from leadscrew.tangent.moves import moves_of
 from leadscrew.tangent.program import program_of
 from leadscrew.tangent.settings import Settings
 from leadscrew.tangent.stroke import Stroke, Table, strokes_of
+from leadscrew.util.errors import DataError, ValueRefused
 
 CUTTING = re.compile(r"^G[0-3] ")
 

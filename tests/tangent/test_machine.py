@@ -5,14 +5,14 @@ import math
 import numpy as np
 import pytest
 
-from leadscrew.kernel.errors import ValueRefused
 from leadscrew.paths import shapes
 from leadscrew.paths.path import Path
 from leadscrew.paths.segments import Line
 from leadscrew.tangent import machine
-from leadscrew.tangent.scan import Scan, marks_of, scanned
+from leadscrew.tangent.machine import Scan, marks_of, scanned
 from leadscrew.tangent.settings import Settings
 from leadscrew.tangent.stroke import Stroke, Table, strokes_of
+from leadscrew.util.errors import ValueRefused
 
 PLAIN = Settings()
 

@@ -5,7 +5,6 @@ import math
 import numpy as np
 import pytest
 
-from leadscrew.kernel.errors import DataError, ValueRefused
 from leadscrew.paths import shapes
 from leadscrew.paths.gcode import paths_of_gcode
 from leadscrew.tangent.emit import program
@@ -13,6 +12,7 @@ from leadscrew.tangent.interpreter import read_moves
 from leadscrew.tangent.program import program_of
 from leadscrew.tangent.settings import Settings
 from leadscrew.tangent.stroke import Stroke, Table, strokes_of
+from leadscrew.util.errors import DataError, ValueRefused
 
 VARIANTS = {
     "plain": Settings(angle_tolerance=0.1),

@@ -4,8 +4,8 @@ from dataclasses import replace
 
 import pytest
 
-from leadscrew.kernel.errors import DataError, ValueRefused
 from leadscrew.tangent.settings import RANGES, Settings, nearest_turn, settings_of
+from leadscrew.util.errors import DataError, ValueRefused
 
 
 @pytest.mark.parametrize("prick", ["1,100001", "-100001,1", "nan,0", "0,inf", "1", "1,2,3", "a,b"])

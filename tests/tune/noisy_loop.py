@@ -8,10 +8,10 @@ from typing import Annotated, NamedTuple
 from leadscrew.kernel.block import Block, controller, plant
 from leadscrew.kernel.loop import Loop
 from leadscrew.kernel.metrics import max_error, overshoot, rms_error, settling_time
-from leadscrew.kernel.sheet import Doc, Ge, Gt, Unit
-from leadscrew.references.step import step
-from leadscrew.sensors.noisy_ruler import noisy_ruler
-from leadscrew.studies.study import Scenario, Study
+from leadscrew.kernel.parameters import Doc, Ge, Gt, Unit
+from leadscrew.references._step import step
+from leadscrew.sensors._noisy_ruler import noisy_ruler
+from leadscrew.study_data import Scenario, Study
 
 
 class GainParams(NamedTuple):

@@ -44,7 +44,7 @@ def stopped_after(chunks: int, number: int) -> str:
     """The command line as a program that sends itself a signal as soon as it has kept so many chunks."""
     return f"""
 import os, time
-from leadscrew.tune.journal import Journal
+from leadscrew.tune.checkpoints import Journal
 put, left = Journal.put, [{chunks}]
 def put_and_stop(self, *args):
     put(self, *args)

@@ -6,16 +6,15 @@ import numpy as np
 import pytest
 
 from leadscrew.experiment import Experiment
-from leadscrew.kernel.errors import NameUnknown, ValueRefused
-from leadscrew.report.tables import NOTHING
-from leadscrew.tune.compare import compare, contest, judged
-from leadscrew.tune.compare_statistics import Interval, Pair, bad_plants, paired, per_plant, resamples, standing
-from leadscrew.tune.compare_words import confidence, metric_rows, ranking_rows, worse_than_seen
-from leadscrew.tune.crew import crew
+from leadscrew.figures.formats import NOTHING
+from leadscrew.tune.checkpoints import Journal
+from leadscrew.tune.compare import compare, confidence, contest, judged, metric_rows, ranking_rows, worse_than_seen
+from leadscrew.tune.executors import crew
 from leadscrew.tune.job import Job
-from leadscrew.tune.journal import Journal
 from leadscrew.tune.measure import Samples
 from leadscrew.tune.objective import constraint, goal
+from leadscrew.tune.statistics import Interval, Pair, bad_plants, paired, per_plant, resamples, standing
+from leadscrew.util.errors import NameUnknown, ValueRefused
 
 JOB = Job(Experiment("vud_lathe"), ("fig11a_step_m50",), 2.2)
 OVER = {"plant.full_duty_speed_mm_s": (259.0, 334.0)}

@@ -8,14 +8,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from leadscrew import catalogue, controller_file, experiment, userfile
+from leadscrew import controller_file, experiment, names, resolve
 from leadscrew.controller_file import ControllerFile
 from leadscrew.experiment import Experiment
-from leadscrew.kernel.errors import DataError
 from leadscrew.replay import replay
-from leadscrew.tune import tuned_files
+from leadscrew.tune import tuned
 from leadscrew.tune.job import Job
 from leadscrew.tune.tuner import tune
+from leadscrew.util.errors import DataError
 
 PLAIN = f"{Path(__file__).parents[1] / 'cli' / 'plain_study.py'}:STUDY"
 HEAD = 'schema_version = 1\nkind = "controller"\nstudy = "vud_lathe"\ncontroller = "corrected.vud_beta_e"\n'
@@ -53,17 +53,17 @@ def test_a_run_of_it_is_replayed_and_a_changed_file_is_named(file, tmp_path):
 
 
 def test_it_is_a_block_by_name_and_an_experiment_by_itself(file):
-    assert catalogue.block(str(file)).params.kp == 4.5
+    assert resolve.block(str(file)).params.kp == 4.5
     found = experiment.read(file)
     assert (found.study, found.controller) == (PLAIN, str(file))
-    assert userfile.stem(str(file)) == "mine"
-    assert userfile.absolute("a.toml") == str(Path("a.toml").resolve())
+    assert names.stem(str(file)) == "mine"
+    assert names.absolute("a.toml") == str(Path("a.toml").resolve())
 
 
 def test_a_fuzzy_system_may_be_its_controller(tmp_path):
     (tmp_path / "f.fis").write_text("x")
     (tmp_path / "c.toml").write_text(HEAD.replace("corrected.vud_beta_e", "f.fis"))
-    assert set(userfile.digests(str(tmp_path / "c.toml"))) == {str(tmp_path / "f.fis"), str(tmp_path / "c.toml")}
+    assert set(resolve.digests(str(tmp_path / "c.toml"))) == {str(tmp_path / "f.fis"), str(tmp_path / "c.toml")}
 
 
 def test_what_is_written_is_read_again(tmp_path):
@@ -81,7 +81,7 @@ def test_a_tuning_starts_from_it_and_writes_one(file, tmp_path):
     job = Job(Experiment(PLAIN, str(file), "small", {"controller.inverted": False, "scenario.target_mm": 2.0}))
     found = tune(job, {"controller.kp": (1.0, 9.0), "plant.lag_s": (0.01, 0.1)}, ["rms_error"], budget=8)
     assert found.present["controller.kp"] == 4.5
-    made = tuned_files.save(job, found, tmp_path / "new.toml")
+    made = tuned.save(job, found, tmp_path / "new.toml")
     assert [p.name for p in made] == ["new.toml", "new_experiment.toml"]
     text = tomllib.loads(made[0].read_text())
     assert text["controller"] == "p" and text["set"]["table"] == [2.0, 0.0, 1.0] and text["set"]["stages"] == 2

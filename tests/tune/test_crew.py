@@ -11,10 +11,10 @@ import sys
 import numpy as np
 import pytest
 
-from leadscrew.kernel.errors import LeadscrewError, ValueRefused
-from leadscrew.tune.crew import CrewLost, Threads, crew
+from leadscrew.tune.executors import CrewLost, Threads, crew
 from leadscrew.tune.montecarlo import montecarlo
 from leadscrew.tune.space import Space
+from leadscrew.util.errors import LeadscrewError, ValueRefused
 from tests.tune.shared import dask, environment, job, lathe, same, waited
 
 SPACE = Space.of(["plant.full_duty_speed_mm_s=259:334", "plant.mechanical_lag_s=normal:0.017:0.002"])
@@ -76,7 +76,7 @@ def test_a_scheduler_that_is_not_there_is_said_at_once():
 
 
 def test_something_else_at_the_address_is_no_scheduler(monkeypatch):
-    monkeypatch.setattr("leadscrew.tune.crew.PATIENCE_S", 0.5)
+    monkeypatch.setattr("leadscrew.tune.executors.PATIENCE_S", 0.5)
     with socket.socket() as mute:
         mute.bind(("127.0.0.1", 0))
         mute.listen()
@@ -105,7 +105,7 @@ def test_a_scheduler_that_greets_in_a_crowd_is_asked_again(tmp_path, monkeypatch
 @pytest.mark.slow
 def test_a_scheduler_without_workers_is_said(tmp_path, monkeypatch):
     with dask(tmp_path, 0) as (address, _):
-        monkeypatch.setattr("leadscrew.tune.crew.PATIENCE_S", 2.0)
+        monkeypatch.setattr("leadscrew.tune.executors.PATIENCE_S", 2.0)
         with pytest.raises(LeadscrewError, match="has no workers"), crew(address):
             pass
 
@@ -136,8 +136,8 @@ def test_a_scheduler_that_dies_is_said_and_not_waited_for(tmp_path):
 @pytest.mark.slow
 @pytest.mark.parametrize(("stopped", "words"), [("scheduler", "is gone"), ("worker", "has lost all of its workers")])
 def test_a_silent_cluster_is_not_waited_for(tmp_path, monkeypatch, stopped, words):
-    monkeypatch.setattr("leadscrew.tune.crew.LOOK_S", 0.2)
-    monkeypatch.setattr("leadscrew.tune.crew.LOST_S", 2.0)
+    monkeypatch.setattr("leadscrew.tune.executors.LOOK_S", 0.2)
+    monkeypatch.setattr("leadscrew.tune.executors.LOST_S", 2.0)
     with dask(tmp_path, 1) as (address, workers), crew(address) as cluster:
         pid = workers[0].pid
         if stopped == "scheduler":
@@ -149,7 +149,7 @@ def test_a_silent_cluster_is_not_waited_for(tmp_path, monkeypatch, stopped, word
 
 SCRIPT = """
 from leadscrew.experiment import Experiment
-from leadscrew.tune.crew import crew
+from leadscrew.tune.executors import crew
 from leadscrew.tune.job import Job
 from leadscrew.tune.montecarlo import montecarlo
 from leadscrew.tune.space import Space

@@ -6,9 +6,8 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from leadscrew.tune.crew import Threads
-from leadscrew.tune.failures import core_of, larger_in, newcombe, questions, separation, shares
-from leadscrew.tune.montecarlo import montecarlo
+from leadscrew.tune.executors import Threads
+from leadscrew.tune.montecarlo import core_of, larger_in, montecarlo, newcombe, questions, separation, shares
 from leadscrew.tune.statistics import clopper_pearson
 from tests.tune.shared import job
 

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from leadscrew.experiment import Experiment
-from leadscrew.kernel.errors import NameUnknown, ValueRefused
 from leadscrew.tune.job import Chunk, Job, chunk_size, chunks_of
+from leadscrew.util.errors import NameUnknown, ValueRefused
 from tests.tune.shared import job, lathe
 
 
@@ -20,7 +20,7 @@ def test_a_run_has_the_same_bits_in_any_chunk_and_alone():
     part = j.run(Chunk("small", {k: v[4:6].copy() for k, v in columns.items()}, 7))
     loop = j.loop("small")
     for k in (4, 5):
-        alone = loop.using({key: float(v[k]) for key, v in columns.items()}).run(0.1, every=0, run=3 + k)
+        alone = loop.using({key: float(v[k]) for key, v in columns.items()}).run(0.1, every=0, replicate=3 + k)
         for m in j.metrics():
             assert whole[m][k].tobytes() == part[m][k - 4].tobytes() == np.float64(alone.metrics[m]).tobytes()
 
@@ -73,7 +73,7 @@ def test_without_scenarios_it_is_the_experiments_own_or_the_first():
 def test_a_continuous_loop_is_refused(tmp_path):
     file = tmp_path / "continuous.py"
     file.write_text(
-        "from leadscrew.kernel.loop import Loop\nfrom leadscrew.references.step import step\n"
+        "from leadscrew.kernel.loop import Loop\nfrom leadscrew.references._step import step\n"
         "from tests.tune.noisy_loop import gain, slide\n"
         "LOOP = Loop(reference=step(), controller=gain, plant=slide, period=None)\n"
     )

@@ -8,12 +8,12 @@ import os
 import numpy as np
 import pytest
 
-from leadscrew import newfile
-from leadscrew.kernel.errors import DataError, ValueRefused
-from leadscrew.tune.crew import Threads
-from leadscrew.tune.journal import Journal
+from leadscrew.tune.checkpoints import Journal
+from leadscrew.tune.executors import Threads
 from leadscrew.tune.montecarlo import montecarlo, question
 from leadscrew.tune.space import Space
+from leadscrew.util import atomic
+from leadscrew.util.errors import DataError, ValueRefused
 from tests.tune.shared import job, same
 
 SPACE = Space.of(["plant.lag_s=0.02:0.08"])
@@ -84,8 +84,8 @@ def test_a_job_with_torn_chunks_gives_the_identical_result(tmp_path):
 
 def test_files_are_on_the_disk_before_they_have_their_name(tmp_path, monkeypatch):
     synced: list[bool] = []
-    monkeypatch.setattr(newfile.os, "fsync", lambda handle: synced.append((tmp_path / "t.toml").exists()))
-    newfile.save("x", tmp_path / "t.toml")
+    monkeypatch.setattr(atomic.os, "fsync", lambda handle: synced.append((tmp_path / "t.toml").exists()))
+    atomic.atomic_write("x", tmp_path / "t.toml")
     assert synced == [False, True], "the file before it is renamed, its folder after"
     synced.clear()
     Journal(tmp_path / "j", ASKED).put(0, {"m": np.arange(3.0)})
@@ -124,7 +124,7 @@ def test_a_full_disk_is_one_sentence_and_what_was_kept_goes_on(tmp_path, monkeyp
 
     journal = Journal(tmp_path / "j", asked)
     with monkeypatch.context() as patch:
-        patch.setattr(newfile.os, "fdopen", fdopen)
+        patch.setattr(atomic.os, "fdopen", fdopen)
         with pytest.raises(DataError, match="No space left on device") as said:
             montecarlo(j, SPACE, 4000, crew=Threads(1), journal=journal)
     assert "\n" not in str(said.value)

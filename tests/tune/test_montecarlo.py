@@ -9,15 +9,14 @@ import pytest
 from scipy import stats
 
 from leadscrew import experiment
-from leadscrew.kernel.errors import LeadscrewError, NameUnknown, ValueRefused
 from leadscrew.kernel.loop import DivergenceWarning
-from leadscrew.tune.crew import Threads
-from leadscrew.tune.montecarlo import montecarlo
-from leadscrew.tune.montecarlo_notes import alike, independence, without_value
-from leadscrew.tune.montecarlo_sobol import sobol_indices
+from leadscrew.report.montecarlo import alike, independence, without_value
+from leadscrew.tune.executors import Threads
+from leadscrew.tune.montecarlo import montecarlo, sobol_indices
+from leadscrew.tune.parameter_drift import envelope
 from leadscrew.tune.space import Space
-from leadscrew.tune.wear import envelope
 from leadscrew.tune.worst import worst, write
+from leadscrew.util.errors import LeadscrewError, NameUnknown, ValueRefused
 from tests.tune.noisy_loop import DIVERGING
 from tests.tune.shared import job, same
 
@@ -75,7 +74,7 @@ def test_the_same_question_has_the_same_answer(method):
 def test_without_a_space_the_noise_alone_differs():
     m = montecarlo(job(), Space(()), 50, crew=CREW)
     assert m.samples.columns == {} and len(np.unique(m.samples.metrics["small"]["rms_error"])) == 50
-    alone = job().loop("small").run(0.1, every=0, run=17)
+    alone = job().loop("small").run(0.1, every=0, replicate=17)
     assert alone.metrics["rms_error"] == m.samples.metrics["small"]["rms_error"][17]
     assert m.correlations == ()
 
@@ -145,10 +144,10 @@ def test_every_file_of_the_worst_gives_the_very_run_again(found, tmp_path):
     assert len(set(files)) == len(rows) == 12
     for row, file in zip(rows, files, strict=True):
         asked = experiment.read(file)
-        assert asked.run == row.run and asked.scenario == row.scenario
+        assert asked.replicate == row.run and asked.scenario == row.scenario
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", DivergenceWarning)
-            again = asked.loop().run(asked.seconds(), every=0, run=asked.run)
+            again = asked.loop().run(asked.seconds(), every=0, replicate=asked.replicate)
         if row.of == "diverged":
             assert again.diverged is not None and again.diverged.time == row.value
             continue
@@ -178,7 +177,7 @@ def test_a_seed_and_changes_come_along(tmp_path):
     asked = experiment.read(write(m, rows, tmp_path)[0])
     assert asked.seed == 11 and asked.changes["controller.on"] is False
     assert isinstance(asked.changes["controller.stages"], int)
-    assert asked.loop().run(asked.seconds(), every=0, run=asked.run).metrics[row.of] == row.value
+    assert asked.loop().run(asked.seconds(), every=0, replicate=asked.replicate).metrics[row.of] == row.value
 
 
 def test_all_runs_may_diverge():

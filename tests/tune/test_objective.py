@@ -7,9 +7,9 @@ import math
 import numpy as np
 import pytest
 
-from leadscrew.kernel.errors import NameUnknown, ValueRefused
 from leadscrew.tune.measure import Samples
 from leadscrew.tune.objective import Constraint, Goal, constraint, contradiction, goal, score
+from leadscrew.util.errors import NameUnknown, ValueRefused
 
 NAN = math.nan
 

@@ -7,9 +7,9 @@ import builtins
 import numpy as np
 import pytest
 
-from leadscrew.kernel.errors import LeadscrewError, NameUnknown, ValueRefused
 from leadscrew.tune import optimisers
 from leadscrew.tune.optimisers import OPTIMISERS, Answer, Search
+from leadscrew.util.errors import LeadscrewError, NameUnknown, ValueRefused
 from tests.tune.shared import on_kernels
 
 

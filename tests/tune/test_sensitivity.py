@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from leadscrew.kernel.errors import LeadscrewError, ValueRefused
 from leadscrew.tune import sensitivity
 from leadscrew.tune.sensitivity import fisher, rank_correlations
+from leadscrew.util.errors import LeadscrewError, ValueRefused
 
 
 def drawn(n=400, seed=1):

@@ -6,10 +6,9 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from leadscrew.kernel.errors import NameUnknown, ValueRefused
-from leadscrew.kernel.sheet import Entry
-from leadscrew.tune.distributions import CUT, Choice, Normal, Range, distribution
-from leadscrew.tune.space import Space, cube
+from leadscrew.kernel.parameters import ParameterSpec
+from leadscrew.tune.space import CUT, Choice, Normal, Range, Space, cube, distribution
+from leadscrew.util.errors import NameUnknown, ValueRefused
 
 U = np.linspace(0.0, 1.0, 1001)
 THEIRS = {
@@ -72,12 +71,12 @@ def test_what_is_no_distribution_is_refused_in_one_sentence(text, words):
 
 
 def test_a_space_knows_what_may_vary():
-    sheet = {k: Entry(k, t, 1, above=0.0) for k, t in (("a", "float"), ("n", "int"), ("flag", "bool"))}
-    Space.of({"a": (1, 2), "n": "1:3:int"}).check(sheet, "--over")
+    sheet = {k: ParameterSpec(k, t, 1, above=0.0) for k, t in (("a", "float"), ("n", "int"), ("flag", "bool"))}
+    Space.of({"a": (1, 2), "n": "1:3:int"}).checked(sheet, "--over")
     for over, words in (({"b": "1:2"}, "no parameter"), ({"flag": "0:1"}, "only numbers"), ({"n": "1:3"}, "int"),
                         ({"a": "-1:1"}, "allowed range"), ({"a": "normal:1:1"}, "allowed range")):  # fmt: skip
         with pytest.raises((ValueRefused, NameUnknown), match=words):
-            Space.of(over).check(sheet, "--over")
+            Space.of(over).checked(sheet, "--over")
     with pytest.raises(ValueRefused, match="given twice"):
         Space.of(["a=1:2", "a=1:3"])
 

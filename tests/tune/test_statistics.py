@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from leadscrew.kernel.errors import ValueRefused
 from leadscrew.tune import statistics
-from leadscrew.tune.montecarlo_tolerances import Tolerance, tolerance, tolerances
+from leadscrew.tune.montecarlo import Tolerance, tolerance, tolerances
 from leadscrew.tune.sensitivity import rank_correlations
+from leadscrew.util.errors import ValueRefused
 from tests.tune.shared import job
 
 

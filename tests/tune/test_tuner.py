@@ -10,13 +10,11 @@ import numpy as np
 import pytest
 
 from leadscrew.experiment import Experiment
-from leadscrew.kernel.errors import DataError, Diverged, LeadscrewError, NameUnknown, ValueRefused
-from leadscrew.tune.crew import crew
-from leadscrew.tune.front import compromise, front, thinned
+from leadscrew.tune.executors import crew
 from leadscrew.tune.job import Job
 from leadscrew.tune.space import Space
-from leadscrew.tune.tuner import tune
-from leadscrew.tune.tuner_plan import at_ends, held_out_plants, plan, training
+from leadscrew.tune.tuner import at_ends, compromise, front, held_out_plants, plan, thinned, training, tune
+from leadscrew.util.errors import DataError, Diverged, LeadscrewError, NameUnknown, ValueRefused
 from tests.tune.shared import on_kernels
 
 PLAIN = f"{Path(__file__).parents[1] / 'cli' / 'plain_study.py'}:STUDY"
@@ -84,7 +82,7 @@ def test_two_workers_of_a_cluster_find_the_same_as_two_threads():
 
 TUNED = """
 from leadscrew.experiment import Experiment
-from leadscrew.tune.crew import Threads
+from leadscrew.tune.executors import Threads
 from leadscrew.tune.job import Job
 from leadscrew.tune.tuner import tune
 
@@ -144,16 +142,16 @@ def test_an_interrupted_search_goes_on(tmp_path, reference):
 
 
 def test_a_full_disk_is_one_sentence(tmp_path, monkeypatch):
-    from leadscrew import newfile
+    from leadscrew.util import atomic
 
-    real, count = newfile.os.fdopen, iter(range(100))
+    real, count = atomic.os.fdopen, iter(range(100))
 
     def full(*args, **kwargs):
         if next(count) > 3:
             raise OSError(28, "No space left on device")
         return real(*args, **kwargs)
 
-    monkeypatch.setattr(newfile.os, "fdopen", full)
+    monkeypatch.setattr(atomic.os, "fdopen", full)
     with pytest.raises(DataError, match="cannot be written: No space left on device"):
         small(journal=tmp_path / "j")
 

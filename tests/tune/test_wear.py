@@ -5,13 +5,13 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from leadscrew.kernel.errors import NameUnknown, ValueRefused
-from leadscrew.tune.crew import Threads
+from leadscrew.tune.executors import Threads
 from leadscrew.tune.measure import measure
 from leadscrew.tune.montecarlo import montecarlo
+from leadscrew.tune.parameter_drift import Wear, envelope, falls_below, wear, wears
 from leadscrew.tune.space import Space
 from leadscrew.tune.statistics import quantiles
-from leadscrew.tune.wear import Wear, envelope, falls_below, wear, wears
+from leadscrew.util.errors import NameUnknown, ValueRefused
 from tests.tune.shared import job
 
 CREW = Threads(2)

@@ -1,1 +1,8 @@
-"""Actuators: blocks between a controller's output and a plant's input, one file each."""
+"""Actuators: blocks between a controller's output and a plant's input.
+
+The public names stand in ``__init__.pyi``; each loads its own module when it is first used.
+"""
+
+from leadscrew.util.lazy_exports import exports
+
+__getattr__, __dir__, __all__ = exports(__name__, __file__)

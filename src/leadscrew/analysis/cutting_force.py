@@ -22,8 +22,8 @@ from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 
-from leadscrew.kernel.errors import ValueRefused
-from leadscrew.kernel.sheet import Doc, Gt, Le, Unit
+from leadscrew.kernel.parameters import Doc, Gt, Le, Unit
+from leadscrew.util.errors import ValueRefused
 
 USUAL_KC = (500.0, 10000.0)
 """Specific cutting force of metals in turning, N/mm^2: outside of it a table has a wrong unit, or another material."""

@@ -27,7 +27,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from leadscrew.analysis.harmonics.record import Array, Sampling, checked_level, sampling, values
-from leadscrew.kernel.errors import DataError, ValueRefused
+from leadscrew.util.errors import DataError, ValueRefused
 
 if TYPE_CHECKING:
     from control import FrequencyResponseData

@@ -25,9 +25,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from leadscrew.analysis.harmonics.fundamental import fitted_fundamental
+from leadscrew.analysis.harmonics.lines import fitted_fundamental
 from leadscrew.analysis.harmonics.record import Array, Sampling, folded, sampling, values
-from leadscrew.kernel.errors import ValueRefused
+from leadscrew.util.errors import ValueRefused
 
 TWO_PI = 2.0 * np.pi
 REVOLUTIONS = 8.0

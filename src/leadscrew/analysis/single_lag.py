@@ -16,7 +16,7 @@ from __future__ import annotations
 
 import math
 
-from leadscrew.kernel.errors import ValueRefused
+from leadscrew.util.errors import ValueRefused
 
 
 def single_lag_time(distance: float, speed: float, lag: float, top_speed: float = math.inf) -> float:

@@ -22,8 +22,8 @@ from typing import NamedTuple
 import numpy as np
 
 from leadscrew.kernel import cache
-from leadscrew.kernel.errors import DataError, ValueRefused
-from leadscrew.plants.linear import hold_matrices
+from leadscrew.plants._linear import hold_matrices
+from leadscrew.util.errors import DataError, ValueRefused
 
 SOLVERS = (("highs-ds", True), ("highs-ipm", False), ("highs-ds", False))
 """Ways of HiGHS, the next where one gives up: an error of 0 is reached in many ways, which is hard on it."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-from leadscrew.bench.row import FIELDS
+from leadscrew.bench.measuring import FIELDS
 
 PARTS = (
     "threads", "single runs", "batches", "settled loops", "other tools", "inference", "fuzzy systems",
@@ -28,11 +28,11 @@ def run(
         functions,
         fuzzy,
         grey,
-        machine,
         many,
+        measuring,
         operated,
-        others,
         panel,
+        peers,
         robustness,
         servo,
         sofnn,
@@ -44,14 +44,14 @@ def run(
     )
 
     rounds = 3 if quick else 9
-    rows = [machine.row_of_load("before")]
-    reference, errors = others.accuracy(60 if quick else 200)
+    rows = [measuring.row_of_load("before")]
+    reference, errors = peers.accuracy(60 if quick else 200)
     made: dict[str, Callable[[], list[dict[str, Any]]]] = {
         "threads": lambda: threads.rows(min(rounds, 5), 1000 if quick else 4000, errors),
         "single runs": lambda: [r for form in servo.INTEGRATORS for r in servo.single_rows(form, rounds, errors)],
         "batches": lambda: servo.batch_rows(rounds, 128 if quick else 512, errors),
         "settled loops": lambda: servo.settled_rows(rounds, errors),
-        "other tools": lambda: others.rows(reference, errors, min(rounds, 5)),
+        "other tools": lambda: peers.rows(reference, errors, min(rounds, 5)),
         "inference": lambda: functions.inference_rows(rounds),
         "fuzzy systems": lambda: fuzzy.rows(rounds, quick),
         "stiff friction": lambda: stage.rows(rounds, quick),
@@ -71,7 +71,7 @@ def run(
         if progress is not None:
             progress(part, i / len(parts))
         rows += made[part]()
-    return [*rows, machine.row_of_load("after")]
+    return [*rows, measuring.row_of_load("after")]
 
 
 __all__ = ["FIELDS", "PARTS", "run"]

@@ -22,9 +22,8 @@ def drawn(feeds: Sequence[float] = FEEDS_MM_MIN) -> dict[str, float]:
     points of the second.
     """
     began = time.perf_counter()
-    from leadscrew.analysis.circular.drawn import Circle, draw
-    from leadscrew.analysis.circular.machine import Machine
     from leadscrew.analysis.circular.quantities import quantities
+    from leadscrew.analysis.circular.simulation import Circle, Machine, draw
     from leadscrew.experiment import Experiment
 
     axes = {name: Experiment(STUDY, name, "sine_wide").loop() for name in CONTROLLERS}

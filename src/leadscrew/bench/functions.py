@@ -8,9 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from leadscrew.bench import entries, probes
-from leadscrew.bench.row import row
-from leadscrew.bench.timing import interleaved
+from leadscrew.bench import measuring, probes
+from leadscrew.bench.measuring import interleaved, row
 from leadscrew.bench.yardstick import NoCompilerError, build
 
 POINTS = 20_000
@@ -19,7 +18,7 @@ POINTS = 20_000
 def inference_rows(rounds: int) -> list[dict[str, Any]]:
     """36 rules in the loop, at 20,000 points that fill the square."""
     blocks = {**probes.INFERENCES, "without": probes.adds}
-    seen = interleaved({k: entries.single(probes.probe(b), POINTS) for k, b in blocks.items()}, rounds)
+    seen = interleaved({k: measuring.single(probes.probe(b), POINTS) for k, b in blocks.items()}, rounds)
     ns = {k: (v - seen["without"]) / POINTS * 1e9 for k, v in seen.items()}
     bounds = {"throughput": 15.0}
     return [
@@ -48,9 +47,9 @@ def function_rows(rounds: int) -> list[dict[str, Any]]:
     blocks = {**probes.FUNCTIONS, "without": probes.nothing}
     made = {k: probes.probe(b) for k, b in blocks.items()}
     runs, theirs = 64, libm(rounds)
-    once = interleaved({k: entries.single(loop, POINTS) for k, loop in made.items()}, rounds)
+    once = interleaved({k: measuring.single(loop, POINTS) for k, loop in made.items()}, rounds)
     varied = {"controller.sum": np.linspace(0.8, 1.0, runs)}
-    lanes = interleaved({k: entries.batch(loop, 2000, varied) for k, loop in made.items()}, rounds)
+    lanes = interleaved({k: measuring.batch(loop, 2000, varied) for k, loop in made.items()}, rounds)
     rows = []
     for k in probes.FUNCTIONS:
         scalar = (once[k] - once["without"]) / POINTS * 1e9

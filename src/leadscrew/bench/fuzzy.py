@@ -1,24 +1,233 @@
-"""Rows of fuzzy systems: in the loop, in C by hand, from Python, over arrays, and in other toolboxes."""
+"""Rows of fuzzy systems: in the loop, in C by hand, from Python, over arrays, and in other toolboxes.
+
+Other fuzzy toolboxes, each asked in a process of its own by the programs of the folder ``peers`` of the repository.
+
+Nothing of theirs is imported here. Where the folder, their environment (``make peers``, or the Python that
+``LEADSCREW_PEERS`` names) or fuzzylite's headers are missing, :class:`Missing` says which.
+"""
 
 from __future__ import annotations
 
 import ctypes
+import itertools
+import json
+import os
+import shutil
+import subprocess
+import tempfile
 import time
 from collections.abc import Callable, Sequence
-from functools import partial
-from typing import Any
+from dataclasses import replace
+from functools import lru_cache, partial
+from pathlib import Path
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from leadscrew.bench import entries, fuzzy_peers, fuzzy_systems, probes
-from leadscrew.bench.fuzzy_peers import Missing
-from leadscrew.bench.row import row
-from leadscrew.bench.timing import interleaved, repeated
+from leadscrew.bench import measuring, probes
+from leadscrew.bench.measuring import interleaved, repeated, row
 from leadscrew.bench.yardstick import NoCompilerError, build
 from leadscrew.fuzzy.block import function
+from leadscrew.fuzzy.build import constants, triangles
 from leadscrew.fuzzy.evaluate import compiled
-from leadscrew.fuzzy.system import System
+from leadscrew.fuzzy.formats import fll
+from leadscrew.fuzzy.system import And, Input, Is, Output, Rule, RuleBlock, System
 from leadscrew.kernel.block import controller
+from leadscrew.util.errors import LeadscrewError
+
+LABELS = ("NB", "NM", "NS", "ZE", "PS", "PM", "PB")
+END = 4.0 / 3.0
+"""The output's universe ends where its outer sets do."""
+
+
+def mamdani(integration: str = "exact", resolution: int = 100) -> System:
+    """Error and change, minimum and maximum, centroid; consequent of rule i, j: clip(i + j - 3, 0, 6)."""
+    sets = triangles(LABELS, -1.0, 1.0, shoulders=False)
+    e, de = Input("e", -1.0, 1.0, sets), Input("de", -1.0, 1.0, sets)
+    u = Output("u", -END, END, sets, integration=integration, resolution=resolution)
+    rules = tuple(
+        Rule(And(Is("e", a), Is("de", b)), (Is("u", LABELS[min(6, max(0, i + j - 3))]),))
+        for (i, a), (j, b) in itertools.product(enumerate(LABELS), enumerate(LABELS))
+    )
+    return System("mamdani49", (e, de), (u,), (RuleBlock(rules),))
+
+
+def sugeno() -> System:
+    """The same rules with the product, and the mean of constants."""
+    made = mamdani()
+    values = dict(zip(LABELS, np.linspace(-1.0, 1.0, 7).tolist(), strict=True))
+    u = Output("u", -1.0, 1.0, constants(values), aggregation=None, defuzzifier="weighted_average")
+    block = replace(made.blocks[0], conjunction="algebraic_product", implication=None)
+    return System("sugeno49", made.inputs, (u,), (block,))
+
+
+def large(integration: str = "midpoint") -> System:
+    """A full rule base of 9 x 10 x 6 = 540 rules, minimum and maximum, centroid."""
+    counts, name = (9, 10, 6), "abc"
+    inputs = tuple(
+        Input(x, -1.0, 1.0, triangles([f"{x}{k}" for k in range(n)], -1.0, 1.0))
+        for x, n in zip(name, counts, strict=True)
+    )
+    u = Output("u", -1.25, 1.25, triangles([f"u{k}" for k in range(9)], -1.0, 1.0, shoulders=False))
+    rules = tuple(
+        Rule(
+            And(And(Is("a", f"a{i}"), Is("b", f"b{j}")), Is("c", f"c{k}")),
+            (Is("u", f"u{round((i + j + k) * 8 / 22)}"),),
+        )
+        for i, j, k in itertools.product(*map(range, counts))
+    )
+    return System("full540", inputs, (replace(u, integration=integration),), (RuleBlock(rules),))
+
+
+FOLDER = Path(__file__).parents[3] / "peers"
+HEADERS = Path("/usr/include/fl/Headers.h")
+LONGEST = 600.0
+
+
+class Missing(Exception):
+    """A peer cannot be asked here, or not about this system; says why."""
+
+
+class Answer(NamedTuple):
+    """What a peer says."""
+
+    ns: float
+    """Processor time of one evaluation."""
+    outputs: np.ndarray
+    """One row a point."""
+    version: str
+    many_ns: float | None = None
+    """Processor time a point when it is given arrays."""
+
+
+def describe(system: System) -> dict[str, Any]:
+    """A system of triangles with finite feet, constants or triangles on its one output, and rules that are all ``and``,
+    as plain numbers.
+
+    Raises:
+        Missing: another system.
+    """
+    refused = Missing("takes only triangles or constants, and rules of every input joined by and")
+    if len(system.outputs) != 1 or len(system.blocks) != 1:
+        raise refused
+
+    def variable(v: Any) -> dict[str, Any]:
+        terms = {t.name: list(t.parameters) for t in v.terms if t.shape == "triangle"}
+        if len(terms) < len(v.terms) or not np.isfinite(list(terms.values()) or 0.0).all():
+            raise refused
+        return {"name": v.name, "low": v.low, "high": v.high, "terms": terms}
+
+    (output,) = system.outputs
+    constants = {t.name: t.parameters[0] for t in output.terms if t.shape == "constant"}
+    if constants and len(constants) < len(output.terms):
+        raise refused
+    names = [v.name for v in system.inputs]
+    rules = []
+    for rule in system.rules:
+        sets, todo = {}, [rule.antecedent]
+        while todo:
+            node = todo.pop()
+            if isinstance(node, And):
+                todo += [node.left, node.right]
+            elif isinstance(node, Is) and not node.hedges:
+                sets[node.variable] = node.term
+            else:
+                raise refused
+        if set(sets) != set(names) or len(rule.consequents) != 1 or rule.weight != 1.0:
+            raise refused
+        rules.append([[sets[n] for n in names], rule.consequents[0].term])
+    plain: dict[str, Any] = {"name": output.name, "low": output.low, "high": output.high, "constants": constants}
+    made = {**plain, "terms": {}} if constants else {**variable(output), "constants": {}}
+    product = system.blocks[0].conjunction == "algebraic_product"
+    return {"inputs": [variable(v) for v in system.inputs], "output": made, "rules": rules, "product": product}
+
+
+def python() -> str:
+    """The Python of the peers' environment.
+
+    Raises:
+        Missing: there is none.
+    """
+    named = os.environ.get("LEADSCREW_PEERS") or str(FOLDER.parent / ".peers" / "bin" / "python")
+    if not FOLDER.is_dir():
+        raise Missing("the folder peers is only in a clone of the repository")
+    if shutil.which(named) is None:
+        raise Missing("not installed: make peers")
+    return named
+
+
+def ask(peer: str, system: System, points: Sequence[Sequence[float]], single: int) -> Answer:
+    """One of the Python peers (``pyfuzzylite``, ``simpful``, ``skfuzzy``) about a system: at the first ``single``
+    points one by one, and at all of them as arrays where it takes arrays.
+
+    Raises:
+        Missing: it is not there, or fails; says why.
+    """
+    request = {"points": np.asarray(points, dtype=float).tolist(), "single": single}
+    request |= {"fll": fll.dumps(system)} if peer == "pyfuzzylite" else {"system": describe(system)}
+    command = [python(), str(FOLDER / f"{peer}_peer.py")]
+    try:
+        done = subprocess.run(
+            command, input=json.dumps(request), capture_output=True, text=True, check=False, timeout=LONGEST
+        )
+    except subprocess.TimeoutExpired:
+        raise Missing(f"no answer in {LONGEST:g} s") from None
+    if done.returncode:
+        raise Missing(f"{peer} failed: {(done.stderr.strip().splitlines() or ['no word'])[-1][:160]}")
+    said = json.loads(done.stdout.strip().splitlines()[-1])
+    return Answer(said["ns"], np.array(said["outputs"], dtype=float), said["version"], said.get("many_ns"))
+
+
+@lru_cache(maxsize=1)
+def fuzzylite_program() -> str:
+    """Our program that uses fuzzylite's C++ library, compiled once a process.
+
+    Raises:
+        Missing: no compiler, or no library.
+    """
+    source = FOLDER / "fuzzylite.cpp"
+    if not source.is_file():
+        raise Missing("the folder peers is only in a clone of the repository")
+    if shutil.which("g++") is None or not HEADERS.exists():
+        raise Missing("not installed: Debian's libfuzzylite-dev and g++")
+    made = Path(tempfile.mkdtemp(prefix="leadscrew-fuzzylite-")) / "fuzzylite"
+    command = [
+        "g++",
+        "-std=c++11",
+        "-O3",
+        "-march=native",
+        "-Wno-deprecated-declarations",
+        str(source),
+        "-o",
+        str(made),
+    ]
+    done = subprocess.run([*command, "-lfuzzylite"], capture_output=True, text=True, check=False)
+    if done.returncode:
+        raise Missing(f"g++ failed: {done.stderr.strip()[:160]}")
+    return str(made)
+
+
+def fuzzylite(system: System, points: Sequence[Sequence[float]]) -> Answer:
+    """The C++ library of fuzzylite about a system at some points.
+
+    Raises:
+        Missing: it is not there, or does not take the system.
+    """
+    try:
+        text = fll.dumps(system)
+    except LeadscrewError as error:
+        raise Missing(str(error)) from None
+    rows = "\n".join(" ".join(repr(float(x)) for x in point) for point in points)
+    said = f"S {len(text)}\n{text}P {len(points)}\n{rows}\nT {len(points)}\n{rows}\n"
+    done = subprocess.run(
+        [fuzzylite_program()], input=said, capture_output=True, text=True, check=False, timeout=LONGEST
+    )
+    lines = done.stdout.splitlines()
+    if not lines or lines[0] != "ok" or len(lines) < len(points) + 2:
+        raise Missing(f"fuzzylite: {(lines or ['no answer'])[0][:160]}")
+    outputs = np.array([[float(x) for x in line.split()] for line in lines[1 : len(points) + 1]])
+    return Answer(float(lines[len(points) + 1]), outputs, "6")
+
 
 POINTS = 20_000
 NAMES = {"sugeno": "49 rules, Takagi-Sugeno", "exact": "49 rules, Mamdani", "sampled": "49 rules, Mamdani"}
@@ -31,9 +240,9 @@ PYTHONS = {"pyfuzzylite": ("exact", "sugeno"), "simpful": ("exact", "sugeno"), "
 def systems() -> dict[str, System]:
     """The 49 rules in three forms."""
     return {
-        "sugeno": fuzzy_systems.sugeno(),
-        "exact": fuzzy_systems.mamdani("exact"),
-        "sampled": fuzzy_systems.mamdani("midpoint"),
+        "sugeno": sugeno(),
+        "exact": mamdani("exact"),
+        "sampled": mamdani("midpoint"),
     }
 
 
@@ -69,11 +278,11 @@ def by_hand() -> tuple[ctypes.CDLL, ByHand]:
     Raises:
         NoCompilerError: no gcc.
     """
-    library, end = build("fuzzy.c"), fuzzy_systems.END
+    library, end = build("fuzzy.c"), END
     for name in ("none", "active", "dense", "sampled", "exact"):
         entry = getattr(library, f"fuzzy_{name}")
         entry.argtypes, entry.restype = [ctypes.POINTER(ByHand), ctypes.c_long], ctypes.c_double
-    centres = np.array([t.parameters[1] for t in fuzzy_systems.sugeno().inputs[0].terms])
+    centres = np.array([t.parameters[1] for t in sugeno().inputs[0].terms])
     consequent = np.clip(np.add.outer(np.arange(7), np.arange(7)) - 3, 0, 6).ravel()
     nodes = -end + (np.arange(100) + 0.5) * (2.0 * end / 100)
     width = centres[1] - centres[0]
@@ -89,10 +298,10 @@ def by_hand() -> tuple[ctypes.CDLL, ByHand]:
 def loop_rows(rounds: int) -> tuple[list[dict[str, Any]], dict[str, float]]:
     """What a system costs in a compiled loop, beside C by hand; also nanoseconds by form."""
     made = systems()
-    calls: dict[str, Callable[[], object]] = {"none": entries.single(probes.probe(probes.adds), POINTS)}
+    calls: dict[str, Callable[[], object]] = {"none": measuring.single(probes.probe(probes.adds), POINTS)}
     for k, system in made.items():
-        calls[k] = entries.single(in_a_loop(system), POINTS)
-        calls[f"{k}, chain"] = entries.single(in_a_loop(system, chain=True), POINTS)
+        calls[k] = measuring.single(in_a_loop(system), POINTS)
+        calls[f"{k}, chain"] = measuring.single(in_a_loop(system, chain=True), POINTS)
     why = ""
     try:
         library, numbers = by_hand()
@@ -134,7 +343,7 @@ def python_rows(rounds: int) -> tuple[list[dict[str, Any]], dict[str, float], di
 
 def large_row(points: int) -> dict[str, Any]:
     """A million points of 540 rules."""
-    made = compiled(fuzzy_systems.large())
+    made = compiled(large())
     at = np.random.default_rng(1).uniform(-1.0, 1.0, (points, 3))
     made.many(at[:1000])
     began = time.perf_counter()
@@ -153,7 +362,7 @@ def fuzzylite_rows(ours: dict[str, float], points: Sequence[Sequence[float]]) ->
     for k, like, bound in (("exact", "sampled", 50.0), ("sampled", "sampled", None), ("sugeno", "sugeno", 150.0)):
         what = f"fuzzylite 6 C++, its {HOW[like]}, against our {HOW[k]}" if k != "sugeno" else "fuzzylite 6 C++"
         try:
-            found = fuzzy_peers.fuzzylite(forms[like], points)
+            found = fuzzylite(forms[like], points)
         except Missing as why:
             rows.append(row(NAMES[k], what, unit="ns", remark=str(why)))
             continue
@@ -172,7 +381,7 @@ def peer_rows(
         for k in about:
             given = forms["sampled" if k == "exact" else k]
             try:
-                found = fuzzy_peers.ask(peer, given, points, count)
+                found = ask(peer, given, points, count)
             except Missing as why:
                 rows.append(row(NAMES[k], peer, unit="us", remark=str(why)))
                 continue
@@ -212,3 +421,69 @@ def rows(rounds: int, quick: bool = False) -> list[dict[str, Any]]:
         *fuzzylite_rows(ours, points),
         *peer_rows(ours, scalar, arrays, 20 if quick else 200),
     ]
+
+
+WIDEST = 10.0
+"""Where a universe has no end, points are drawn from this far on either side of 0."""
+
+
+def points_of(system: System, count: int, seed: int = 1) -> np.ndarray:
+    """Points drawn evenly from the universes of the inputs, one row a point."""
+    ends = [(max(v.low, -WIDEST), min(v.high, WIDEST)) for v in system.inputs]
+    low, high = np.array(ends).T
+    return np.random.default_rng(seed).uniform(low, high, (count, len(ends)))
+
+
+def bench_file(system: System, points: int = 100_000, rounds: int = 5) -> list[dict[str, Any]]:
+    """Rows about one system; the ratio is a peer's time over ours from Python, of arrays over ours of arrays."""
+    made, at = compiled(system), points_of(system, points)
+    one = at[0].tolist()
+    calls: dict[str, Callable[[], object]] = {
+        "one": repeated(partial(made.scalar, *one), 2000),
+        "many": partial(made.many, at),
+    }
+    seen = interleaved(calls, rounds)
+    single, arrays = seen["one"] / 2000 * 1e9, seen["many"] / points * 1e9
+    name = system.name or "system"
+    rules = f"{len(system.rules)} rules"
+    rows = [
+        measuring.row_of_load("before"),
+        row(name, f"{rules}, one evaluation from Python", single / 1e3, "us"),
+        row(name, f"{rules}, a point of {points:,} in arrays, one thread", arrays, "ns"),
+    ]
+    ours = made.many(at).reshape(points, -1)
+    few = at[: min(2000, points)].tolist()
+    try:
+        found = fuzzylite(system, few)
+        rows.append(
+            row(name, "fuzzylite 6 C++, in a loop", found.ns / 1e3, "us", ratio=found.ns / arrays,
+                remark=f"ratio: against ours in arrays; {_largest_difference(ours, found.outputs)}")
+        )  # fmt: skip
+    except Missing as why:
+        rows.append(row(name, "fuzzylite 6 C++", unit="us", remark=str(why)))
+    for peer in ("pyfuzzylite", "simpful", "skfuzzy"):
+        rows += _python_peer(peer, system, at[:10_000].tolist(), ours, (single, arrays))
+    return rows
+
+
+def _python_peer(
+    peer: str, system: System, points: list[list[float]], ours: np.ndarray, ns: tuple[float, float]
+) -> list[dict[str, Any]]:
+    name = system.name or "system"
+    try:
+        found = ask(peer, system, points, 20)
+    except Missing as why:
+        return [row(name, peer, unit="us", remark=str(why))]
+    what = f"{peer} {found.version}"
+    rows = [row(name, f"{what}, one evaluation", found.ns / 1e3, "us", ratio=found.ns / ns[0],
+                remark=f"against ours from Python; {_largest_difference(ours, found.outputs)}")]  # fmt: skip
+    if found.many_ns is not None:
+        rows.append(row(name, f"{what}, in arrays", found.many_ns / 1e3, "us", ratio=found.many_ns / ns[1],
+                        remark="against ours in arrays"))  # fmt: skip
+    return rows
+
+
+def _largest_difference(ours: np.ndarray, theirs: np.ndarray) -> str:
+    both = np.abs(theirs - ours[: len(theirs)])
+    told = both[np.isfinite(both)]
+    return f"outputs differ by at most {told.max():.1e}" if told.size else "no output to compare"

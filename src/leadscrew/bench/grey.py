@@ -4,10 +4,8 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple
 
-from leadscrew.bench import entries, probes
-from leadscrew.bench.machine import load
-from leadscrew.bench.row import row
-from leadscrew.bench.timing import interleaved
+from leadscrew.bench import measuring, probes
+from leadscrew.bench.measuring import interleaved, load, row
 from leadscrew.grey.gm11 import ahead, fit
 from leadscrew.grey.predictors import KINDS, predicted
 from leadscrew.grey.window import Window, pushed
@@ -54,8 +52,8 @@ def waits(p, s, command):
 
 def nanoseconds(rounds: int, kinds: tuple[str, ...] = SHOWN) -> dict[str, float]:
     """Marginal cost of a prediction in a compiled loop, ns: a loop with it less the loop that gives the last value."""
-    calls = {k: entries.single(probes.probe(predicts(kind=KINDS[k])), POINTS) for k in ("last", *kinds)}
-    calls["chain"] = entries.single(probes.probe(waits), POINTS)
+    calls = {k: measuring.single(probes.probe(predicts(kind=KINDS[k])), POINTS) for k in ("last", *kinds)}
+    calls["chain"] = measuring.single(probes.probe(waits), POINTS)
     seen = {k: v / POINTS * 1e9 for k, v in interleaved(calls, rounds).items()}
     return {k: v - seen["last"] for k, v in seen.items() if k != "last"}
 

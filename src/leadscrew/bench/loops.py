@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from leadscrew.controllers.vud import vud_beta_e
+from leadscrew.controllers._vud import vud_beta_e
 from leadscrew.kernel.block import Block, plant
 from leadscrew.kernel.metrics import iae, max_error, rms_error
-from leadscrew.plants.lathe_servo import LatheServoParams, LatheServoState, lathe_servo, show
-from leadscrew.references.step import step
-from leadscrew.sensors.grating_count import grating_count
+from leadscrew.plants._lathe_servo import LatheServoParams, LatheServoState, lathe_servo, show
+from leadscrew.references._step import step
+from leadscrew.sensors._grating_count import grating_count
 
 if TYPE_CHECKING:
     from leadscrew.kernel.loop import Loop

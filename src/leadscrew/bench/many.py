@@ -5,20 +5,17 @@ from __future__ import annotations
 import json
 import subprocess
 import sys
-import tempfile
 import time
-from pathlib import Path
 from typing import Any
 
-from leadscrew.bench.machine import load
-from leadscrew.bench.row import row
+from leadscrew.bench.measuring import load, row
 from leadscrew.bench.threads import IDLE
 from leadscrew.experiment import Experiment
-from leadscrew.kernel.errors import LeadscrewError
-from leadscrew.tune.crew import Threads, crew
+from leadscrew.tune.executors import Threads, crew
 from leadscrew.tune.job import Job
 from leadscrew.tune.measure import measure
 from leadscrew.tune.space import Space
+from leadscrew.util.errors import LeadscrewError
 
 STUDY, CONTROLLER, SCENARIO = "vud_lathe", "corrected.vud_beta_e", "fig11a_step_m50"
 OVER = ("plant.full_duty_speed_mm_s=259:334",)
@@ -28,9 +25,26 @@ LONG = 20.0
 FRESH = """
 import json
 from leadscrew.bench import many
-from leadscrew.kernel.system import peak_memory
+from leadscrew.util.system import peak_memory
 print(json.dumps(many.{what}({arguments}) | {{"memory": peak_memory()}}))
 """
+COMMAND = """
+import json, tempfile, time
+from pathlib import Path
+from leadscrew.bench.many import CONTROLLER, OVER, SCENARIO, STUDY, job
+from leadscrew.cli.montecarlo_work import Asked, Work
+from leadscrew.util.system import peak_memory
+runs, seconds = {arguments}
+job(seconds).compile(SCENARIO)
+with tempfile.TemporaryDirectory() as folder:
+    limits = ("rms_error<=45", "overshoot<=0.04")
+    asked = Asked(STUDY, CONTROLLER, (SCENARIO,), OVER, runs, limits, "lhs", 0, (), 11, 90.0, 3, seconds, (), 1, None,
+                  None, Path(folder) / "out", None, False, True)
+    began = time.perf_counter()
+    Work(asked).done()
+    print(json.dumps({{"wall": time.perf_counter() - began, "memory": peak_memory()}}))
+"""
+"""What ``leadscrew montecarlo`` does after its options are read: runs, metrics, sensitivities and report."""
 
 
 def job(seconds: float) -> Job:
@@ -49,24 +63,9 @@ def batch(runs: int, seconds: float) -> dict[str, float]:
     return {"wall": time.perf_counter() - began}
 
 
-def report(runs: int, seconds: float) -> dict[str, float]:
-    """Seconds of the command with metrics, sensitivities and report, in this process."""
-    from leadscrew.cli.montecarlo_work import Asked, Work
-
-    job(seconds).compile(SCENARIO)
-    with tempfile.TemporaryDirectory() as folder:
-        asked = Asked(
-            STUDY, CONTROLLER, (SCENARIO,), OVER, runs, ("rms_error<=45", "overshoot<=0.04"), "lhs", 0, (), 11, 90.0, 3,
-            seconds, (), 1, None, None, Path(folder) / "out", None, False, True,
-        )  # fmt: skip
-        began = time.perf_counter()
-        Work(asked).done()
-        return {"wall": time.perf_counter() - began}
-
-
 def sensors() -> dict[str, float]:
     """Seconds of the lathe study's 200 drawn axes, two sensors by two controllers, both steps; compiled before."""
-    from leadscrew import catalogue
+    from leadscrew import resolve
     from leadscrew.studies.lab import Lab
     from leadscrew.studies.vud_lathe.axes import errors_um
     from leadscrew.studies.vud_lathe.scenarios import STEPS
@@ -74,7 +73,7 @@ def sensors() -> dict[str, float]:
     cells = [(c, s.scenario, sensor) for c in ("ours.original_fit", CONTROLLER) for s in STEPS.values()
              for sensor in ("encoder", "grating")]  # fmt: skip
     for _ in range(2):  # the first time compiles
-        lab, began = Lab(catalogue.study(STUDY)), time.perf_counter()
+        lab, began = Lab(resolve.study(STUDY)), time.perf_counter()
         for cell in cells:
             errors_um(lab, *cell)
     return {"wall": time.perf_counter() - began}
@@ -82,7 +81,7 @@ def sensors() -> dict[str, float]:
 
 def in_fresh(what: str, *arguments: float) -> dict[str, float]:
     """One of these in a process of its own, so that its memory is its own."""
-    code = FRESH.format(what=what, arguments=", ".join(map(repr, arguments)))
+    code = (COMMAND if what == "report" else FRESH).format(what=what, arguments=", ".join(map(repr, arguments)))
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     found: dict[str, float] = json.loads(done.stdout.splitlines()[-1])
     return found

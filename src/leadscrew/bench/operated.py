@@ -5,8 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-from leadscrew.bench.row import row
-from leadscrew.bench.timing import interleaved
+from leadscrew.bench.measuring import interleaved, row
 
 PERIODS = 20
 """Of a loop at 1 kHz: those of one frame at 50 frames a second."""
@@ -32,8 +31,7 @@ def rows(quick: bool) -> list[dict[str, Any]]:
 
 
 def _periods() -> Callable[[], object]:
-    from leadscrew.operate.operated import Operated
-    from leadscrew.operate.session import Start
+    from leadscrew.operate.operated import Operated, Start
 
     operated = Operated(Start("vud_lathe", "corrected.vud_beta_e", "sequence"))
     operated.advance(100)
@@ -59,12 +57,12 @@ def _circle() -> Callable[[], object]:
 
     import numpy as np
 
-    from leadscrew import catalogue
-    from leadscrew.analysis.circular.machine import with_reference
+    from leadscrew import resolve
+    from leadscrew.analysis.circular.simulation import with_reference
     from leadscrew.operate.why import Circle
-    from leadscrew.references.sine import sine_motion
+    from leadscrew.references._sine import sine_motion
 
-    own = catalogue.study("fsmc_ballscrew").loop("ours.smc_4khz", "sine_slow")
+    own = resolve.study("fsmc_ballscrew").loop("ours.smc_4khz", "sine_slow")
     pair = [with_reference(own, sine_motion(amplitude=0.5, frequency=0.5, phase=p)) for p in (0.5 * math.pi, 0.0)]
     circle = Circle(pair, ["actual", "y.actual"])
     turn = 2.0 * math.pi * np.arange(TURN + 1000) / TURN

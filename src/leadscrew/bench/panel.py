@@ -13,7 +13,7 @@ from pathlib import Path
 from statistics import median
 from typing import Any
 
-from leadscrew.bench.row import row
+from leadscrew.bench.measuring import row
 
 STUDY = "vud_lathe"
 """A loop of 1 kHz."""
@@ -138,7 +138,7 @@ def _changing(page: Any, server: Server, seconds: float) -> dict[str, Any]:
 
 def rows(quick: bool) -> list[dict[str, Any]]:
     """The rows; one without a value where there is no Chromium or Playwright."""
-    from leadscrew.bench.machine import load
+    from leadscrew.bench.measuring import load
 
     missing = lacking()
     if missing:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, NamedTuple
 
-from leadscrew.controllers.vud.universe import CENTRES, TABLE_2
+from leadscrew.controllers._vud.universe import CENTRES, TABLE_2
 from leadscrew.fuzzy.inference import infer, rule_base
 from leadscrew.kernel.block import Block, controller, plant, reference
 

@@ -7,9 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from leadscrew.bench import entries, loops
-from leadscrew.bench.row import row
-from leadscrew.bench.timing import interleaved, repeated
+from leadscrew.bench import loops, measuring
+from leadscrew.bench.measuring import interleaved, repeated, row
 from leadscrew.bench.yardstick import NoCompilerError, Yardstick, same_bits
 
 MOVING, SCENARIO = 800, 4000
@@ -55,11 +54,11 @@ def single_rows(form: str, rounds: int, errors: dict[str, float]) -> Rows:
     integrator, error = INTEGRATORS[form], errors.get(form)
     name, rows = f"single run, {form}", []
     for what, periods, repeats in (("first 0.8 s, moving", MOVING, 40), ("whole scenario, 4 s", SCENARIO, 8)):
-        ours = entries.single(loop, periods)
+        ours = measuring.single(loop, periods)
         contenders = {"ours": repeated(ours, repeats)}
         compared = comparisons(periods == MOVING)
         if c is not None:
-            contenders["engine c"] = repeated(entries.single(loop, periods, engine="c"), repeats)
+            contenders["engine c"] = repeated(measuring.single(loop, periods, engine="c"), repeats)
             contenders |= {k: repeated(partial(c.run, f"{form}_{k}", periods), repeats) for k in compared}
         ns = {k: v / periods / repeats * 1e9 for k, v in interleaved(contenders, rounds).items()}
         rows.append(row(name, f"ours, {what}", ns["ours"], integrator=integrator, error=error))
@@ -90,7 +89,7 @@ def batch_rows(rounds: int, runs: int, errors: dict[str, float]) -> Rows:
     loop = loops.lathe()
     c, why = yardstick(loop)
     gains = {"plant.full_duty_speed_mm_s": np.linspace(259.0, 334.0, runs)}
-    contenders = {"lanes": entries.batch(loop, MOVING, gains)}
+    contenders = {"lanes": measuring.batch(loop, MOVING, gains)}
     if c is not None:
         for library in ("portable", "libm"):
             contenders[library] = repeated(partial(c.run, f"hold_{library}", MOVING), runs)
@@ -117,7 +116,7 @@ def settled_rows(rounds: int, errors: dict[str, float]) -> Rows:
         loop = loops.lathe(form)
         rested = loop.start()
         rested.advance(60_000, every=0)
-        calls = {"moving": entries.single(loop, MOVING), "settled": entries.single(loop, MOVING, rested)}
+        calls = {"moving": measuring.single(loop, MOVING), "settled": measuring.single(loop, MOVING, rested)}
         seen = interleaved({k: repeated(call, 20) for k, call in calls.items()}, rounds)
         ns = {k: v / MOVING / 20 * 1e9 for k, v in seen.items()}
         rows.append(

@@ -11,17 +11,15 @@ from typing import Any
 
 import numpy as np
 
-from leadscrew.bench import entries, probes
-from leadscrew.bench.machine import load
-from leadscrew.bench.row import row
-from leadscrew.bench.timing import interleaved
+from leadscrew.bench import measuring, probes
+from leadscrew.bench.measuring import interleaved, load, row
 from leadscrew.bench.yardstick import NoCompilerError, build
-from leadscrew.controllers.sofnn import NLMS, fnn, sofc, sofnn
+from leadscrew.controllers._sofnn import fnn, sofc, sofnn
 from leadscrew.kernel.block import Block, controller
 from leadscrew.neural.inference_net import W0, fired
 from leadscrew.neural.performance import TABLE
-from leadscrew.references.cut_line import TangentCommand
-from leadscrew.sensors.cut_camera import SeenCut
+from leadscrew.references._cut_line import TangentCommand
+from leadscrew.sensors._cut_camera import SeenCut
 
 POINTS = 20_000
 BOUND_NS = 1000.0
@@ -99,7 +97,7 @@ KALMAN, DENSE, IDLE = "Kalman, four rules", "Kalman, dense 49 x 49", "no learnin
 BLOCKS: dict[str, Block] = {
     KALMAN: learns,
     DENSE: learns_densely(learning=False),
-    "normalised LMS": learns(learner=NLMS),
+    "normalised LMS": learns(learner="nlms"),
     "standard self-organising controller": credits_rules,
     IDLE: learns(learning=False),
     "fixed network": stays,
@@ -138,8 +136,8 @@ def nanoseconds(rounds: int, names: tuple[str, ...] = tuple(BLOCKS)) -> dict[str
     A loop looks at the end of each period whether all numbers of its state are finite; with the covariance of 49 rules
     these are 2,600, and the look is most of what a step costs that does not learn. ``C`` is not there without gcc.
     """
-    calls: dict[str, Callable[[], object]] = {"none": entries.single(probes.probe(probes.adds), POINTS)}
-    calls |= {name: entries.single(probes.probe(BLOCKS[name]), POINTS) for name in names}
+    calls: dict[str, Callable[[], object]] = {"none": measuring.single(probes.probe(probes.adds), POINTS)}
+    calls |= {name: measuring.single(probes.probe(BLOCKS[name]), POINTS) for name in names}
     with contextlib.suppress(NoCompilerError):
         calls["C"] = by_hand()
     seen_s = {k: v / POINTS * 1e9 for k, v in interleaved(calls, rounds).items()}

@@ -1,34 +1,273 @@
-"""Rows of the ball-screw stage: ways to step stiff friction through a hold of 250 us, speed and error side by side."""
+"""Rows of the ball-screw stage: ways to step stiff friction through a hold of 250 us, speed and error side by side.
+
+Ways to step the stage through a hold: the stage under a soft, sampled controller, for the benchmark of integrators.
+
+Every 250 us the controller sees angle and speed exactly, and its torque is held:
+
+    T = J y_r'' + F_C tanh(v_r / w) + s2^ v_r - K_d (e' + lambda e)        K_d = 1 N m s/rad, lambda = 150 1/s
+
+with ``w = 10 mrad/s``, a smooth feed-forward of the believed friction. ``sharp_pd`` has the believed Stribeck term too
+and w = 1 mrad/s: its torque leaps at a reversal and makes the stage slip, which is harder to step. Two schemes differ
+by what they do inside the holds alone. Truth is RODAS at a relative tolerance of 1e-11, which SciPy's Radau confirms.
+"""
 
 from __future__ import annotations
 
+import ctypes
 import math
 import os
 import time
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field, replace
 from functools import partial
-from typing import Any
+from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 
 import numpy as np
 
-from leadscrew.bench import entries, stage_c, stage_peers
-from leadscrew.bench.machine import load
-from leadscrew.bench.row import row
-from leadscrew.bench.stage_schemes import (
-    NM,
-    PERIOD_S,
-    SMOOTH,
-    TRUTH,
-    Scheme,
-    angles,
-    benchmark,
-    error_nm,
-    every,
-    rodas,
+from leadscrew.bench import measuring
+from leadscrew.bench.measuring import interleaved, load, repeated, row
+from leadscrew.bench.yardstick import NoCompilerError, build
+from leadscrew.friction.lugre import HAT, LuGre, level, steady_bristle
+from leadscrew.kernel.block import Block, controller
+from leadscrew.kernel.parameters import Doc, Gt, Unit
+from leadscrew.plants._ballscrew_stage import (
+    INERTIA,
+    TRAVEL_MM_PER_RAD,
+    BallscrewStageParams,
+    BallscrewStageState,
+    ballscrew_stage,
+    stage_jacobian,
 )
-from leadscrew.bench.timing import interleaved, repeated
-from leadscrew.bench.yardstick import NoCompilerError
-from leadscrew.plants.ballscrew_stage import INERTIA
+from leadscrew.plants._ballscrew_stage_fixed import ballscrew_stage_fixed
+from leadscrew.references._sine import sine_motion
+
+if TYPE_CHECKING:
+    from leadscrew.kernel.loop import Loop
+
+
+PERIOD_S = 2.5e-4
+NM = 1e6 * TRAVEL_MM_PER_RAD
+"""Nanometres of the table per radian."""
+
+
+class Sine(NamedTuple):
+    """A command of the paper, and how long it runs here: past two reversals."""
+
+    amplitude_mm: float
+    rate: float
+    seconds: float
+
+
+SINES = {
+    "sine_slow": Sine(0.01, 1.0, 6.3),
+    "sine_wide": Sine(5.0, 1.0, 5.0),
+    "sine_fast": Sine(1.0, 2.0 * math.pi, 1.0),
+}
+"""0.01 sin t, 5 sin t, sin 2 pi t mm."""
+SMOOTH = ("sine_wide", "sine_fast")
+"""The two on which the stage slides but for its reversals."""
+
+
+class Seen(NamedTuple):
+    """What the controller sees."""
+
+    angle: float = 0.0
+    speed: float = 0.0
+
+
+def seen(p, s):
+    """Angle and speed."""
+    return Seen(s.angle, s.speed)
+
+
+class SoftParams(NamedTuple):
+    """A soft PD with a smooth friction feed-forward."""
+
+    lam: Annotated[float, Unit("1/s"), Gt(0)] = 150.0
+    gain: Annotated[float, Unit("N m s/rad"), Gt(0), Doc("K_d")] = 1.0
+    inertia: Annotated[float, Unit("kg m^2"), Gt(0)] = INERTIA
+    smooth: Annotated[float, Unit("rad/s"), Gt(0), Doc("speed over which the feed-forward changes sign")] = 0.01
+    hat: LuGre = HAT._replace(static=HAT.coulomb)
+
+
+@controller(SoftParams(), unit="N m", drive="torque")
+def soft_pd(p, command, feedback):
+    """The benchmark's controller: the module's equation."""
+    v = command.velocity
+    ahead = level(p.hat, v) * math.tanh(v / p.smooth) + p.hat.viscous * v
+    error = feedback.speed - v + p.lam * (feedback.angle - command.position)
+    return p.inertia * command.acceleration + ahead - p.gain * error
+
+
+sharp_pd = soft_pd(smooth=1e-3, **{"hat.static": HAT.static})
+
+
+@dataclass(frozen=True)
+class Scheme:
+    """A way of stepping the stage: the plant and the loop's options."""
+
+    name: str
+    plant: Block = ballscrew_stage
+    options: dict[str, Any] = field(default_factory=dict)
+
+
+def rodas(rtol: float) -> Scheme:
+    """Adaptive RODAS4(3) inside each hold. One absolute tolerance serves angle, speed and bristles."""
+    return Scheme(f"RODAS, rtol {rtol:.0e}".replace("e-0", "e-"), ballscrew_stage,
+                  {"method": "rodas", "rtol": rtol, "atol": 1e-5 * rtol})  # fmt: skip
+
+
+def every(method: str, microseconds: float) -> Scheme:
+    """A method of fixed cost: ``rk4``, ``sdirk3`` or ``fixed``, which is the plant's own step."""
+    name = {"rk4": "RK4", "sdirk3": "SDIRK3 of the kernel", "fixed": "SDIRK3, scalar"}[method]
+    options: dict[str, Any] = {"substeps": round(1e6 * PERIOD_S / microseconds)}
+    if method != "fixed":
+        options["method"] = method
+    plant = ballscrew_stage_fixed if method == "fixed" else ballscrew_stage
+    return Scheme(f"{name}, {microseconds:g} us", plant, options)
+
+
+TRUTH = rodas(1e-11)
+
+
+def benchmark(sine: str, scheme: Scheme, law: Block = soft_pd) -> Loop:
+    """The loop of a command and a scheme, starting in steady sliding on the command."""
+    from leadscrew.kernel.loop import Loop
+
+    amplitude, rate, _ = SINES[sine]
+    speed = amplitude / TRAVEL_MM_PER_RAD * rate
+    plant = replace(scheme.plant, output=seen) if law.step is soft_pd.step else scheme.plant
+    plant = plant.starting(speed=speed, bristle=steady_bristle(LuGre(), speed))
+    return Loop(
+        reference=sine_motion(amplitude=amplitude / TRAVEL_MM_PER_RAD, frequency=rate / (2.0 * math.pi)),
+        controller=law, plant=plant, period=PERIOD_S, metrics={}, name=scheme.name, **scheme.options,
+    )  # fmt: skip
+
+
+def angles(sine: str, scheme: Scheme, seconds: float | None = None, law: Block = soft_pd) -> Any:
+    """The angle at the start of each hold, rad."""
+    loop = benchmark(sine, scheme, law)
+    return loop.run(SINES[sine].seconds if seconds is None else seconds, record="plant.angle")["plant.angle"]
+
+
+def error_nm(sine: str, scheme: Scheme, truth: np.ndarray, law: Block = soft_pd) -> float:
+    """The largest distance from the truth over the run, nm of the table; infinite where the scheme diverges."""
+    import warnings
+
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        found = angles(sine, scheme, law=law)
+    if len(found) < len(truth):
+        return math.inf
+    return float(NM * np.abs(found - truth).max())
+
+
+FIELDS = (
+    "amplitude", "rate", "period", "substeps", "lam", "gain", "smooth", "ahead_coulomb", "ahead_viscous", "inertia",
+    "stiffness", "damping", "viscous", "coulomb", "rise", "per_speed",
+)  # fmt: skip
+FORMS = {
+    "euler": "explicit Euler",
+    "rk4": "RK4",
+    "split": "split, bristles exact at a frozen speed",
+    "implicit": "backward Euler, Newton on the speed",
+    "exponential": "exponential Rosenbrock-Euler",
+}
+"""The functions of ``stage.c`` and what they are."""
+
+
+class Stage(ctypes.Structure):
+    """Mirrors ``Stage`` of ``stage.c``."""
+
+    _fields_ = tuple((name, ctypes.c_double) for name in FIELDS)
+
+
+class State(ctypes.Structure):
+    """Mirrors ``State`` of ``stage.c``."""
+
+    _fields_ = tuple((name, ctypes.c_double) for name in ("angle", "speed", "bristle"))
+
+
+class ByHand:
+    """The C loops of one command."""
+
+    def __init__(self, sine: str) -> None:
+        self.library = build("stage.c")
+        self.sine = sine
+        pointer = ctypes.POINTER(ctypes.c_double)
+        for name in FORMS:
+            entry = getattr(self.library, f"stage_{name}")
+            entry.argtypes, entry.restype = [ctypes.POINTER(Stage), ctypes.POINTER(State), pointer, ctypes.c_long], None
+
+    def run(self, form: str, microseconds: float, holds: int) -> np.ndarray:
+        """The angle at the start of each hold, rad."""
+        amplitude, rate, _ = SINES[self.sine]
+        amplitude /= TRAVEL_MM_PER_RAD
+        f, c = LuGre(), SoftParams()
+        stage = Stage(
+            amplitude, rate, PERIOD_S, round(1e6 * PERIOD_S / microseconds), c.lam, c.gain, c.smooth, c.hat.coulomb,
+            c.hat.viscous, INERTIA, f.stiffness, f.damping, f.viscous, f.coulomb, f.static - f.coulomb,
+            1.0 / f.stribeck_speed,
+        )  # fmt: skip
+        assert math.isclose(c.hat.static, c.hat.coulomb), "the C has no Stribeck term in its feed-forward"
+        state = State(0.0, amplitude * rate, steady_bristle(f, amplitude * rate))
+        angles = np.empty(holds)
+        getattr(self.library, f"stage_{form}")(
+            stage, state, angles.ctypes.data_as(ctypes.POINTER(ctypes.c_double)), holds
+        )
+        return angles
+
+
+METHODS = {"LSODA": (1e-4, 1e-6), "Radau": (1e-4, 1e-6)}
+"""Relative tolerances; the absolute one is 1e-5 of it."""
+
+
+class Found(NamedTuple):
+    """Angles at the start of each hold, and seconds of processor time."""
+
+    angles: np.ndarray
+    seconds: float
+
+
+def torque(sine: str, t: float, angle: float, speed: float) -> float:
+    """The soft controller."""
+    amplitude, rate, _ = SINES[sine]
+    amplitude /= TRAVEL_MM_PER_RAD
+    c = SoftParams()
+    y, v = amplitude * math.sin(rate * t), amplitude * rate * math.cos(rate * t)
+    ahead = c.hat.coulomb * math.tanh(v / c.smooth) + c.hat.viscous * v
+    return c.inertia * (-rate * rate * y) + ahead - c.gain * (speed - v + c.lam * (angle - y))
+
+
+def rates(_: float, x: np.ndarray, u: float) -> list[float]:
+    """Equations (1) to (5), in Python floats."""
+    f = LuGre()
+    _angle, v, z = x.tolist()
+    g = (f.coulomb + (f.static - f.coulomb) * math.exp(-min((v / f.stribeck_speed) ** 2, 700.0))) / f.stiffness
+    rate = v - abs(v) * z / g
+    return [v, (u - f.stiffness * z - f.damping * rate - f.viscous * v) / INERTIA, rate]
+
+
+def jacobian(_: float, x: np.ndarray, u: float) -> np.ndarray:
+    """The stage's own."""
+    return np.array(stage_jacobian(BallscrewStageParams(), BallscrewStageState(*x.tolist())))
+
+
+def scipy_run(sine: str, method: str, rtol: float, holds: int) -> Found:
+    """The loop from its start in steady sliding."""
+    from scipy.integrate import solve_ivp
+
+    amplitude, rate, _ = SINES[sine]
+    speed = amplitude / TRAVEL_MM_PER_RAD * rate
+    x, seen = np.array([0.0, speed, steady_bristle(LuGre(), speed)]), []
+    options = {"method": method, "rtol": rtol, "atol": 1e-5 * rtol, "jac": jacobian}
+    began = time.process_time()
+    for k in range(holds):
+        seen.append(x[0])
+        u = torque(sine, k * PERIOD_S, float(x[0]), float(x[1]))
+        x = solve_ivp(rates, (0.0, PERIOD_S), x, args=(u,), **options).y[:, -1]
+    return Found(np.array(seen), time.process_time() - began)
+
 
 NAMES = {"sine_wide": "stage, 5 sin t", "sine_fast": "stage, sin 2 pi t"}
 SPANS = {"sine_wide": 8000, "sine_fast": 4000}
@@ -53,11 +292,11 @@ def speeds(sine: str, rounds: int, schemes: Sequence[Scheme] = OURS) -> tuple[di
     holds = SPANS[sine]
     times = {s.name: 10 if s.options.get("method") == "rodas" else 1 for s in schemes}
     calls: dict[str, Callable[[], object]] = {
-        s.name: repeated(entries.single(benchmark(sine, s), holds), times[s.name]) for s in schemes
+        s.name: repeated(measuring.single(benchmark(sine, s), holds), times[s.name]) for s in schemes
     }
     why = ""
     try:
-        c = stage_c.ByHand(sine)
+        c = ByHand(sine)
         calls |= {f"C {form} {us}": partial(c.run, form, us, holds) for form, us in BY_HAND}
     except NoCompilerError as error:
         why = str(error)
@@ -97,11 +336,11 @@ def c_rows(sine: str, ns: dict[str, float], truth: np.ndarray, why: str) -> list
     """C by hand; the ratio is C over our RODAS."""
     if why:
         return [row(NAMES[sine], "C by hand", unit="x real time", remark=f"left out: {why}")]
-    rows, c = [], stage_c.ByHand(sine)
+    rows, c = [], ByHand(sine)
     for form, us in BY_HAND:
         each = ns[f"C {form} {us}"]
         error = float(NM * np.abs(c.run(form, us, len(truth)) - truth).max())
-        what = f"{stage_c.FORMS[form]}, {us:g} us"
+        what = f"{FORMS[form]}, {us:g} us"
         remark = f"{each * us / PERIOD_S / 1e6:.0f} ns a step; ratio: C over our {BEST.name}"
         rows.append(
             row(NAMES[sine], f"C by hand, {what}", real_time(each), "x real time", ratio=each / ns[BEST.name],
@@ -116,13 +355,13 @@ def scipy_rows(rounds: int, quick: bool) -> list[dict[str, Any]]:
     seconds = holds * PERIOD_S
     truth = angles(sine, TRUTH, seconds)
     schemes = (*OURS[:3], rodas(1e-8))
-    calls = {s.name: repeated(entries.single(benchmark(sine, s), holds), 20) for s in schemes}
+    calls = {s.name: repeated(measuring.single(benchmark(sine, s), holds), 20) for s in schemes}
     ns = {k: v / holds / 20 * 1e9 for k, v in interleaved(calls, rounds).items()}
     errors = {s.name: float(NM * np.abs(angles(sine, s, seconds) - truth).max()) for s in schemes}
     rows = []
-    for method, tolerances in stage_peers.METHODS.items():
+    for method, tolerances in METHODS.items():
         for rtol in tolerances[:1] if quick else tolerances:
-            done = stage_peers.scipy_run(sine, method, rtol, holds)
+            done = scipy_run(sine, method, rtol, holds)
             each, error = done.seconds / holds * 1e9, float(NM * np.abs(done.angles - truth).max())
             ours = next((s.name for s in schemes if errors[s.name] <= error), None)
             against = f"against our {ours}, error {errors[ours]:.1e} nm" if ours else "none of ours errs as little"
@@ -144,8 +383,8 @@ def batch_rows(quick: bool) -> list[dict[str, Any]]:
         holds = 20 if steps > 100 else 800
         error = 1e-6 * error_nm(sine, scheme, angles(sine, TRUTH))
         done = steps * holds * len(varied["plant.inertia"])
-        alone = interleaved({"": entries.batch(loop, holds, varied)}, 3)[""]
-        both = interleaved({"": entries.batch(loop, holds, varied, threads=cores)}, 3, time.perf_counter)[""]
+        alone = interleaved({"": measuring.batch(loop, holds, varied)}, 3)[""]
+        both = interleaved({"": measuring.batch(loop, holds, varied, threads=cores)}, 3, time.perf_counter)[""]
         what = "a hold counts as one step" if steps == 1 else f"{holds * PERIOD_S:g} s in steps of {scheme.name}"
         facts: dict[str, Any] = {"integrator": scheme.name, "error": error}
         rows.append(

@@ -11,13 +11,12 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from leadscrew.bench import stage_c, stage_peers
-from leadscrew.bench.stage import BY_HAND, HOLDS, real_time, speeds
-from leadscrew.bench.stage_schemes import NM, TRUTH, angles, error_nm, every, rodas
-from leadscrew.report.style import BLACK, BLUE, GREEN, ORANGE, PURPLE, SKY, VERMILION
+from leadscrew.bench import stage
+from leadscrew.bench.stage import BY_HAND, HOLDS, NM, TRUTH, angles, error_nm, every, real_time, rodas, speeds
+from leadscrew.figures.style import BLACK, BLUE, GREEN, ORANGE, PURPLE, SKY, VERMILION
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure
+    from leadscrew.figures.figure import Figure
 
 SINE = "sine_fast"
 SCHEMES = (
@@ -56,13 +55,13 @@ def points(rounds: int = 5) -> list[Point]:
     ns, why = speeds(SINE, rounds, tuple(s for s, _, _ in SCHEMES))
     made = [Point(group, real_time(ns[s.name]), error_nm(SINE, s, truth), label) for s, group, label in SCHEMES]
     if not why:
-        c = stage_c.ByHand(SINE)
+        c = stage.ByHand(SINE)
         for form, us in (x for x in BY_HAND if x[0] in FORMS):
             error = float(NM * np.abs(c.run(form, us, len(truth)) - truth).max())
             made.append(Point(FORMS[form], real_time(ns[f"C {form} {us}"]), error, f"{us:g} us"))
-    for method, tolerances in stage_peers.METHODS.items():
+    for method, tolerances in stage.METHODS.items():
         for rtol in tolerances:
-            done = stage_peers.scipy_run(SINE, method, rtol, HOLDS)
+            done = stage.scipy_run(SINE, method, rtol, HOLDS)
             error = float(NM * np.abs(done.angles - truth[:HOLDS]).max())
             each = real_time(done.seconds / HOLDS * 1e9)
             made.append(Point(f"SciPy {method}", each, error, f"rtol {rtol:.0e}".replace("e-0", "e-")))
@@ -71,7 +70,7 @@ def points(rounds: int = 5) -> list[Point]:
 
 def work_precision_figure(points: Sequence[Point], title: str) -> Figure:
     """Error against how many times faster than real time, of schemes that were measured in one run."""
-    from matplotlib.figure import Figure
+    from leadscrew.figures.figure import Figure
 
     figure = Figure(figsize=(8.0, 5.0), layout="constrained")
     axes = figure.subplots()

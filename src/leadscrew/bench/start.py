@@ -10,7 +10,7 @@ import time
 from statistics import median
 from typing import Any
 
-from leadscrew.bench.row import row
+from leadscrew.bench.measuring import row
 
 FIRST_RESULT = "from leadscrew.bench.loops import lathe; lathe({form!r}).run(4.0, engine={engine!r})"
 COMPILES = """\

@@ -7,7 +7,7 @@ import sys
 from collections.abc import Iterable, Mapping
 from typing import Any
 
-from leadscrew.escape import markdown_doc
+from leadscrew.util.escape import markdown_doc
 
 HEAD = ("Row", "What", "Measured", "Ratio", "Target", "Met", "Integrator", "Error, mm", "Remark")
 VERDICTS = {True: "yes", False: "**no**", None: ""}

@@ -7,11 +7,9 @@ from typing import Any
 
 import numpy as np
 
-from leadscrew.bench import entries, loops
-from leadscrew.bench.machine import load
-from leadscrew.bench.row import row
+from leadscrew.bench import loops, measuring
+from leadscrew.bench.measuring import interleaved, load, row
 from leadscrew.bench.servo import INTEGRATORS
-from leadscrew.bench.timing import interleaved
 
 PERIODS = 2000
 """Long enough that the door's work, about 10 us a run and on one thread, is under a tenth."""
@@ -24,7 +22,7 @@ def rows(rounds: int, runs: int, errors: dict[str, float]) -> list[dict[str, Any
     before = load()
     loop = loops.lathe()
     gains = {"plant.full_duty_speed_mm_s": np.linspace(259.0, 334.0, runs)}
-    both = {str(k): entries.batch(loop, PERIODS, gains, threads=k) for k in (1, 2)}
+    both = {str(k): measuring.batch(loop, PERIODS, gains, threads=k) for k in (1, 2)}
     walls = interleaved(both, rounds, time.perf_counter)
     idle = before is not None and before < IDLE
     said = "unknown" if before is None else f"{before:.2f}"

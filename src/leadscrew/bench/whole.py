@@ -9,8 +9,7 @@ import time
 from collections.abc import Callable
 from typing import Any
 
-from leadscrew.bench.machine import load
-from leadscrew.bench.row import row
+from leadscrew.bench.measuring import load, row
 from leadscrew.bench.threads import IDLE
 
 

@@ -16,7 +16,7 @@ import numpy as np
 
 from leadscrew.bench.loops import SUBSTEPS
 from leadscrew.kernel import cache
-from leadscrew.plants.lathe_servo import LatheServoParams, lathe_servo_hold
+from leadscrew.plants._lathe_servo import LatheServoParams, lathe_servo_hold
 
 FLAGS = ("-std=c99", "-O3", "-march=native", "-ffp-contract=off", "-fPIC", "-shared")
 SOURCES = Path(__file__).parent / "c"

@@ -17,10 +17,11 @@ from typing import Annotated, Any
 
 import typer
 
-from leadscrew.cli.door import INTERNAL, INTERRUPTED, PIPE_CLOSED, Door, to_nowhere
+from leadscrew.cli.exit_codes import INTERNAL, INTERRUPTED, PIPE_CLOSED, Door, to_nowhere
 from leadscrew.cli.terminal import Guarded
 from leadscrew.cli.version import print_and_exit
-from leadscrew.reading import VARIABLE, factor
+from leadscrew.util.frames import DEBUG
+from leadscrew.util.reading import VARIABLE, factor
 
 __all__ = ["app", "main"]
 
@@ -64,6 +65,13 @@ class Commands(Door):
         super().__init__(**more)
         self.commands = LazyCommands()  # type: ignore[assignment]
 
+    def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
+        """Takes ``--debug`` wherever it stands before a ``--``."""
+        end = args.index("--") if "--" in args else len(args)
+        if "--debug" in args[:end]:
+            args = ["--debug", *(a for a in args[:end] if a != "--debug"), *args[end:]]
+        return super().parse_args(ctx, args)
+
 
 class LazyCommands(Mapping[str, Any]):
     """Each command by its name, built on first use."""
@@ -105,9 +113,7 @@ app = typer.Typer(
 
 @app.callback()
 def _leadscrew(
-    debug: Annotated[
-        bool, typer.Option("--debug", envvar="LEADSCREW_DEBUG", help="Show the traceback of an error.")
-    ] = False,
+    debug: Annotated[bool, typer.Option("--debug", envvar=DEBUG, help="Show the traceback of an error.")] = False,
     file_limits: Annotated[
         float | None,
         typer.Option(
@@ -122,6 +128,8 @@ def _leadscrew(
     ] = False,
 ) -> None:
     """A workbench for intelligent control of machine-tool axes and cutting processes."""
+    if debug:
+        os.environ[DEBUG] = "1"
     if file_limits is not None:
         os.environ[VARIABLE] = str(file_limits)
         factor()

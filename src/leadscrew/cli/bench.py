@@ -18,8 +18,8 @@ def bench(
     as_json: Json = False,
 ) -> None:
     """Measure the engines beside C, SciPy, python-control and PathSim, and the panel in a browser."""
-    from leadscrew.kernel.errors import LeadscrewError, NameUnknown
-    from leadscrew.kernel.sheet import nearest
+    from leadscrew.kernel.parameters import nearest
+    from leadscrew.util.errors import LeadscrewError, NameUnknown
 
     try:
         benches = import_module("leadscrew.bench")
@@ -39,6 +39,6 @@ def bench(
 
 
 def _cell(value: Any) -> str:
-    from leadscrew.report.tables import number
+    from leadscrew.figures.formats import number
 
     return "" if value is None else number(value)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from leadscrew.cli.door import MISSED
+from leadscrew.cli.exit_codes import MISSED
 from leadscrew.cli.output import Json, busy, emit
 from leadscrew.cli.subject import Trust, experiment_of
 from leadscrew.cli.values import parse
@@ -75,10 +75,10 @@ def certify(
 
     Exit code 0 where it is certified as asked, 1 where it is not, 2 for bad input.
     """
-    from leadscrew.analysis.stability.certifying import certify as certified
+    from leadscrew.analysis.stability.certification import certify as certified
     from leadscrew.cli.tune import free
-    from leadscrew.export.identity import identity_of
-    from leadscrew.kernel.errors import ValueRefused
+    from leadscrew.export.controller import identity_of
+    from leadscrew.util.errors import ValueRefused
 
     if out is not None and out.suffix != ".json":
         raise ValueRefused(f"--out {out}: a certificate is saved as .json")
@@ -123,7 +123,7 @@ PLOTS = (".png", ".svg", ".pdf")
 
 def _seconds(experiment: Experiment, duration: float | None) -> float | None:
     """How long to simulate; a loop of one's own without a duration is not simulated."""
-    from leadscrew.kernel.errors import ValueRefused
+    from leadscrew.util.errors import ValueRefused
 
     if duration is not None:
         return duration
@@ -136,17 +136,17 @@ def _seconds(experiment: Experiment, duration: float | None) -> float | None:
 def _save(path: Path, text: dict[str, Any]) -> None:
     import json
 
-    from leadscrew.newfile import save
-    from leadscrew.report.strict import strict
+    from leadscrew.util.atomic import atomic_write
+    from leadscrew.util.strict_json import strict
 
-    save(json.dumps(strict(text), allow_nan=False, indent=1) + "\n", path)
+    atomic_write(json.dumps(strict(text), allow_nan=False, indent=1) + "\n", path)
 
 
 def draw(found: Certification, path: Path) -> None:
     """The plot of the certificate that the verdict rests on; of a linear controller the Nyquist plot."""
     best = found.best if found.taken.nonlinear and found.best is not None else found.margins
-    chosen = best if best.draw is not None else next(
-        (c for c in (*found.autonomous, found.margins) if c.draw is not None), None
+    chosen = best if best.drawing else next(
+        (c for c in (*found.autonomous, found.margins) if c.drawing), None
     )  # fmt: skip
     assert chosen is not None
     chosen.figure().savefig(path, dpi=150)

@@ -7,13 +7,13 @@ from typing import Annotated
 
 import typer
 
-from leadscrew.cli.door import say
-from leadscrew.cli.keeping import Keeping
-from leadscrew.cli.montecarlo_progress import counting
+from leadscrew.cli.checkpoint_policy import Keeping
+from leadscrew.cli.exit_codes import say
 from leadscrew.cli.output import Json, emit, print_table
+from leadscrew.cli.progress import counting
 from leadscrew.cli.subject import Trust, spread
 from leadscrew.cli.tune import free, job_of
-from leadscrew.kernel.errors import ValueRefused
+from leadscrew.util.errors import ValueRefused
 
 SCHEMA_VERSION = 1
 
@@ -77,10 +77,10 @@ def compare(
     as_json: Json = False,
 ) -> None:
     """Compare controllers, each tuned with the same budget, on plants that no tuning saw."""
+    from leadscrew.report import comparison
     from leadscrew.tune import compare as comparing
-    from leadscrew.tune import compare_report
-    from leadscrew.tune.compare_words import METRICS, RANKING, confidence, metric_rows, ranking_rows, setting
-    from leadscrew.tune.crew import crew
+    from leadscrew.tune.compare import METRICS, RANKING, confidence, metric_rows, ranking_rows, setting
+    from leadscrew.tune.executors import crew
 
     names = controller or []
     job = job_of(study, names[0] if names else None, scenario or [], changes or [], duration)
@@ -93,7 +93,7 @@ def compare(
     with keeping, crew(cluster, threads) as workers, counting() as stage:
         found = comparing.run(asked, workers, keeping.open(asked.question()), stage(f"{len(names)} contenders"))
         if report is not None:
-            compare_report.write(found, asked, report)
+            comparison.write(found, asked, report)
     if as_json:
         emit({"schema_version": SCHEMA_VERSION, **found.as_dict(), "report": None if report is None else str(report)})
         return

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from leadscrew.cli.door import MISSED
+from leadscrew.cli.exit_codes import MISSED
 from leadscrew.cli.output import Json, emit, progress
 
 if TYPE_CHECKING:
@@ -85,11 +85,11 @@ def evaluated(show_progress: Callable[[str, float], None]) -> dict[str, tuple[Re
 
 def report_of(name: str) -> Report:
     """The key claims of a study."""
-    from leadscrew import catalogue
+    from leadscrew import resolve
     from leadscrew.report.study import summary_of
     from leadscrew.studies.results import evaluate
 
-    return summary_of(evaluate(catalogue.study(name), key=True), shlex.join(["leadscrew", "run", name]))
+    return summary_of(evaluate(resolve.study(name), key=True), shlex.join(["leadscrew", "run", name]))
 
 
 def print_demo(found: list[Report], page: Path, wall: float) -> None:

@@ -18,9 +18,9 @@ def diff(
     as_json: Json = False,
 ) -> None:
     """Print the changed equations and the changed parameter values of two controllers."""
-    from leadscrew.experiment import controller
+    from leadscrew.figures.formats import number
     from leadscrew.report.difference import equations, parameters
-    from leadscrew.report.tables import number
+    from leadscrew.resolve import controller
 
     found = study_of(study)
     first, second = controller(found, a), controller(found, b)

@@ -9,12 +9,12 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from leadscrew.cli.output import Json, emit, print_table, progress
-from leadscrew.kernel.errors import ValueRefused
+from leadscrew.util.errors import ValueRefused
 
 if TYPE_CHECKING:
     from leadscrew.identify.excite.belief import Belief
     from leadscrew.identify.excite.files import Machine
-    from leadscrew.identify.excite.limits import Limits
+    from leadscrew.identify.excite.move import Limits
 
 UNITS = {"mm": ("m", 1e-3), "m": ("m", 1.0), "deg": ("rad", 0.017453292519943295), "rad": ("rad", 1.0)}
 
@@ -73,7 +73,7 @@ def excite(
 
     Limits and values come from FIT where options do not say them. The move keeps every limit in every sample.
     """
-    from leadscrew.cli.door import say
+    from leadscrew.cli.exit_codes import say
     from leadscrew.cli.fuzzy_files import PICTURES, save_figure, suffix_of
     from leadscrew.cli.tune import free
     from leadscrew.identify.excite import files
@@ -135,14 +135,14 @@ def _asked(
     fit: Path | None, tell: str | None, guess: list[str] | None, options: dict[str, str | float | None],
     unit: str | None, duration: float,
 ) -> tuple[Limits, Belief]:  # fmt: skip
-    from leadscrew.cli.door import say
+    from leadscrew.cli.exit_codes import say
     from leadscrew.cli.fuzzy_files import numbers
     from leadscrew.identify.excite.belief import USUAL, Belief, belief_of, keys_of, values_of
-    from leadscrew.identify.excite.limits import Limits
-    from leadscrew.kernel import door
+    from leadscrew.identify.excite.move import Limits
+    from leadscrew.kernel import validate
 
     if unit is not None:
-        door.one_of("--unit", unit, list(UNITS))
+        validate.one_of("--unit", unit, list(UNITS))
     known = numbers(guess or [], "--guess")
     wanted = None if tell is None else [t.strip() for t in tell.split(",") if t.strip()]
     if fit is None:
@@ -186,17 +186,18 @@ def _sensor(
     belief: Belief, step: float | None, noise: float | None, force: float | None, period: float | None,
     by_direction: bool, unit: str | None,
 ) -> Belief:  # fmt: skip
-    from leadscrew.kernel import door
+    from leadscrew.kernel import validate
 
     scale = _scale(unit, belief.unit)
     if step is not None:
-        belief = replace(belief, noise=scale * door.positive("--encoder-step", step, "") / 12.0**0.5)
+        belief = replace(belief, noise=scale * validate.positive("--encoder-step", step, "") / 12.0**0.5)
     if noise is not None:
         belief = replace(
-            belief, noise=max(belief.noise if step is not None else 0.0, scale * door.positive("--noise", noise, ""))
+            belief,
+            noise=max(belief.noise if step is not None else 0.0, scale * validate.positive("--noise", noise, "")),
         )
     if period is not None:
-        belief = replace(belief, period=door.positive("--period", period, "s"))
+        belief = replace(belief, period=validate.positive("--period", period, "s"))
     if by_direction:
         belief = replace(belief, symmetric=False)
     if force is None and not belief.force_noise:

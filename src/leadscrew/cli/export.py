@@ -8,11 +8,11 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from leadscrew.cli.door import MISSED
+from leadscrew.cli.exit_codes import MISSED
 from leadscrew.cli.output import Json, busy, emit, print_table
 from leadscrew.cli.subject import Trust, experiment_of
 from leadscrew.cli.values import parse
-from leadscrew.escape import shell
+from leadscrew.util.escape import shell
 
 if TYPE_CHECKING:
     from leadscrew.export.verdict import Verdict
@@ -59,7 +59,7 @@ def export(
     as_json: Json = False,
 ) -> None:
     """Export a controller to C99, LinuxCNC or an FMU, with golden vectors that prove it is the same."""
-    from leadscrew import userfile
+    from leadscrew import names
     from leadscrew.export.controller import export_controller
     from leadscrew.export.folder import write
 
@@ -73,7 +73,7 @@ def export(
     block = loop.blocks["controller"]
     assert block is not None
     title = experiment.controller or block.name
-    stem = userfile.stem(title) if name is None else name
+    stem = names.stem(title) if name is None else name
     with busy(f"{title} to {target}"):
         core, record = export_controller(loop, experiment.seconds(), name=stem, title=title, real=real, drive=drive)
         manifest = write(core, record, target, out, loop=loop, binary=not sources_only)

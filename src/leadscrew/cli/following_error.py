@@ -42,17 +42,16 @@ def following_error(
 
     Says what is odd about the logs: rows out of order, rounding, counters that wrap, torn, frozen and double rows.
     """
-    from leadscrew.analysis.following import following
-    from leadscrew.analysis.following_files import pair_of, read_logs
+    from leadscrew.analysis.following import following, pair_of, read_logs
     from leadscrew.cli.fuzzy_files import PICTURES, save_figure, suffix_of
     from leadscrew.cli.pairs import texts
     from leadscrew.cli.tune import free
-    from leadscrew.kernel import door
+    from leadscrew.kernel import validate
     from leadscrew.report import following as report
-    from leadscrew.report.following_picture import picture
+    from leadscrew.report.following import picture
 
     if period is not None:
-        door.positive("--period", period, "s")
+        validate.positive("--period", period, "s")
     if plot is not None:
         suffix_of(plot, PICTURES, "--plot")
     if csv is not None:
@@ -68,9 +67,9 @@ def following_error(
         if plot is not None:
             save_figure(picture(found), plot)
         if csv is not None:
-            from leadscrew.newfile import save
+            from leadscrew.util.atomic import atomic_write
 
-            save(report.csv_text(found), csv)
+            atomic_write(report.csv_text(found), csv)
     if as_json:
         written = {"report": out, "csv": csv, "plot": plot}
         emit({**report.summary(found), **{k: None if p is None else str(p) for k, p in written.items()}})

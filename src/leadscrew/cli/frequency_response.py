@@ -8,7 +8,7 @@ import typer
 
 from leadscrew.cli.harmonics import End, Level, Log, Plot, Start, Table, Time
 from leadscrew.cli.output import Json, emit, print_table
-from leadscrew.kernel.errors import DataError, ValueRefused
+from leadscrew.util.errors import DataError, ValueRefused
 
 
 def frequency_response(
@@ -48,7 +48,7 @@ def frequency_response(
     """
     from leadscrew.analysis import frequency_response as analysis
     from leadscrew.analysis.harmonics.record import checked_level
-    from leadscrew.cli.door import say
+    from leadscrew.cli.exit_codes import say
     from leadscrew.cli.fuzzy_files import PICTURES, save_figure, suffix_of
     from leadscrew.cli.logs import part_of
     from leadscrew.report import frequency_response as report
@@ -85,9 +85,9 @@ def frequency_response(
         what = f"{log.name}: loop gain" if loop_gain else f"{log.name}: {input_} to {output}"
         save_figure(report.picture(found, what, level), plot)
     if csv is not None:
-        from leadscrew.newfile import save
+        from leadscrew.util.atomic import atomic_write
 
-        save(report.csv(found, level), csv)
+        atomic_write(report.csv(found, level), csv)
     if as_json:
         written = {"plot": None if plot is None else str(plot), "csv": None if csv is None else str(csv)}
         emit({**report.summary(found, str(log), loop_gain, level), "input": input_, "output": output,

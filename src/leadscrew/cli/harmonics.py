@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from leadscrew.cli.output import Json, emit, print_table
-from leadscrew.kernel.errors import DataError, ValueRefused
+from leadscrew.util.errors import DataError, ValueRefused
 
 Log = Annotated[
     Path, typer.Argument(metavar="LOG", help="CSV, Parquet, or a folder of simulate --out; evenly sampled.")
@@ -50,7 +50,7 @@ def harmonics(
     """
     from leadscrew.analysis.harmonics.measured import measure
     from leadscrew.analysis.harmonics.record import checked_level
-    from leadscrew.cli.door import say
+    from leadscrew.cli.exit_codes import say
     from leadscrew.cli.fuzzy_files import PICTURES, save_figure, suffix_of
     from leadscrew.cli.logs import numbers, part_of
     from leadscrew.report import harmonics as report
@@ -74,13 +74,13 @@ def harmonics(
     if plot is not None:
         save_figure(report.picture(found, f"{log.name}: {signal}", unit, level), plot)
     if csv is not None:
-        from leadscrew.newfile import save
+        from leadscrew.util.atomic import atomic_write
 
         rows = [
             ",".join(report.columns(found, unit, level)).replace(", ", " "),
             *map(",".join, report.rows(found, level)),
         ]
-        save("\n".join(rows) + "\n", csv)
+        atomic_write("\n".join(rows) + "\n", csv)
     if as_json:
         written = {"plot": None if plot is None else str(plot), "csv": None if csv is None else str(csv)}
         emit({**report.summary(found, str(log), signal, unit, level), **written})

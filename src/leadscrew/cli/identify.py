@@ -2,21 +2,447 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
+from leadscrew.cli import pairs
 from leadscrew.cli.identify_axis import axis
-from leadscrew.cli.identify_cutting_force import cutting_force
-from leadscrew.cli.identify_friction_force import friction_force
-from leadscrew.cli.identify_linear import linear
-from leadscrew.cli.identify_servo_gain import servo_gain
-from leadscrew.cli.output import Json, emit, print_table, progress
+from leadscrew.cli.output import Json, busy, emit, print_table, progress
+from leadscrew.cli.pairs import texts
 from leadscrew.cli.subject import Trust
-from leadscrew.kernel.errors import ValueRefused
+from leadscrew.util.errors import ValueRefused
+from leadscrew.util.escape import shell
+
+if TYPE_CHECKING:
+    from leadscrew.analysis.cutting_force import Kienzle
+
+
+def cutting_force(
+    file: Annotated[
+        Path, typer.Argument(metavar="FILE", help="CSV or Parquet, a row a cut: feed, depth, main cutting force.")
+    ],
+    out: Annotated[
+        Path | None,
+        typer.Option("--out", "-o", metavar="DIR", help="A folder for the report: page, picture, JSON, cut.toml."),
+    ] = None,
+    column: Annotated[
+        list[str] | None,
+        typer.Option(metavar="WHAT=HEADER", help="Header of a column: feed, depth, force, feed_force, spindle, ..."),
+    ] = None,
+    unit: Annotated[
+        list[str] | None, typer.Option(metavar="WHAT=UNIT", help="Unit of a column, where its header says none.")
+    ] = None,
+    method: Annotated[str, typer.Option(help="Of the power law: log-log, relative or absolute.")] = "log-log",
+    kappa: Annotated[float, typer.Option(metavar="DEG", help="Cutting edge angle, for Kienzle's notation.")] = 90.0,
+    exponent: Annotated[
+        float | None, typer.Option(metavar="P", help="The exponent, where the table has one feed only.")
+    ] = None,
+    spindle_rpm: Annotated[
+        float | None, typer.Option(metavar="RPM", help="Spindle speed, for feeds in mm/min without such a column.")
+    ] = None,
+    at: Annotated[
+        list[str] | None, typer.Option(metavar="FEED,DEPTH", help="Say the force of this cut too, mm/rev and mm.")
+    ] = None,
+    beside: Annotated[
+        str | None, typer.Option(metavar="KC11,MC", help="Errors of a law from elsewhere on the same cuts.")
+    ] = None,
+    bootstrap: Annotated[int, typer.Option(metavar="N", help="Intervals from N draws of residuals too.")] = 0,
+    usual_kc: Annotated[
+        str, typer.Option(metavar="LOW,HIGH", help="Specific force in N/mm2 outside which a unit is taken as wrong.")
+    ] = "500,10000",
+    example: Annotated[
+        bool, typer.Option("--example", help="Write eight published cuts to FILE instead, to see what a file is like.")
+    ] = False,
+    as_json: Json = False,
+) -> None:
+    """Fit laws of the main cutting force (power law, Kienzle, chip and edge), and say what the table cannot tell.
+
+    Known columns: feed or f, depth or ap, force, Fc or F; units in the header, as in feed (mm/rev), or --unit.
+    """
+    if example:
+        _write_cutting_example(file, out is not None or as_json or any((column, unit, at, beside)))
+        return
+    from leadscrew.identify.cutting_force_table import read_force_table
+    from leadscrew.kernel import validate
+
+    if spindle_rpm is not None:
+        validate.positive("--spindle-rpm", spindle_rpm, "1/min")
+    cuts = [_pair("--at", text, "FEED,DEPTH") for text in at or []]
+    low, high = _pair("--usual-kc", usual_kc, "LOW,HIGH")
+    if not low < high:
+        raise ValueRefused(f"--usual-kc {usual_kc}: expected LOW,HIGH with LOW below HIGH")
+    other = None if beside is None else _other(beside, kappa)
+    table = read_force_table(
+        file, columns=texts("--column", column, "WHAT=HEADER"), units=texts("--unit", unit, "WHAT=UNIT"),
+        spindle_rpm=spindle_rpm, usual_kc=(low, high),
+    )  # fmt: skip
+    with busy(f"{file}: laws"):
+        from leadscrew.identify.cutting_force import bootstrap as draw
+        from leadscrew.identify.cutting_force import fit_forces
+        from leadscrew.report import cutting_force as report
+
+        fit = fit_forces(table, method=method, kappa_deg=kappa, exponent=exponent)  # type: ignore[arg-type]
+        drawn = draw(fit, bootstrap) if bootstrap else None
+        more = {"beside": other, "cuts": cuts, "drawn": drawn}
+        if out is not None:
+            report.write(fit, file.name, out, **more)  # type: ignore[arg-type]
+    if as_json:
+        emit({**report.summary(fit, str(file), **more), "report": out})  # type: ignore[arg-type]
+        return
+    from leadscrew.cli.exit_codes import say
+    from leadscrew.cli.output import print_table
+
+    tables: list[tuple[Sequence[str], list[list[str]]]] = [
+        (report.LAW_COLUMNS, report.law_rows(fit, drawn)),
+        (report.FIT_COLUMNS, report.fit_rows(fit, other)),
+        (report.ROW_COLUMNS, report.cut_rows(fit)),
+        *([(report.AT_COLUMNS, report.at_rows(fit, cuts))] if cuts else []),
+    ]
+    for columns, rows in tables:
+        print_table(columns, rows, right=[c for c in columns if c in report.NUMBERS])
+        typer.echo("")
+    for line in report.sentences(fit):
+        typer.echo(line)
+    typer.echo(report.for_simulation(fit, "--set "))
+    for note in fit.notes:
+        say(f"leadscrew: note: {note}")
+    if out is not None:
+        then = f"; next: leadscrew simulate {out / 'cut.toml'}" if report.settings(fit) else ""
+        typer.echo(f"\nreport: {out / 'report.html'}{then}")
+
+
+def _write_cutting_example(file: Path, more: bool) -> None:
+    from leadscrew.identify.cutting_force_table import EXAMPLE
+    from leadscrew.util.atomic import atomic_write
+    from leadscrew.util.errors import DataError
+
+    if more:
+        raise ValueRefused("--example only writes FILE; leave the other options for the fit of it")
+    if file.exists():
+        raise DataError(f"{file} exists already; --example overwrites nothing")
+    atomic_write(EXAMPLE, file)
+    typer.echo(f"{file}: published cuts; next: leadscrew identify cutting-force {shell(file)}")
+
+
+def _pair(option: str, text: str, expected: str) -> tuple[float, float]:
+    try:
+        first, second = (float(part) for part in text.split(","))
+    except ValueError:
+        first = second = -1.0
+    if not (0.0 < first < float("inf") and 0.0 < second < float("inf")):
+        raise ValueRefused(f"{option} {text}: expected {expected}, two numbers above 0")
+    return first, second
+
+
+def _other(text: str, kappa: float) -> Kienzle:
+    from leadscrew.analysis.cutting_force import Kienzle
+
+    try:
+        kc11, mc = (float(part) for part in text.split(","))
+    except ValueError:
+        kc11 = mc = -1.0
+    if not (0.0 < kc11 < float("inf") and -1.0 < mc < 1.0):
+        raise ValueRefused(f"--beside {text}: expected KC11,MC, N/mm2 above 0 and a number between -1 and 1")
+    if not 0.0 < kappa <= 90.0:
+        raise ValueRefused(f"--kappa {kappa:g}: allowed range is (0, 90] degrees")
+    return Kienzle(kc11, mc, kappa)
+
+
+def friction_force(
+    file: Annotated[
+        Path, typer.Argument(metavar="FILE", help="Log with time, friction force and position or velocity, both ways.")
+    ],
+    out: Annotated[
+        Path | None,
+        typer.Option("--out", "-o", metavar="DIR", help="A folder for the report: page, picture, JSON, friction.toml."),
+    ] = None,
+    force: Annotated[str | None, typer.Option(metavar="COLUMN", help="Measured friction force.")] = None,
+    position: Annotated[str | None, typer.Option(metavar="COLUMN", help="Measured position.")] = None,
+    velocity: Annotated[str | None, typer.Option(metavar="COLUMN", help="Measured velocity.")] = None,
+    normal: Annotated[str | None, typer.Option(metavar="COLUMN", help="Measured normal force.")] = None,
+    time: Annotated[str | None, typer.Option(metavar="COLUMN", help="Time.")] = None,
+    column: Annotated[
+        list[str] | None,
+        typer.Option(metavar="ROLE=HEADER", help="The same as --force HEADER and so on: force=Fx."),
+    ] = None,
+    unit: Annotated[
+        list[str] | None, typer.Option(metavar="ROLE=UNIT", help="Unit of a column, over its header's: force=mN.")
+    ] = None,
+    period: Annotated[
+        float | None, typer.Option(metavar="S", help="Seconds from row to row, for a log without a column of times.")
+    ] = None,
+    sign: Annotated[
+        str, typer.Option(metavar="auto|1|-1", help="1: a positive force resists a positive speed; auto: by its work.")
+    ] = "auto",
+    load: Annotated[
+        str, typer.Option(metavar="auto|force|coefficient", help="Coefficient times normal force, or force alone.")
+    ] = "auto",
+    holdout: Annotated[
+        float, typer.Option(metavar="SHARE", help="Of the samples, at the end: judged, not fitted. 0 to 0.8.")
+    ] = 0.5,
+    start: Annotated[float | None, typer.Option(metavar="S", help="Leave out what is earlier.")] = None,
+    end: Annotated[float | None, typer.Option(metavar="S", help="Leave out what is later.")] = None,
+    example: Annotated[
+        bool, typer.Option("--example", help="Write a made log with a known friction to FILE instead.")
+    ] = False,
+    as_json: Json = False,
+) -> None:
+    """Fit Coulomb and viscous friction, Stribeck map, Dahl, LuGre and Maxwell slip to a measured friction force.
+
+    No mass is needed: the measured motion drives the models. Columns are known by usual names: time, friction,
+    position, velocity, normal; units by the header, as in Position [mm], or by --unit.
+    """
+    columns = {"time": time, "force": force, "position": position, "velocity": velocity, "normal": normal}
+    named = {role: name for role, name in columns.items() if name is not None}
+    for role, name in texts("--column", column, "ROLE=HEADER, as in force=Fx").items():
+        if named.setdefault(role, name) != name:
+            raise ValueRefused(f"--column {role}={name}, and --{role} {named[role]}: name one column")
+    if example:
+        _write_friction_example(file, out is not None or as_json or bool(named) or bool(unit))
+        return
+    run(file, out, named, unit or [], sign=_sign(sign), load=load, holdout=holdout, start=start, end=end,
+        period=period, as_json=as_json)  # fmt: skip
+
+
+def of_force(
+    log: Path, out: Path | None, force: str, time: str, position: str, velocity: str | None, normal: str | None,
+    as_json: bool,
+) -> None:  # fmt: skip
+    """What ``leadscrew identify friction --force`` does; its own default names are those of a drive's log."""
+    given = {"force": force, "time": time, "position": position, "velocity": velocity, "normal": normal}
+    drive = {"time": "time", "position": "feedback"}
+    run(log, out, {k: v for k, v in given.items() if v is not None and drive.get(k) != v}, [], as_json=as_json)
+
+
+def run(
+    file: Path, out: Path | None, columns: dict[str, str], units: Sequence[str], *,
+    sign: Literal["auto", 1, -1] = "auto", load: str = "auto", holdout: float = 0.5, start: float | None = None,
+    end: float | None = None, period: float | None = None, as_json: bool = False,
+) -> None:  # fmt: skip
+    """Fits, writes the folder where one is asked for, and prints."""
+    from leadscrew.identify.friction_force import identify_friction_force, read_force_record
+
+    if out is not None and out.exists() and (not out.is_dir() or any(out.iterdir())):
+        raise ValueRefused(f"--out {out} exists already; choose another folder or remove it")
+    said = texts("--unit", units, "ROLE=UNIT, as in force=mN")
+    record = read_force_record(file, columns=columns, units=said, sign=sign, start=start, end=end, period=period)
+    with progress() as bar:
+        fit = identify_friction_force(
+            record, holdout=holdout, load=load,  # type: ignore[arg-type]  # checked there
+            progress=lambda what, done: bar(f"{file}: {what}", done),
+        )  # fmt: skip
+        from leadscrew.report import friction_force as report
+
+        if out is not None:
+            report.write(fit, out)
+    if as_json:
+        emit({**report.summary(fit), "file": str(file), "report": out})
+        return
+    from leadscrew.cli.exit_codes import say
+    from leadscrew.cli.output import print_table
+
+    print_table(report.MODEL_COLUMNS, report.model_rows(fit), right=report.MODEL_COLUMNS[1:])
+    typer.echo("")
+    print_table(report.VALUE_COLUMNS, report.value_rows(fit.chosen), right=report.VALUE_COLUMNS[1:4])
+    typer.echo("")
+    for line in report.sentences(fit):
+        typer.echo(line)
+    for line in fit.advice:
+        typer.echo(f"what to measure next: {line}")
+    for note in fit.notes:
+        say(f"leadscrew: note: {note}")
+    if out is not None:
+        typer.echo(f"\nreport: {out / 'report.html'}; {out / 'friction.toml'}: a [set] table with plant.friction")
+
+
+def _write_friction_example(file: Path, more: bool) -> None:
+    from leadscrew.identify.friction_force.example import example_text
+    from leadscrew.util.atomic import atomic_write
+    from leadscrew.util.errors import DataError
+
+    if more:
+        raise ValueRefused("--example only writes FILE; leave the other options for the fit of it")
+    if file.exists():
+        raise DataError(f"{file} exists already; --example overwrites nothing")
+    atomic_write(example_text(), file)
+    typer.echo(f"{file}: a made log; next: leadscrew identify friction-force {shell(file)}")
+
+
+def _sign(text: str) -> Literal["auto", 1, -1]:
+    known: dict[str, Literal["auto", 1, -1]] = {"auto": "auto", "1": 1, "+1": 1, "-1": -1}
+    if text not in known:
+        raise ValueRefused(f"--sign {text}: allowed are auto, 1 and -1")
+    return known[text]
+
+
+def linear(
+    log: Annotated[
+        Path,
+        typer.Argument(
+            metavar="LOG", help="CSV, TSV, Parquet, MATLAB, LinuxCNC halscope, or a folder of simulate --out."
+        ),
+    ],
+    input_: Annotated[
+        str | None, typer.Option("--input", metavar="COLUMN", help="What drives the plant; else the log's drive.")
+    ] = None,
+    output: Annotated[
+        str | None, typer.Option("--output", metavar="COLUMN", help="What it answers; else the log's position.")
+    ] = None,
+    command: Annotated[
+        str | None,
+        typer.Option(metavar="COLUMN", help="Of a closed loop: instrument against noise that goes round."),
+    ] = None,
+    time: Annotated[str | None, typer.Option(metavar="COLUMN", help="Times; else the log's time.")] = None,
+    unit: Annotated[
+        list[str] | None, typer.Option(metavar="COLUMN=UNIT", help="Unit of a column, over the file's own.")
+    ] = None,
+    period: Annotated[float | None, typer.Option(metavar="S", help="From row to row of a log without times.")] = None,
+    start: Annotated[float | None, typer.Option(metavar="S", help="Leave out what is earlier.")] = None,
+    end: Annotated[float | None, typer.Option(metavar="S", help="Leave out what is later.")] = None,
+    order: Annotated[
+        str | None,
+        typer.Option(
+            metavar="POLES[,ZEROS[,AT_0]]", help="Instead of a choice: 3,1,1 is 3 poles, 1 of them at 0, 1 zero."
+        ),
+    ] = None,
+    max_order: Annotated[int, typer.Option(metavar="N", help="Most poles of a candidate.")] = 4,
+    max_zeros: Annotated[int, typer.Option(metavar="N", help="Most zeros of a candidate.")] = 2,
+    integrators: Annotated[str, typer.Option(metavar="N,N", help="Poles at 0 that are tried: of 0, 1, 2.")] = "0,1",
+    delay: Annotated[float | None, typer.Option(metavar="S", help="Known delay; fitted unless given.")] = None,
+    max_delay: Annotated[float | None, typer.Option(metavar="S", help="Longest delay; 20 samples.")] = None,
+    holdout: Annotated[float, typer.Option(metavar="SHARE", help="Of the log, at its end, to judge by.")] = 0.5,
+    margin: Annotated[
+        float, typer.Option(metavar="SHARE", help="Error over the least one that buys a simpler model.")
+    ] = 0.02,
+    out: Annotated[
+        Path | None, typer.Option("--out", "-o", metavar="FILE.toml", help="Machine file: a name of a study.")
+    ] = None,
+    report: Annotated[Path | None, typer.Option(metavar="DIR", help="A folder: page, pictures, JSON.")] = None,
+    as_json: Json = False,
+) -> None:
+    """Find a transfer function with delay; its order is chosen by simulating a part of the log it has not seen.
+
+    The input is taken as held from sample to sample. Columns are named as in the file, with or without their unit.
+    """
+    from leadscrew.cli.exit_codes import say
+    from leadscrew.cli.logs import numbers
+    from leadscrew.cli.tune import free
+    from leadscrew.identify.linear.fit import identify_linear
+    from leadscrew.identify.linear.record import read_linear
+    from leadscrew.report import identified_linear as words
+
+    if out is not None and out.suffix != ".toml":
+        raise ValueRefused(f"--out {out}: a machine file ends in .toml")
+    free([out, report])
+    structure = None if order is None else _structure(order)
+    tried = tuple(_whole(x, "--integrators", integrators) for x in numbers(integrators, "--integrators"))
+    units = pairs.texts("--unit", unit, "COLUMN=UNIT, as in time=ms")
+    record = read_linear(log, input_, output, command, time=time, units=units, start=start, end=end, period=period)
+    with progress() as tell:
+        fit = identify_linear(
+            record, structure=structure, max_order=max_order, max_zeros=max_zeros, integrators=tried, delay=delay,
+            max_delay=max_delay, holdout=holdout, margin=margin, progress=tell,
+        )  # fmt: skip
+    if out is not None:
+        from leadscrew.identify.linear import result
+        from leadscrew.machine.file import write
+
+        made = result.machine(fit, out.stem)
+    if report is not None:
+        words.write(fit, report)
+    if out is not None:
+        write(out, made)
+    if as_json:
+        emit({**words.summary(fit, str(log)), "report": report, "out": out})
+        return
+    for columns, rows in (
+        (words.PARAMETER_COLUMNS, words.parameter_rows(fit)),
+        (words.CANDIDATE_COLUMNS, words.candidate_rows(fit)),
+        (words.STRETCH_COLUMNS, words.stretch_rows(fit)),
+    ):
+        print_table(columns, rows, right=[c for c in columns if c in words.NUMBERS])
+        typer.echo("")
+    for line in words.sentences(fit):
+        typer.echo(line)
+    for kind, lines in (("note", fit.notes), ("next", fit.advice)):
+        for line in lines:
+            say(f"leadscrew: {kind}: {line}")
+    if report is not None:
+        typer.echo(f"\nreport: {report / 'report.html'}")
+    if out is not None:
+        typer.echo(f"\n{out}: the machine; next: leadscrew simulate {shell(out)}")
+
+
+def _structure(text: str) -> tuple[int, int, int]:
+    from leadscrew.cli.logs import numbers
+
+    given = [_whole(x, "--order", text) for x in numbers(text, "--order")]
+    if not 1 <= len(given) <= 3:
+        raise ValueRefused(f"--order {text}: expected POLES, POLES,ZEROS or POLES,ZEROS,AT_0, for example 3,1,1")
+    poles, zeros, at_zero = (*given, 0, 0)[:3]
+    return poles, zeros, at_zero
+
+
+def _whole(value: float, option: str, text: str) -> int:
+    if value != int(value):
+        raise ValueRefused(f"{option} {text}: expected whole numbers with commas between them")
+    return int(value)
+
 
 SCHEMA_VERSION = 1
+COLUMNS = ("move", "samples", "gain alone", "misfit %", "travel")
+
+
+def servo_gain(
+    logs: Annotated[
+        list[Path], typer.Argument(metavar="LOG...", help="One move a file, or several in one with --split.")
+    ],
+    input_: Annotated[str, typer.Option("--input", metavar="COLUMN", help="What drives the plant.")] = "output",
+    position: Annotated[str, typer.Option(metavar="COLUMN", help="Measured position.")] = "feedback",
+    time: Annotated[str, typer.Option(metavar="COLUMN", help="Times, or counts of samples with --unit.")] = "time",
+    split: Annotated[
+        str | None, typer.Option(metavar="COLUMN", help="A new move begins where this column changes.")
+    ] = None,
+    lag: Annotated[list[float] | None, typer.Option(metavar="S", help="A known lag; once for each.")] = None,
+    hold: Annotated[
+        str, typer.Option(help="Input between samples: linear, previous (held), or current (already the later one).")
+    ] = "linear",
+    unit: Annotated[
+        list[str] | None,
+        typer.Option(metavar="COLUMN=UNIT", help="Where its header says none; '-190 mm' scales and turns."),
+    ] = None,
+    as_json: Json = False,
+) -> None:
+    """Find the gain K of position = K / (s (T1 s + 1) (T2 s + 1) ...) input, and how far the moves agree on it."""
+    from leadscrew.identify.linear.servo_gain import servo_gain as fit_all
+
+    found = fit_all(
+        logs, input_, position, time=time, split=split, lags_s=lag or (), hold=hold,
+        units=pairs.texts("--unit", unit, "COLUMN=UNIT, as in time='0.1 s'"),
+    )  # fmt: skip
+    if as_json:
+        emit({"schema_version": SCHEMA_VERSION, "kind": "leadscrew identify servo-gain", **found.as_dict()})
+        return
+    rows = [
+        (m.name, str(m.samples), f"{m.gain_alone:.4g}", f"{m.nrmse_percent:.3g}", f"{m.travel:.4g}")
+        for m in found.moves
+    ]
+    print_table(COLUMNS, rows, right=COLUMNS[1:])
+    typer.echo("")
+    lags = ", ".join(f"{x:g}" for x in found.lags_s) or "none"
+    typer.echo(f"gain {found.gain:.4g} {found.unit}; lags {lags} s; input between samples: {found.hold}")
+    typer.echo(f"the moves' own gains differ by {found.spread_percent:.3g} % of it")
+    others = ", ".join(f"{name} {value:.4g}" for name, value in found.other_holds.items())
+    typer.echo(f"with the input otherwise between samples: {others}")
+    if found.notes:
+        from leadscrew.cli.exit_codes import say
+
+        for note in found.notes:
+            say(f"leadscrew: note: {note}")
+
 
 app = typer.Typer(no_args_is_help=True, help="Find a model's parameters in logged data.")
 
@@ -76,20 +502,18 @@ def friction(
     export.
     """
     if force is not None:
-        from leadscrew.cli.identify_friction_force import of_force
-
         of_force(log, out, force, time, position, velocity, normal, as_json)
         return
     if velocity is not None or normal is not None:
         raise ValueRefused("--velocity and --normal go with --force, the column of a measured friction force")
-    from leadscrew import catalogue, controller_file, userfile
+    from leadscrew import controller_file, names, resolve
     from leadscrew.cli.tune import free
     from leadscrew.identify.friction_file import controller_with, identify_file, table_rows
 
     if out is not None and out.suffix != ".toml":
         raise ValueRefused(f"--out {out}: a controller file ends in .toml")
     if out is not None:
-        catalogue.study(userfile.absolute(study))
+        resolve.study(names.absolute(study))
     free([out])
     with progress() as report:
         found = identify_file(
@@ -97,7 +521,7 @@ def friction(
             delay=delay, progress=lambda what, done: report(f"{log}: {what}", done),
         )  # fmt: skip
     if out is not None:
-        controller_file.write(out, controller_with(found, userfile.absolute(study), controller, str(log)))
+        controller_file.write(out, controller_with(found, names.absolute(study), controller, str(log)))
     if as_json:
         emit({"schema_version": SCHEMA_VERSION, "log": str(log), **found.as_dict(),
               "out": None if out is None else str(out)})  # fmt: skip

@@ -9,9 +9,9 @@ import typer
 
 from leadscrew.cli import pairs
 from leadscrew.cli.output import Json, busy, emit, print_table, progress
-from leadscrew.escape import shell
-from leadscrew.kernel import door
-from leadscrew.kernel.errors import ValueRefused
+from leadscrew.kernel import validate
+from leadscrew.util.errors import ValueRefused
+from leadscrew.util.escape import shell
 
 if TYPE_CHECKING:
     from leadscrew.identify.axis.result import AxisFit
@@ -91,8 +91,8 @@ def axis(
     """
     from leadscrew.cli.tune import free
 
-    door.one_of("--model", model, MODELS)
-    door.one_of("--refine", refine, REFINE)
+    validate.one_of("--model", model, MODELS)
+    validate.one_of("--refine", refine, REFINE)
     if not 0.0 <= holdout <= 0.8:
         raise ValueRefused(f"--holdout {holdout:g}: allowed range is [0, 0.8], a share of the log")
     if out is not None and out.suffix != ".toml":
@@ -144,7 +144,7 @@ def _cascade(text: str | None) -> Any:
     if not {"kp", "kv"} <= set(found) <= set(GAINS):
         raise ValueRefused(f"--cascade {text}: expected {expected}")
     if "over" in found:
-        found["over"] = door.whole("--cascade over", found["over"], 1, 8)
+        found["over"] = validate.whole("--cascade over", found["over"], 1, 8)
     return Cascade(**found)
 
 
@@ -161,13 +161,13 @@ def _write(
     if out is None and report is None:
         return
     from leadscrew import machine
-    from leadscrew.report import identified_axis_page as page
+    from leadscrew.report import identified_axis as page
 
     name = (out or report or Path(log.source)).stem
 
     def found(folder: Path) -> machine.MachineFile:
         """The machine, whose file lies in ``folder``."""
-        from leadscrew.machine.log import of_log
+        from leadscrew.machine.scenarios import of_log
 
         source = Path(log.source)
         asked = of_log(source, folder, **how) if log.command is not None and source.is_file() else None
@@ -182,9 +182,9 @@ def _write(
 
 
 def _show(fit: AxisFit, log: AxisLog, out: Path | None, report: Path | None, as_json: bool) -> None:
-    from leadscrew.cli.door import say
+    from leadscrew.cli.exit_codes import say
     from leadscrew.report import identified_axis as tables
-    from leadscrew.report.identified_axis_words import notes, sentences
+    from leadscrew.report.identified_axis import notes, sentences
 
     if as_json:
         findings = [f._asdict() for f in log.findings]

@@ -2,19 +2,97 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from leadscrew.cli import listing_controller
 from leadscrew.cli.output import Json, emit, print_table, width
 from leadscrew.cli.subject import Trust, study_of
 
 if TYPE_CHECKING:
+    from leadscrew.figures.formats import Setting
     from leadscrew.kernel.block import Block
-    from leadscrew.report.tables import Setting
-    from leadscrew.studies.study import Study
+    from leadscrew.study_data import Study
+
+
+SCORES = {"before_held_out": "before, held out", "trained": "tuned, trained", "held_out": "tuned, held out"}
+"""The tables of ``[tuning]`` that are shown, and as what."""
+
+
+def is_controller(name: str) -> bool:
+    """Whether a name means a controller file.
+
+    Raises:
+        DataError: no such file, or bad TOML.
+    """
+    from leadscrew import toml_file
+
+    return name.endswith(".toml") and toml_file.read(Path(name).expanduser()).get("kind") == "controller"
+
+
+def show(name: str, as_json: bool) -> None:
+    """A controller file as text or JSON.
+
+    Raises:
+        DataError: its parameters do not fit its controller.
+    """
+    from leadscrew import controller_file, resolve
+    from leadscrew.figures.formats import Setting, first_line
+    from leadscrew.kernel.parameters import entries
+    from leadscrew.resolve import controller
+
+    found = controller_file.read(name)
+    block = resolve.from_controller_file(name)
+    own = {e.key: e.default for e in entries(controller(resolve.study(found.study), found.controller).params)}
+    sheet = [Setting(e) for e in entries(block.params)]
+    if as_json:
+        rows = [{**s.as_dict(), "value": s.entry.default, "default": own[s.entry.key],
+                 "set": s.entry.key in found.parameters} for s in sheet]  # fmt: skip
+        emit({"file": name, "kind": "controller", "study": found.study, "controller": found.controller,
+              "doc": block.doc, "parameters": rows, "tuning": dict(found.tuning)})  # fmt: skip
+        return
+    typer.echo(f"{name}: a controller of {found.study}, {found.controller} with these settings\n")
+    typer.echo(f"{first_line(block.doc)}\n")
+    _controller_settings([s for s in sheet if s.entry.key in found.parameters], own)
+    if found.tuning:
+        _tuning(found.tuning)
+    typer.echo(f"\nleadscrew list {found.study} shows its study, with all that can be set.")
+
+
+def _controller_settings(sheet: list[Any], own: Mapping[str, Any]) -> None:
+    from leadscrew.figures.formats import number
+
+    rows = [[s.entry.key, number(s.entry.default), number(own[s.entry.key]), s.entry.unit, s.entry.range, s.entry.doc]
+            for s in sheet]  # fmt: skip
+    print_table(["parameter", "here", "default", "unit", "range", "what it is"], rows, right=("here", "default"))
+
+
+def _tuning(tuning: Mapping[str, Any]) -> None:
+    """Where the settings come from; what a file of another hand does not say is left out."""
+    from leadscrew.figures.formats import number
+    from leadscrew.toml_file import flat
+
+    done = f"{tuning['evaluations']} evaluations by " if "evaluations" in tuning else ""
+    parts = [f"{done}{tuning.get('optimiser', '')}".strip()]
+    parts += [f"{word} {tuning[key]}" for key, word in (("seed", "seed"), ("date", "on"), ("leadscrew", "Leadscrew"))
+              if key in tuning]  # fmt: skip
+    how = f"made by {tuning['made_by']}" if "made_by" in tuning else "tuned"
+    typer.echo(f"\n{how}: {', '.join(p for p in parts if p)}")
+    for word, key in (("varied", "vary"), ("over", "over")):
+        if isinstance(tuning.get(key), Mapping):
+            typer.echo(f"{word}: {', '.join(f'{k} = {v}' for k, v in flat(tuning[key]))}")
+    shown = {key: title for key, title in SCORES.items() if isinstance(tuning.get(key), Mapping)}
+    if shown:
+        names = list(dict.fromkeys(n for key in shown for n in tuning[key]))
+        rows = [[n, *(number(tuning[key][n]) if n in tuning[key] else "" for key in shown)] for n in names]
+        typer.echo()
+        print_table(["goal, constraint", *shown.values()], rows, right=tuple(shown.values()))
+    for said in [tuning.get("verdict"), *(f"note: {n}" for n in tuning.get("notes") or ())]:
+        if said:
+            typer.echo(f"\n{said}")
+
 
 WIDE = 150
 """Columns from which it stands in a column of its own where a parameter is."""
@@ -36,11 +114,11 @@ def list_(
     if name is None:
         _everything(as_json)
         return
-    if listing_controller.is_controller(name):
-        listing_controller.show(name, as_json)
+    if is_controller(name):
+        show(name, as_json)
         return
     found = _found(name)
-    from leadscrew.studies.study import Study
+    from leadscrew.study_data import Study
 
     if isinstance(found, Study):
         _study(found, as_json)
@@ -54,29 +132,29 @@ def _found(name: str) -> Study | Block:
     Raises:
         LeadscrewError: there is neither.
     """
-    from leadscrew import catalogue, experiment, userfile
-    from leadscrew.kernel.errors import NameUnknown
-    from leadscrew.kernel.sheet import nearest
-    from leadscrew.studies.study import Study
+    from leadscrew import catalogue, experiment, names, resolve
+    from leadscrew.kernel.parameters import nearest
+    from leadscrew.study_data import Study
+    from leadscrew.util.errors import NameUnknown
 
     if experiment.is_file(name):
         return study_of(name)
-    if userfile.is_reference(name):
-        found = userfile.load(name)
-        return found if isinstance(found, Study) else catalogue.block(name)
+    if names.is_reference(name):
+        found = resolve.load(name)
+        return found if isinstance(found, Study) else resolve.block(name)
     if name in catalogue.study_names():
-        return catalogue.study(name)
-    if name in catalogue.block_names() or name in catalogue.MAKERS:
-        return catalogue.block(name)
+        return resolve.study(name)
+    if name in catalogue.block_names() or name in catalogue.FACTORIES:
+        return resolve.block(name)
     known = [*catalogue.study_names(), *catalogue.block_names()]
     raise NameUnknown(f"there is no block or study {name!r}{nearest(name, known)}")
 
 
 def _everything(as_json: bool) -> None:
     from leadscrew import catalogue
-    from leadscrew.kernel.errors import LeadscrewError
-    from leadscrew.kernel.sheet import entries
-    from leadscrew.report.tables import Setting, first_line
+    from leadscrew.figures.formats import Setting, first_line
+    from leadscrew.kernel.parameters import entries
+    from leadscrew.util.errors import LeadscrewError
 
     def one(kind: str, name: str, what: Any) -> dict[str, Any]:
         try:
@@ -96,8 +174,8 @@ def _everything(as_json: bool) -> None:
     studies = [one("study", n, catalogue.study) for n in catalogue.study_names()]
     blocks = [one("block", n, catalogue.block) for n in catalogue.block_names()]
     makers = [
-        {"name": n, "kind": catalogue.maker_kind(n), "doc": first_line(f.__doc__ or "")}
-        for n, f in catalogue.makers().items()
+        {"name": n, "kind": catalogue.factory_kind(n), "doc": first_line(f.__doc__ or "")}
+        for n, f in catalogue.factories().items()
     ]
     if as_json:
         emit({"studies": studies, "blocks": blocks, "makers": makers})
@@ -124,8 +202,8 @@ def _short(value: Any) -> str:
 
 
 def _block(name: str, block: Block, as_json: bool) -> None:
-    from leadscrew.kernel.sheet import entries
-    from leadscrew.report.tables import Setting, plain
+    from leadscrew.figures.formats import Setting, plain
+    from leadscrew.kernel.parameters import entries
 
     sheet = [Setting(e) for e in entries(block.params)]
     if as_json:
@@ -161,7 +239,7 @@ def drive(block: Block) -> str:
 
 
 def _study(study: Study, as_json: bool) -> None:
-    from leadscrew.report.tables import first_line, integrated, metric_unit, settings
+    from leadscrew.figures.formats import first_line, integrated, metric_unit, settings
 
     loop = study.loop(next(iter(study.controllers)), next(iter(study.scenarios)))
     controllers = [{"name": n, "doc": first_line(b.doc)} for n, b in study.controllers.items()]
@@ -201,7 +279,7 @@ def _study(study: Study, as_json: bool) -> None:
 
 
 def _settings(found: Iterable[Setting], title: str) -> None:
-    from leadscrew.report.tables import number
+    from leadscrew.figures.formats import number
 
     found = list(found)
     beside = width() >= WIDE and any(s.where for s in found)

@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from leadscrew.cli.door import REFUSED
+from leadscrew.cli.exit_codes import REFUSED
 from leadscrew.cli.output import Json, busy, emit, print_table
 from leadscrew.cli.pairs import texts
-from leadscrew.kernel.errors import DataError
+from leadscrew.util.errors import DataError
 
 if TYPE_CHECKING:
     from leadscrew.logs.axis_file import Seen
@@ -65,7 +65,7 @@ def log(
     from leadscrew.logs import look_at, read_table
     from leadscrew.logs.finding import Finding
     from leadscrew.logs.roles import ROLES
-    from leadscrew.logs.shown import as_dict
+    from leadscrew.logs.summary import as_dict
 
     roles = ", ".join(ROLES)
     told = texts("--column", column, f"ROLE=HEADER with a role of {roles}, for example position=qm")
@@ -88,7 +88,7 @@ def log(
 
 
 def _print(file: Path, table: Table, seen: Seen | None, findings: Sequence[Finding]) -> None:
-    from leadscrew.logs.shown import columns_of, sentences, table_rows
+    from leadscrew.logs.summary import columns_of, sentences, table_rows
 
     typer.echo(f"{file}: {table.form}, {table.rows} rows")
     for note in table.notes:

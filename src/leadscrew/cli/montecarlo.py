@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from leadscrew.cli.door import DIVERGED, say
+from leadscrew.cli.exit_codes import DIVERGED, say
 from leadscrew.cli.output import Json, emit
 from leadscrew.cli.subject import StudyName, Trust
 
@@ -78,9 +78,8 @@ def montecarlo(
 
     Exit code 3 when every run diverges.
     """
-    from leadscrew.cli import montecarlo_print, montecarlo_work
-    from leadscrew.tune.montecarlo_notes import alike
-    from leadscrew.tune.montecarlo_report import summary
+    from leadscrew.cli import montecarlo_work
+    from leadscrew.report.montecarlo import alike, summary
 
     given = montecarlo_work.Asked(
         study, controller, tuple(scenario or ()), tuple(over or ()), runs, tuple(tolerance or ()), sampling, sobol,
@@ -92,7 +91,7 @@ def montecarlo(
     if as_json:
         emit({**summary(findings, asked.out), "report": str(asked.out / "report.html")})
     else:
-        montecarlo_print.print_findings(findings, asked.out)
+        montecarlo_work.print_findings(findings, asked.out)
     found = findings.found
     if note := alike(found):
         say(f"warning: {note}")

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import sys
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
@@ -12,20 +11,15 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 if TYPE_CHECKING:
-    from rich.console import Console
-
     from leadscrew.report.report import Report
 
 Json = Annotated[bool, typer.Option("--json", help="Print one JSON object instead.")]
 """The option that every command with a result has."""
 
-WIDEST = 100_000
-"""Columns where no terminal limits them: a row of a table is one line in a pipe."""
-
 
 def emit(value: Any) -> None:
     """Exactly one JSON object on stdout; a number that is not finite is ``null``."""
-    from leadscrew.report.strict import strict
+    from leadscrew.util.strict_json import strict
 
     typer.echo(json.dumps(strict(value), allow_nan=False))
 
@@ -54,25 +48,15 @@ def deliver(
         lines = text.whole(report, columns) if everything else text.summary(report, columns)
         text.show([*lines, *text.ending(notes, page, wall_s, columns)])
     if report.missed:
-        from leadscrew.cli.door import MISSED
+        from leadscrew.cli.exit_codes import MISSED
 
         raise typer.Exit(MISSED)
 
 
-def console() -> Console:
-    """Standard output."""
-    from rich.console import Console
-
-    class Quiet(Console):
-        def on_broken_pipe(self) -> None:
-            raise BrokenPipeError(32, "Broken pipe")
-
-    plain = not sys.stdout.isatty()
-    return Quiet(width=WIDEST if plain else None, soft_wrap=False, highlight=False, markup=False, emoji=False)
-
-
 def width() -> int:
     """Columns that a table may take."""
+    from leadscrew.report.text import console
+
     return console().width
 
 
@@ -85,6 +69,8 @@ def print_table(columns: Sequence[str], rows: Iterable[Sequence[str]], right: Se
     from rich import box
     from rich.table import Table
     from rich.text import Text
+
+    from leadscrew.report.text import console
 
     table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
     table.show_edge = False

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-from leadscrew.kernel.errors import ValueRefused
+from leadscrew.util.errors import ValueRefused
 
 
 def texts(option: str, pairs: Sequence[str] | None, expected: str) -> dict[str, str]:

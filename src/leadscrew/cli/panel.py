@@ -12,11 +12,11 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from leadscrew.cli.door import say
+from leadscrew.cli.exit_codes import say
 from leadscrew.cli.subject import Trust
 
 if TYPE_CHECKING:
-    from leadscrew.panel.child import Spec
+    from leadscrew.panel.process import Spec
 
 FIRST = "fsmc_ballscrew"
 """The machine that the panel begins with unless one is named."""
@@ -53,7 +53,7 @@ def panel(
 
     The machine is simulated: nothing moves. With --hal it is the one that LinuxCNC runs.
     """
-    from leadscrew.panel.gate import is_loopback
+    from leadscrew.panel.http_guard import is_loopback
     from leadscrew.panel.serve import Options, serve, token_for
     from leadscrew.userfile import trusting
 
@@ -81,10 +81,10 @@ def panel(
 
 def _spec(study: str | None, controller: str | None, scenario: str | None, hal: Path | None, folder: Path) -> Spec:
     """What the machine's process is to drive; names are checked there, files here."""
-    from leadscrew import catalogue, userfile
-    from leadscrew.kernel.errors import DataError, NameUnknown, ValueRefused
-    from leadscrew.kernel.sheet import nearest
-    from leadscrew.panel.child import Spec
+    from leadscrew import catalogue, names
+    from leadscrew.kernel.parameters import nearest
+    from leadscrew.panel.process import Spec
+    from leadscrew.util.errors import DataError, NameUnknown, ValueRefused
 
     if hal is not None:
         if study or controller or scenario:
@@ -94,7 +94,7 @@ def _spec(study: str | None, controller: str | None, scenario: str | None, hal: 
         return Spec(str(folder), hal=str(hal.absolute()))
     if study is None:
         return Spec(str(folder), FIRST, controller or "", scenario or "", own=_own(controller))
-    if not userfile.is_reference(study) and not study.endswith(".toml"):
+    if not names.is_reference(study) and not study.endswith(".toml"):
         known = catalogue.study_names()
         if study not in known:
             raise NameUnknown(f"there is no study {study!r}{nearest(study, known)}")
@@ -102,8 +102,8 @@ def _spec(study: str | None, controller: str | None, scenario: str | None, hal: 
     from leadscrew.cli.subject import experiment_of
 
     found = experiment_of(study)
-    name = userfile.absolute(found.study)
-    own = None if controller is None else userfile.absolute(controller)
+    name = names.absolute(found.study)
+    own = None if controller is None else names.absolute(controller)
     return Spec(str(folder), name, own or found.controller or "", scenario or found.scenario or "",
                 changes=dict(found.changes), seed=found.seed, named=(name,),
                 own=_own(own or found.controller))  # fmt: skip

@@ -8,8 +8,8 @@ from typing import Annotated, Any
 import typer
 
 from leadscrew.cli.output import Json, emit
-from leadscrew.escape import shell
-from leadscrew.kernel.errors import ValueRefused
+from leadscrew.util.errors import ValueRefused
+from leadscrew.util.escape import shell
 
 
 def positioning(
@@ -44,17 +44,17 @@ def positioning(
     if compensation is None and (kind is not None or unit is not None):
         given = "--type" if kind is not None else "--unit"
         raise ValueRefused(f"{given} is about the table that --compensation FILE writes")
-    from leadscrew.analysis.positioning_file import read_positioning
+    from leadscrew.analysis.positioning import read_positioning
     from leadscrew.export.screw_compensation import screw_compensation
-    from leadscrew.newfile import save
     from leadscrew.report import positioning as report
+    from leadscrew.util.atomic import atomic_write
 
     test = read_positioning(file)
     table = None if compensation is None else screw_compensation(test, kind or 0, unit or "mm")
     if out is not None:
         report.write(test, file.name, out)
     if compensation is not None and table is not None:
-        save(table, compensation)
+        atomic_write(table, compensation)
     if as_json:
         written = {"report": out, "compensation": compensation}
         emit({**report.summary(test, str(file)), **written})
@@ -70,7 +70,7 @@ def positioning(
 
 
 def _show(test: Any, report: Any) -> None:
-    from leadscrew.cli.door import say
+    from leadscrew.cli.exit_codes import say
     from leadscrew.cli.output import print_table
 
     print_table(report.TARGET_COLUMNS, report.target_rows(test), right=report.TARGET_COLUMNS)
@@ -84,11 +84,11 @@ def _show(test: Any, report: Any) -> None:
 
 
 def _write_example(file: Path) -> None:
-    from leadscrew.analysis.positioning_file import example
-    from leadscrew.kernel.errors import DataError
-    from leadscrew.newfile import save
+    from leadscrew.analysis.positioning import example
+    from leadscrew.util.atomic import atomic_write
+    from leadscrew.util.errors import DataError
 
     if file.exists():
         raise DataError(f"{file} exists already; --example overwrites nothing")
-    save(example(), file)
+    atomic_write(example(), file)
     typer.echo(f"{file}: a made test; next: leadscrew positioning {shell(file)}")

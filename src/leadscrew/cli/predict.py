@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from leadscrew.cli.output import Json, emit, print_table
-from leadscrew.kernel.errors import DataError, NameUnknown, ValueRefused
+from leadscrew.util.errors import DataError, NameUnknown, ValueRefused
 
 Log = Annotated[Path, typer.Argument(metavar="LOG", help="CSV, Parquet, or a folder of simulate --out.")]
 
@@ -37,7 +37,7 @@ def predict(
     """
     from leadscrew.grey.predictors import KINDS
     from leadscrew.grey.score import BESIDE, compare
-    from leadscrew.kernel.sheet import nearest
+    from leadscrew.kernel.parameters import nearest
     from leadscrew.logs import read_table
     from leadscrew.logs.roles import candidates
 
@@ -82,12 +82,12 @@ def predict(
         return
     heads = ["predictor", "RMSE", "of last", "worst error", "mean error", "nearer than last", "against last"]
     base = next(s.rmse for s in scores if s.model == "last")
-    table = [
+    score_rows = [
         [s.model, f"{s.rmse:.4g}", f"{s.rmse / base:.3f}" if base > 0.0 else "", f"{s.worst:.4g}", f"{s.bias:.2g}",
          "" if s.model == "last" else f"{100.0 * s.better_share:.0f} %", "" if s.model == "last" else s.verdict]
         for s in scores
     ]  # fmt: skip
-    print_table(heads, table, right=heads[1:6])
+    print_table(heads, score_rows, right=heads[1:6])
     ahead = "one sample" if horizon == 1 else f"{horizon} samples"
     typer.echo(f"\n{len(y) - window - horizon + 1} predictions {ahead} ahead, windows of {window}.")
     typer.echo(said)
@@ -134,10 +134,10 @@ def _sentence(score, rmse: dict[str, float]) -> str:
 
 def _write(path: Path, column: str, first: int, horizon: int, window: int, y, made) -> None:
     """One row a sample: the row it has in the log, its value, and what each predictor had said of it."""
-    from leadscrew.newfile import save
+    from leadscrew.util.atomic import atomic_write
 
     lines = [",".join(["row", column, *made])]
     for i in range(window - 1 + horizon, len(y)):
         cells = [f"{made[name][i - horizon]:.9g}" for name in made]
         lines.append(",".join([str(first + i), f"{y[i]:.9g}", *cells]))
-    save("\n".join(lines) + "\n", path)
+    atomic_write("\n".join(lines) + "\n", path)

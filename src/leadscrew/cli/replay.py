@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from leadscrew.cli.door import MISSED
+from leadscrew.cli.exit_codes import MISSED
 from leadscrew.cli.output import Json, busy, emit
 from leadscrew.cli.subject import Trust
 
@@ -34,10 +34,10 @@ def replay(
 
 
 def _run(folder: Path, out: Path | None, as_json: bool) -> None:
-    from leadscrew import __version__
-    from leadscrew.kernel.errors import ValueRefused
+    from leadscrew._version import __version__
     from leadscrew.replay import replay as again
     from leadscrew.replay import versions
+    from leadscrew.util.errors import ValueRefused
 
     if out is not None:
         raise ValueRefused(f"--out {out} is for sessions; the signals of {folder} lie in it already")
@@ -69,18 +69,18 @@ def _run(folder: Path, out: Path | None, as_json: bool) -> None:
 
 
 def _session(path: Path, out: Path | None, as_json: bool) -> None:
-    from leadscrew import __version__
-    from leadscrew.operate import session_file, session_folder
+    from leadscrew._version import __version__
+    from leadscrew.operate import session_file
     from leadscrew.operate.recorder import EVERYTHING
     from leadscrew.replay import versions
 
     session = session_file.read(path)
     if out is not None:
-        session_folder.check(out)
+        session_file.check_folder(out)
     with busy(f"replaying {path}"):
         found = session.run(record=() if out is None else EVERYTHING)
         if out is not None:
-            session_folder.write(session, found, out)
+            session_file.write_folder(session, found, out)
     signals = len(found.operated.columns)
     if as_json:
         emit(

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from leadscrew.cli.door import DIVERGED, say
+from leadscrew.cli.exit_codes import DIVERGED, say
 from leadscrew.cli.output import Json, busy, emit, print_table
 from leadscrew.cli.subject import Trust, experiment_of
 from leadscrew.cli.values import parse
@@ -49,9 +49,7 @@ def simulate(
     duration: Annotated[float | None, typer.Option(metavar="S", help="Seconds; the scenario's unless given.")] = None,
     engine: Annotated[str | None, typer.Option(help="What runs the loop; the fastest unless given.")] = None,
     seed: Annotated[int | None, typer.Option(help="Of all noise.")] = None,
-    number: Annotated[
-        int | None, typer.Option("--run", metavar="K", help="Number of the run in the noise, as in a batch.")
-    ] = None,
+    replicate: Annotated[int | None, typer.Option(metavar="K", help="Which stream of noise, as in a batch.")] = None,
     substeps: Annotated[
         int | None, typer.Option(metavar="N", help="Integration steps of the plant a period; the study's unless given.")
     ] = None,
@@ -67,12 +65,12 @@ def simulate(
 
     Exit code 3 when it diverges.
     """
-    from leadscrew.kernel.errors import ValueRefused
+    from leadscrew.util.errors import ValueRefused
 
     experiment = experiment_of(study)
     given = {
         "controller": controller, "scenario": scenario, "duration_s": duration, "engine": engine, "seed": seed,
-        "every": every, "record": tuple(record) if record else None, "run": number, "substeps": substeps,
+        "every": every, "record": tuple(record) if record else None, "replicate": replicate, "substeps": substeps,
     }  # fmt: skip
     experiment = replace(experiment, **{k: v for k, v in given.items() if v is not None})  # type: ignore[arg-type]
     if experiment.every < 1:
@@ -107,13 +105,13 @@ def executed(experiment: Experiment, keep: bool) -> Run:
     with warnings.catch_warnings(), busy(f"{loop.name}, {seconds:g} s"):
         warnings.simplefilter("ignore", DivergenceWarning)
         warnings.simplefilter("ignore", RunWarning)
-        run = loop.run(seconds, record, every, engine=experiment.engine, run=experiment.run)
+        run = loop.run(seconds, record, every, engine=experiment.engine, replicate=experiment.replicate)
     return replace(run, signals={k: run.signals[k] for k in wanted if k in run.signals} if keep else {})
 
 
 def as_object(experiment: Experiment, run: Run, out: Path | None) -> dict[str, Any]:
     """The result for ``--json``."""
-    from leadscrew.report.tables import metric_rows
+    from leadscrew.figures.formats import metric_rows
 
     rows = metric_rows(run)
     lost = None if run.diverged is None else {**run.diverged.__dict__, "message": str(run.diverged)}
@@ -123,7 +121,7 @@ def as_object(experiment: Experiment, run: Run, out: Path | None) -> dict[str, A
         "duration_s": run.duration,
         "engine": run.engine,
         "seed": run.loop.seed,
-        "run": run.run_number,
+        "replicate": run.replicate,
         **run.loop.integration,
         "wall_s": run.wall_s,
         "metrics": {r.name: r.value for r in rows},
@@ -137,7 +135,7 @@ def as_object(experiment: Experiment, run: Run, out: Path | None) -> dict[str, A
 
 def print_run(run: Run, out: Path | None) -> None:
     """The result in words."""
-    from leadscrew.report.tables import integrated, metric_rows, number
+    from leadscrew.figures.formats import integrated, metric_rows, number
 
     by = integrated(run.loop.integration)
     typer.echo(f"{run.loop.name}: {run.duration:g} s on {run.engine}{by and f' by {by}'}, {1e3 * run.wall_s:.3g} ms\n")

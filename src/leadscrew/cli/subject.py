@@ -10,7 +10,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from leadscrew.experiment import Experiment
-    from leadscrew.studies.study import Study
+    from leadscrew.study_data import Study
 
 StudyName = Annotated[
     str,
@@ -55,9 +55,9 @@ def study_of(name: str) -> Study:
     Raises:
         LeadscrewError: there is none.
     """
-    from leadscrew import catalogue
+    from leadscrew import resolve
 
-    return catalogue.study(experiment_of(name).study)
+    return resolve.study(experiment_of(name).study)
 
 
 def whole_study(name: str) -> tuple[str, Study]:
@@ -66,13 +66,13 @@ def whole_study(name: str) -> tuple[str, Study]:
     Raises:
         ValueRefused: an experiment file that asks for one loop.
     """
-    from leadscrew import catalogue, userfile
-    from leadscrew.kernel.errors import ValueRefused
+    from leadscrew import names, resolve
+    from leadscrew.util.errors import ValueRefused
 
     found = experiment_of(name)
     if found.controller or found.scenario or found.changes:
         raise ValueRefused(f"{name} describes one loop: use leadscrew simulate {name}; run judges a whole study")
-    return userfile.absolute(found.study), catalogue.study(found.study)
+    return names.absolute(found.study), resolve.study(found.study)
 
 
 def spread(name: str, over: Sequence[str] | None) -> list[str]:
@@ -81,7 +81,7 @@ def spread(name: str, over: Sequence[str] | None) -> list[str]:
     Raises:
         ValueRefused: intervals of something that is no machine file.
     """
-    from leadscrew.kernel.errors import ValueRefused
+    from leadscrew.util.errors import ValueRefused
 
     found: list[str] = []
     for text in over or ():

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from leadscrew.kernel.errors import DataError, ValueRefused
 from leadscrew.paths.suffixes import GCODE
+from leadscrew.util.errors import DataError, ValueRefused
 
 if TYPE_CHECKING:
     from leadscrew.paths.read import Drawing
@@ -41,7 +41,7 @@ def is_program(file: Path) -> bool:
 
 def drawing(file: Path, unit: str | None) -> Drawing:
     """The lines of a drawing, its notes said."""
-    from leadscrew.cli.door import say
+    from leadscrew.cli.exit_codes import say
     from leadscrew.paths.read import read_drawing
 
     found = read_drawing(file, unit)
@@ -52,7 +52,7 @@ def drawing(file: Path, unit: str | None) -> Drawing:
 
 def cut_program(file: Path, zero: float | None = None, clockwise: bool | None = None) -> Program:
     """A program that was cut, its notes said."""
-    from leadscrew.cli.door import say
+    from leadscrew.cli.exit_codes import say
     from leadscrew.tangent.program import read_program
 
     found = read_program(file, zero, clockwise)
@@ -70,9 +70,9 @@ def spared(out: Path, inputs: Sequence[Path | None], option: str = "--out") -> N
 
 def written(data: str | bytes, out: Path) -> None:
     """Writes a file; through a link, the file that it points to, and the link stays."""
-    from leadscrew.newfile import save
+    from leadscrew.util.atomic import atomic_write
 
-    save(data, out)
+    atomic_write(data, out)
 
 
 def wanted(out: Path, suffixes: Sequence[str], what: str) -> None:

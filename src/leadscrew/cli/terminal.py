@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from typing import Any, TextIO
 
-from leadscrew.escape import terminal
+from leadscrew.util.escape import terminal
 
 
 class Guarded:
-    """A text stream that writes only what :func:`leadscrew.escape.terminal` leaves."""
+    """A text stream that writes only what :func:`leadscrew.util.escape.terminal` leaves."""
 
     def __init__(self, stream: TextIO) -> None:
         self._stream = stream

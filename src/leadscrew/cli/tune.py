@@ -8,13 +8,13 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from leadscrew.cli.door import MISSED, say
-from leadscrew.cli.keeping import Keeping, undone
-from leadscrew.cli.montecarlo_progress import counting
+from leadscrew.cli.checkpoint_policy import Keeping, undone
+from leadscrew.cli.exit_codes import MISSED, say
 from leadscrew.cli.output import Json, emit, print_table
+from leadscrew.cli.progress import counting
 from leadscrew.cli.subject import Trust, experiment_of, spread
 from leadscrew.cli.values import parse
-from leadscrew.kernel.errors import LeadscrewError, ValueRefused
+from leadscrew.util.errors import LeadscrewError, ValueRefused
 
 if TYPE_CHECKING:
     from leadscrew.tune.job import Job
@@ -98,15 +98,15 @@ def tune(
 
     Exit code 1 where no setting keeps the constraints, on the plants of the search and on held-out ones.
     """
-    from leadscrew.tune import tuned_files, tuner, tuner_plan
-    from leadscrew.tune.crew import crew
+    from leadscrew.tune import tuned, tuner
+    from leadscrew.tune.executors import crew
 
     job = job_of(study, controller, scenario or [], changes or [], duration)
-    asked = tuner_plan.plan(
+    asked = tuner.plan(
         job, vary or [], minimise or [], subject_to or [], over=spread(study, over), plants=plants, held_out=held_out,
         budget=budget, optimiser=optimiser, seed=seed,
     )  # fmt: skip
-    free([out, report] + ([tuned_files.beside(out)] if out and tuned_files.needs_experiment(
+    free([out, report] + ([tuned.beside(out)] if out and tuned.needs_experiment(
         job.experiment, dict(asked.vary.items)) else []))  # fmt: skip
     if out is not None and out.suffix != ".toml":
         raise ValueRefused(f"--out {out}: a controller file ends in .toml")
@@ -156,7 +156,7 @@ def free(paths: list[Path | None]) -> None:
     """
     import tempfile
 
-    from leadscrew.kernel.errors import DataError
+    from leadscrew.util.errors import DataError
 
     for path in paths:
         if path is None:
@@ -177,12 +177,13 @@ def _saved(job: Job, found: Tuned, out: Path | None, report: Path | None) -> lis
     Raises:
         DataError: it cannot be written.
     """
-    from leadscrew.tune import tuned_files, tuned_report
+    from leadscrew.report.tuned import write
+    from leadscrew.tune.tuned import save
 
     if report is not None:
-        tuned_report.write(job, found, report)
+        write(job, found, report)
     try:
-        return tuned_files.save(job, found, out) if out else []
+        return save(job, found, out) if out else []
     except LeadscrewError:
         undone(report)
         raise
@@ -190,7 +191,7 @@ def _saved(job: Job, found: Tuned, out: Path | None, report: Path | None) -> lis
 
 def print_tuned(job: Job, found: Tuned) -> None:
     """The result in words."""
-    from leadscrew.tune.tuned_report import COLUMNS, front_table, rows, settings
+    from leadscrew.report.tuned import COLUMNS, front_table, rows, settings
 
     name = found.controller or found.study
     typer.echo(

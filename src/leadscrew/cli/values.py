@@ -4,22 +4,23 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
-from leadscrew.kernel.errors import NameUnknown, ValueRefused
-from leadscrew.kernel.sheet import Entry, nearest
+from leadscrew.kernel.parameters import ParameterSpec, nearest
+from leadscrew.util.errors import NameUnknown, ValueRefused
 
 EXPECTED = {
     "float": "a number",
     "int": "a whole number",
     "bool": "true or false",
     "array": "a JSON list of numbers, for example [1, 2.5]",
+    "choice": "a name",
 }
 WORDS = {"true": True, "yes": True, "on": True, "1": True, "false": False, "no": False, "off": False, "0": False}
 
 
-def parse(pairs: Sequence[str], sheet: Mapping[str, Entry]) -> dict[str, Any]:
+def parse(pairs: Sequence[str], sheet: Mapping[str, ParameterSpec]) -> dict[str, Any]:
     """The changes that ``KEY=VALUE`` texts ask for, each checked against its data sheet.
 
     Raises:
@@ -40,7 +41,7 @@ def parse(pairs: Sequence[str], sheet: Mapping[str, Entry]) -> dict[str, Any]:
     return changes
 
 
-def value(entry: Entry, text: str) -> Any:
+def value(entry: ParameterSpec, text: str) -> Any:
     """A text as the value of one entry.
 
     Raises:
@@ -89,4 +90,10 @@ def _numbers(item: Any) -> bool:
     return isinstance(item, int | float) and not isinstance(item, bool) and math.isfinite(float(item))
 
 
-_READ = {"float": _float, "int": _int, "bool": lambda text: WORDS[text.lower()], "array": _array}
+_READ: dict[str, Callable[[str], Any]] = {
+    "float": _float,
+    "int": _int,
+    "bool": lambda text: WORDS[text.lower()],
+    "array": _array,
+    "choice": lambda text: int(text) if text.isdecimal() else text,
+}

@@ -8,7 +8,7 @@ from importlib.metadata import version as installed
 
 import typer
 
-from leadscrew import __version__
+from leadscrew._version import __version__
 from leadscrew.cli.output import Json, emit
 
 SHOWN = ("llvmlite", "numpy", "scipy")

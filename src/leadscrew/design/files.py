@@ -8,19 +8,225 @@ k, r, e, ec, rho       one row an interval: number, target in mm, error, its cha
 time, command,         as fine as it comes: seconds, the two positions in mm, duty in [-1, 1]; a step of the command
 feedback, output       begins a new move; a CSV or Parquet file, or the folder that ``simulate --out`` made
 =====================  ================================================================================================
+
+Logged moves of a servo axis, as a design reads them: error, its change per interval, and the duty.
+
+Two kinds of log:
+
+``normalised``
+    the layout of the paper's Table 1: ``e`` and ``ec`` are fractions of their universes, ``rho`` is the duty;
+``measured``
+    signals against time, as ``leadscrew simulate --out`` writes them: the error is command minus feedback, taken every
+    interval, and ``ec`` its change from the interval before.
+
+The sign of ``ec`` must be that of the change of ``e``. A move whose ``ec`` is the change turned round (Table 1 prints
+magnitudes where the target is positive) is turned back, and named in :attr:`MoveLog.turned`.
+
+What a log must be before anything is designed from it: enough rows, things that change, columns that are what they
+say.
+
+Columns are checked by physics, not by their names. ``ec`` must be the change of ``e`` in one interval, and no other
+pair of columns may fit that better; the duty must drive the error to zero, in the sense of the lathe's controllers
+(a positive duty makes the error rise, so the duty has the sign of ``-e``).
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import itertools
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from pathlib import Path
+from typing import Literal
 
 import numpy as np
 
-from leadscrew.design.checks import checked
-from leadscrew.design.log import Move, MoveLog
-from leadscrew.kernel.errors import DataError, ValueRefused
+from leadscrew.util.errors import DataError, ValueRefused
+
+Layout = Literal["normalised", "measured"]
+
+
+@dataclass(frozen=True)
+class Move:
+    """One logged move, a sample an interval."""
+
+    name: str
+    target_mm: float | None
+    """Where it went from 0, where the log says so."""
+    number: np.ndarray
+    """Of the sample; 0 is the instant of the step."""
+    error: np.ndarray
+    """Normalised, or in mm."""
+    change: np.ndarray
+    """Of the error since the sample before, with its sign; says nothing at 0. Normalised, or in mm."""
+    duty: np.ndarray
+
+    def pairs(self) -> tuple[np.ndarray, np.ndarray]:
+        """Indices of neighbouring samples, one interval apart: the earlier and the later ones."""
+        later = np.flatnonzero(np.diff(self.number) == 1.0) + 1
+        return later - 1, later
+
+    def columns(self) -> dict[str, np.ndarray]:
+        """By the names of Table 1."""
+        return {"e": self.error, "ec": self.change, "rho": self.duty}
+
+
+@dataclass(frozen=True)
+class MoveLog:
+    """All moves of a log."""
+
+    sources: tuple[str, ...]
+    layout: Layout
+    moves: tuple[Move, ...]
+    interval_s: float
+    """To which the change of the error refers."""
+    peak_change: float
+    """Largest change of the error in one interval, wherever the interval begins if the log is finer than that."""
+    turned: tuple[str, ...] = ()
+    """Moves whose ec had the wrong sign."""
+
+    @property
+    def rows(self) -> int:
+        """Samples that a rule can come from: all but the first of each move."""
+        return sum(int((m.number > 0).sum()) for m in self.moves)
+
+    def samples(self) -> np.ndarray:
+        """Rows ``(e, ec, rho)`` of these samples, in the log's units."""
+        parts = [np.column_stack([m.error, m.change, m.duty])[m.number > 0] for m in self.moves]
+        return np.concatenate(parts) if parts else np.empty((0, 3))
+
+    def scale(self, moves: tuple[Move, ...] | None = None) -> tuple[float, float]:
+        """Change of the error per unit of ec by least squares over ``moves`` (all unless given), and what is left.
+
+        The second number is the root mean square of what is left, over that of the change.
+        """
+        d, x = _stacked([m.columns() for m in moves or self.moves], moves or self.moves, "e", "ec")
+        return slope(d, x)
+
+
+def slope(d: np.ndarray, x: np.ndarray) -> tuple[float, float]:
+    """The factor that turns ``x`` into ``d`` best, and the root mean square of the rest over that of ``d``."""
+    size, power = float(d @ d), float(x @ x)
+    if size == 0.0 or power == 0.0:
+        return 0.0, 1.0
+    factor = float(x @ d) / power
+    return factor, float(np.sqrt(np.sum((d - factor * x) ** 2) / size))
+
+
+def misfit(moves: tuple[Move, ...], error: str, change: str) -> float:
+    """How badly column ``change`` is the change of column ``error``: 0 exactly, 1 not at all; each move by itself."""
+    left = whole = 0.0
+    for move in moves:
+        d, x = _stacked([move.columns()], (move,), error, change)
+        size = float(d @ d)
+        left += size * slope(d, x)[1] ** 2
+        whole += size
+    return float(np.sqrt(left / whole)) if whole > 0.0 else 1.0
+
+
+def _stacked(
+    columns: Sequence[Mapping[str, np.ndarray]], moves: tuple[Move, ...], error: str, change: str
+) -> tuple[np.ndarray, np.ndarray]:
+    d, x = [], []
+    for named, move in zip(columns, moves, strict=True):
+        before, after = move.pairs()
+        d.append(named[error][after] - named[error][before])
+        x.append(named[change][after])
+    return np.concatenate(d), np.concatenate(x)
+
+
+LEAST_ROWS = 10
+"""Samples after the first of each move; each of the paper's moves has 20."""
+MOST_MISFIT = 0.35
+"""Of ec as the change of e: Table 1 has 0.007 to 0.094 by its rounding, unrelated columns 0.8 and more."""
+LEAST_OPPOSED = 0.5
+"""Correlation of -e and the duty, about zero, from which the duty drives the error to zero; Table 1 has 0.96."""
+SAID = {"normalised": ("e", "ec", "rho"), "measured": ("command - feedback", "its change", "output")}
+
+
+def checked(log: MoveLog) -> MoveLog:
+    """The log with the sign of ``ec`` put right where a move has it turned round.
+
+    Raises:
+        DataError: too few rows, a column that never changes, columns that look swapped, or a duty that does not drive
+            the error to zero; one sentence.
+    """
+    where = ", ".join(log.sources)
+    if log.rows < LEAST_ROWS:
+        raise DataError(
+            f"{where}: {log.rows} row{'' if log.rows == 1 else 's'} after the start of a move: a rule base needs "
+            f"{LEAST_ROWS} at least"
+        )
+    _changing(log, where)
+    if not any(len(m.pairs()[0]) for m in log.moves):
+        raise DataError(
+            f"{where}: no two rows are one interval apart (columns k and r): ec cannot be checked against e"
+        )
+    if log.layout == "normalised":
+        _check_columns(log, where)
+        log = _turned(log)
+    _opposed(log, where)
+    return log
+
+
+def _changing(log: MoveLog, where: str) -> None:
+    rows = log.samples()
+    for name, column in zip(SAID[log.layout], rows.T, strict=True):
+        if np.ptp(column) == 0.0:
+            raise DataError(f"{where}: {name} is always {column[0]:g}: there is nothing to learn from")
+
+
+def _check_columns(log: MoveLog, where: str) -> None:
+    """``ec`` is the change of ``e``, and no other pair of columns fits better."""
+    fits = {pair: misfit(log.moves, *pair) for pair in itertools.permutations(("e", "ec", "rho"), 2)}
+    own = fits["e", "ec"]
+    best = min(fits, key=lambda pair: fits[pair])
+    if best == ("e", "ec") and own <= MOST_MISFIT:
+        return
+    if fits[best] <= MOST_MISFIT:
+        raise DataError(
+            f"{where}: columns look swapped: {best[1]} is the change of {best[0]} per row (misfit "
+            f"{100.0 * fits[best]:.0f} %), ec is not that of e ({100.0 * own:.0f} %)"
+        )
+    raise DataError(
+        f"{where}: ec is not the change of e per row (misfit {100.0 * own:.0f} %, allowed are "
+        f"{100.0 * MOST_MISFIT:.0f} %), nor is any other pair of columns: are they e, ec and rho, one row an interval?"
+    )
+
+
+def _turned(log: MoveLog) -> MoveLog:
+    moves, turned = [], []
+    for move in log.moves:
+        if _slope_of(move) < 0.0:
+            turned.append(move.name)
+            move = replace(move, change=-move.change)
+        moves.append(move)
+    return replace(log, moves=tuple(moves), turned=tuple(turned))
+
+
+def _slope_of(move: Move) -> float:
+    before, after = move.pairs()
+    return slope(move.error[after] - move.error[before], move.change[after])[0]
+
+
+def _opposed(log: MoveLog, where: str) -> None:
+    e, _, rho = log.samples().T
+    size = float(np.sqrt((e @ e) * (rho @ rho)))
+    agreement = -float(e @ rho) / size if size > 0.0 else 0.0
+    if agreement >= LEAST_OPPOSED:
+        return
+    error, _, duty = SAID[log.layout]
+    if agreement <= -LEAST_OPPOSED:
+        swapped = "command and feedback are swapped, or " if log.layout == "measured" else ""
+        raise DataError(
+            f"{where}: {duty} has the sign of {error} (correlation {-agreement:.2f}): {swapped}the duty's sense is "
+            "the other one; these controllers take a positive duty to make the error rise, so turn its sign"
+        )
+    raise DataError(
+        f"{where}: {duty} does not drive {error} to zero (correlation with its negative {agreement:.2f}, at least "
+        f"{LEAST_OPPOSED:g} is expected): are the columns what they say?"
+    )
+
 
 TABLE = ("k", "r", "e", "ec", "rho")
 SIGNALS = ("time", "command", "feedback", "output")
@@ -38,7 +244,7 @@ def read_moves(paths: str | Path | Sequence[str | Path], interval_s: float = INT
 
     Raises:
         DataError: a file that cannot be read, a column missing, a value out of range, or a log that
-            :func:`leadscrew.design.checks.checked` refuses.
+            :func:`checked` refuses.
         ValueRefused: no log, or an interval that is not positive.
     """
     given = [paths] if isinstance(paths, str | Path) else list(paths)
@@ -79,7 +285,7 @@ def _header(path: Path) -> list[str]:
 
 
 def _table(path: Path, interval_s: float) -> MoveLog:
-    from leadscrew.identify.log import read_log
+    from leadscrew.logs.csv_columns import read_log
 
     limits = dict.fromkeys(("e", "ec", "rho"), UNIVERSE)
     log = read_log(path, TABLE, increasing="k", within="r", limits=limits)
@@ -151,7 +357,7 @@ def _in_range(path: Path, output: np.ndarray) -> np.ndarray:
 def _columns(path: Path) -> list[np.ndarray]:
     """The signals in s, mm and shares of the full duty; without a unit in its header a column is in that."""
     from leadscrew.logs import read_table
-    from leadscrew.logs.role_units import named_unit, sized
+    from leadscrew.logs.header import sized
 
     table = read_table(path)
     found = [table.seconds("time")]
@@ -159,7 +365,7 @@ def _columns(path: Path) -> list[np.ndarray]:
         ("command", "position", "m", 1e-3), ("feedback", "position", "m", 1e-3), ("output", "drive", "1", 1.0)
     ):  # fmt: skip
         name = table.name(wanted)
-        unit = named_unit(table, name, role)
+        unit = table.unit_of(name, role)
         seen, size = sized(role, unit) if unit else (kind, own)
         if seen != kind:
             raise DataError(

@@ -11,26 +11,266 @@
 
 Without the noise limit the search would run to a scale of zero (``alpha`` to infinity): a constant gain, that is a
 linear PID with larger gains. The result says what that would give.
+
+Candidates of a nonlinear PID, tried: how large the error is at work, and how loud the drive is at rest.
+
+Each candidate runs in every case of the work, 20 s, whose second half is judged; the amplitudes of the true error
+come from least squares at the force lines and at the motion's frequency, together with the spindle's lines.
+
+*At rest* the axis creeps over two marks of the encoder in 10 s, so that no lucky place between two marks is taken for
+quiet. ``du`` is the root mean square of the voltage's change from period to period: toggling counts times the loop's
+derivative, which a drive makes audible.
+
+A PID retuned for small errors under force lines, at a given peak of sensitivity.
+
+The sampled loop is ``C(z) P(z)`` with ``C = kp + ki T z/(z - 1) + kd (z - 1)/(T z)``, linear in the gains, so the plant
+is computed once and a whole grid of gains is judged at all frequencies at once:
+
+    minimise    mean over the lines of   abs(1 / (1 + C P)) / abs(1 / (1 + C0 P))         (C0: the old gains)
+    subject to  max over w of abs(1 / (1 + C P)) <= Ms,    ki / kp <= 1 / ti,    closed loop stable
+
+The ratio is the one of the disturbance responses, because both have the same path from force to position. A coarse
+grid, then Nelder-Mead from its best point; closed-loop poles decide on stability. ``1 / ti`` bounds the integral: the
+more of it, the smaller the slow errors and the larger the overshoot of a step.
 """
 
 from __future__ import annotations
 
 import math
+import warnings
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
+from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from leadscrew.design.npid_axis import Gains, Law, TableAxis, Work, block_of, bounds_of, parameters_of, strength_for
-from leadscrew.design.npid_retune import Retuned, retuned
-from leadscrew.design.npid_trial import Bench, Tried
-from leadscrew.kernel.errors import ValueRefused
+from leadscrew.design.npid_axis import (
+    RUN_S,
+    Gains,
+    Law,
+    TableAxis,
+    Work,
+    block_of,
+    bounds_of,
+    changes_of,
+    line_changes,
+    parameters_of,
+    strength_for,
+)
+from leadscrew.util.errors import ValueRefused
 
 if TYPE_CHECKING:
+    from leadscrew.analysis.harmonics import LineFit
     from leadscrew.analysis.stability.certificate import Certificate
     from leadscrew.analysis.stability.linear import LinearLoop
     from leadscrew.controller_file import ControllerFile
     from leadscrew.kernel.block import Block
+
+
+EVERY = 4
+"""Every how many periods the error is recorded: 500 Hz at 2 kHz, above all lines that are fitted."""
+
+CREEP_HZ = 0.05
+"""Frequency of the creep at rest: two marks to and fro in 20 s."""
+
+
+@dataclass(frozen=True)
+class Tried:
+    """Candidates, one an entry; what diverged is infinite."""
+
+    rows_um: np.ndarray
+    """Amplitudes of the error at the force lines, ``(candidates, cases, lines)``."""
+    tracking_um: np.ndarray
+    """At the motion's frequency, ``(candidates, cases)``."""
+    rms_um: np.ndarray
+    largest_um: np.ndarray
+    work_du_mv: np.ndarray
+    """Change of the voltage from period to period at work, rms, ``(candidates, cases)``."""
+    rest_du_mv: np.ndarray
+    """The same at rest, ``(candidates,)``."""
+
+    def score(self, base: Tried, weight: float) -> np.ndarray:
+        """Weighted mean of all amplitudes, each relative to that of ``base`` (one candidate): 1 is no better."""
+        with np.errstate(divide="ignore", invalid="ignore"):
+            rows = self.rows_um / base.rows_um[0]
+            tracking = self.tracking_um / base.tracking_um[0]
+        used = base.rows_um[0] > 0.0
+        total = np.where(used, rows, 0.0).sum(axis=(1, 2)) + weight * tracking.sum(axis=1)
+        found = total / (used.sum() + weight * tracking.shape[1])
+        return np.asarray(np.where(np.isfinite(found), found, np.inf))
+
+
+@lru_cache(maxsize=16)
+def _fit(lines_hz: tuple[float, ...], start_s: float, step_s: float, samples: int) -> LineFit:
+    """The least squares at these lines, factorised once; all runs have the same times."""
+    from leadscrew.analysis.harmonics import LineFit
+
+    return LineFit(start_s + step_s * np.arange(samples), lines_hz)
+
+
+class Bench:
+    """The loop of one law on an axis at its work, compiled once; candidates differ in values alone."""
+
+    def __init__(self, axis: TableAxis, work: Work, law: Law) -> None:
+        self.axis, self.work, self.law = axis, work, law
+        self.loop = axis.loop(block_of(law, Gains()), work)
+
+    def tried(self, gains: Gains | Sequence[Gains], strength: Sequence[float], scale_um: Sequence[float]) -> Tried:
+        """The candidates, one for each pair of strength and scale; with these gains, or each with its own."""
+        strengths, scales = np.asarray(strength, dtype=float), np.asarray(scale_um, dtype=float)
+        n, cases = len(strengths), self.work.cases
+        law = {k: np.asarray(v) for k, v in parameters_of(self.law, strengths, scales).items()}
+        loop = self.loop
+        if isinstance(gains, Gains):
+            loop = loop.using(changes_of(gains.as_dict()))
+        else:
+            law |= {key: np.array([g.as_dict()[key] for g in gains]) for key in gains[0].as_dict()}
+        repeated = {k: np.tile(v, len(cases)) for k, v in changes_of(law).items()}
+        volts = np.repeat(np.array([c.volts for c in cases]), n, axis=0).T
+        varied: dict[str, Any] = {
+            **repeated,
+            **{k: v for k, v in line_changes(self.work.lines_hz, list(volts)).items() if k.endswith("amplitude")},
+            "plant.spindle_hz": np.repeat([c.spindle_hz for c in cases], n),
+        }
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            done = loop.batch(RUN_S, varied, record=("true_error",), every=EVERY)
+            rest = loop.using(self._rest()).batch(RUN_S, changes_of(law), record=())
+        error = 1e3 * done["true_error"]
+        half = error.shape[1] // 2
+        rows, tracking = np.full((len(cases) * n, volts.shape[0]), np.inf), np.full(len(cases) * n, np.inf)
+        for i, case in enumerate(cases):
+            here = slice(i * n, (i + 1) * n)
+            good = np.isfinite(error[here]).all(axis=1)
+            if not good.any():
+                continue
+            turning = {f for f in (case.spindle_hz, self.work.teeth * case.spindle_hz) if 0.0 < f < self._highest}
+            asked = tuple(dict.fromkeys((self.work.frequency_hz, *self.work.lines_hz, *sorted(turning))))
+            fit = (
+                _fit(asked, float(done.time[half]), EVERY * self.axis.period_s, error.shape[1] - half)
+                .fit(error[here][good, half:], noise="none")
+                .amplitudes
+            )
+            where = np.flatnonzero(good) + i * n
+            tracking[where] = fit[:, 0]
+            rows[where] = fit[:, [asked.index(f) for f in self.work.lines_hz]]
+        metrics = {k: self._shaped(v, n) for k, v in done.metrics.items()}
+        return Tried(
+            rows.reshape(len(cases), n, -1).transpose(1, 0, 2),
+            tracking.reshape(len(cases), n).T,
+            metrics["rms_error"],
+            metrics["max_error"],
+            metrics["chatter"],
+            np.where(np.isfinite(rest.metrics["chatter"]), 1e3 * rest.metrics["chatter"], np.inf),
+        )
+
+    @property
+    def _highest(self) -> float:
+        return 0.5 / (EVERY * self.axis.period_s)
+
+    def _shaped(self, values: np.ndarray, n: int) -> np.ndarray:
+        found = 1e3 * np.asarray(values).reshape(len(self.work.cases), n).T
+        return np.where(np.isfinite(found), found, np.inf)
+
+    def _rest(self) -> dict[str, Any]:
+        """The changes that make the loop rest: no force, a creep over two marks."""
+        lines = line_changes(self.work.lines_hz, [0.0] * len(self.work.lines_hz))
+        return {
+            **lines,
+            "plant.spindle_v": 0.0,
+            "plant.tooth_v": 0.0,
+            "reference.amplitude": 2e-3 * self.work.encoder_um,
+            "reference.frequency": CREEP_HZ,
+        }
+
+
+FASTEST_INTEGRAL = 150.0
+"""Largest ki / kp, rad/s: that of the retuned PID of the study."""
+
+
+@dataclass(frozen=True)
+class Retuned:
+    """New gains, and what they are worth."""
+
+    gains: Gains
+    ms: float
+    """Peak of the sensitivity."""
+    ratio: float
+    """Mean of the disturbance response at the lines against that of the old gains."""
+    asked: float
+
+
+class _Judge:
+    """Sensitivities of a grid of gains."""
+
+    def __init__(self, axis: TableAxis, lines_hz: tuple[float, ...], old: Gains) -> None:
+        self.t = axis.period_s
+        self.axis = axis
+        unit = axis.linear(Gains(1.0, 0.0, 0.0))
+        self.w = np.concatenate([np.geomspace(1.0, 0.999 * math.pi / self.t, 500), [math.pi / self.t]])
+        self.plant = unit.response(self.w)
+        lines = 2.0 * np.pi * np.asarray(lines_hz)
+        self.lines = lines
+        self.at_lines = unit.response(lines)
+        self.base = np.abs(1.0 / (1.0 + self._law(old, lines) * self.at_lines))
+
+    def _law(self, g: Gains, w: np.ndarray) -> np.ndarray:
+        z = np.exp(1j * w * self.t)
+        return np.asarray(g.kp + g.ki * self.t * z / (z - 1.0) + g.kd * (z - 1.0) / (self.t * z))
+
+    def ms(self, g: Gains) -> float:
+        return float(np.abs(1.0 / (1.0 + self._law(g, self.w) * self.plant)).max())
+
+    def ratio(self, g: Gains) -> float:
+        return float((np.abs(1.0 / (1.0 + self._law(g, self.lines) * self.at_lines)) / self.base).mean())
+
+    def stable(self, g: Gains) -> bool:
+        return self.axis.linear(g).stable(1.0)
+
+
+def retuned(
+    axis: TableAxis, lines_hz: tuple[float, ...], ms: float, old: Gains | None = None, ti_rate: float = FASTEST_INTEGRAL
+) -> Retuned:
+    """The PID with the smallest response to the lines at a peak of sensitivity of at most ``ms``.
+
+    Raises:
+        ValueRefused: ``ms`` at or below 1, or so small that no gains reach it.
+    """
+    from scipy.optimize import minimize
+
+    if not (math.isfinite(ms) and ms > 1.0):
+        raise ValueRefused(f"--retune {ms!r}: a peak of sensitivity is above 1; 1.6 is careful, 2 is brisk")
+    start = old or Gains()
+    judge = _Judge(axis, lines_hz, start)
+
+    def gains(x: np.ndarray) -> Gains:
+        kp = math.exp(float(x[0]))
+        return Gains(kp, min(math.exp(float(x[2])), ti_rate) * kp, kp * math.exp(float(x[1])))
+
+    def cost(x: np.ndarray) -> float:
+        g = gains(x)
+        over = max(0.0, judge.ms(g) / ms - 1.0)
+        return math.log(judge.ratio(g)) + 200.0 * over
+
+    spans = (
+        math.log(start.kp) + np.linspace(-2.0, 1.5, 15),
+        math.log(max(start.kd, 1e-9) / start.kp) + np.linspace(-1.5, 1.5, 13),
+        math.log(ti_rate) - np.array([3.0, 1.5, 0.5, 0.0]),
+    )
+    tried = [np.array([a, b, c]) for a in spans[0] for b in spans[1] for c in spans[2]]
+    order = sorted(tried, key=cost)
+    best = next((x for x in order[:50] if judge.stable(gains(x))), None)
+    if best is None:
+        raise ValueRefused(f"--retune {ms:g}: no stable PID was found near the old gains")
+    done = minimize(cost, best, method="Nelder-Mead", options={"xatol": 1e-5, "fatol": 1e-8, "maxiter": 600})
+    found = gains(done.x if judge.stable(gains(done.x)) else best)
+    if judge.ms(found) > 1.005 * ms:
+        raise ValueRefused(
+            f"--retune {ms:g}: the smallest peak of sensitivity found is {judge.ms(found):.3g}; ask for that at least"
+        )
+    return Retuned(found, judge.ms(found), judge.ratio(found), ms)
+
 
 STUDY = "npid_xytable"
 BUDGET = 1.2
@@ -127,7 +367,7 @@ class NpidDesign:
 
     def controller_file(self, study: str = STUDY) -> ControllerFile:
         """The controller as a file that ``simulate``, ``certify``, ``tune`` and ``export`` take."""
-        import leadscrew
+        from leadscrew._version import __version__
         from leadscrew.controller_file import ControllerFile
 
         notes = [
@@ -137,13 +377,11 @@ class NpidDesign:
             f"slope at most {self.best.slope:.4g}; proved under command and load up to {self.limits.driven:.4g}",
             f"what binds: {', '.join(self.binding) or 'nothing, the optimum lies inside'}",
         ]
-        tuning = {"made_by": "leadscrew design npid", "leadscrew": leadscrew.__version__, "notes": notes}
+        tuning = {"made_by": "leadscrew design npid", "leadscrew": __version__, "notes": notes}
         return ControllerFile(study, self.block_name, self.parameters, tuning)
 
     def report(self) -> str:
         """All steps as text."""
-        from leadscrew.design.npid_report import report
-
         return report(self)
 
     def as_dict(self) -> dict[str, Any]:
@@ -201,7 +439,7 @@ def design_npid(
         work: motion, force lines, encoder.
         gains: of the PID; Table I unless given.
         law: ``slope`` or ``cosh``.
-        retune_ms: take the gains of :func:`~leadscrew.design.npid_retune.retuned` at this peak of sensitivity instead.
+        retune_ms: take the gains of :func:`retuned` at this peak of sensitivity instead.
         m1: factor that the gain keeps from the limit at rest.
         m2: factor that the slope keeps from the driven limit.
         budget_mv: largest change of the voltage from period to period at rest, rms; 1.2 times the PID's unless given.
@@ -313,3 +551,97 @@ def _binding(best: Candidate, limits: Limits) -> tuple[str, ...]:
     if best.rest_du_mv >= NEAR_NOISE * limits.budget_mv:
         said.append("noise budget")
     return tuple(said)
+
+
+WHERE = {
+    "stability at rest": "the gain stands at its limit of stability at rest",
+    "stability under command and load": "the slope stands at its limit of stability under command and load",
+    "noise budget": "the noise of the drive at rest stands at its budget",
+}
+
+
+def report(design: NpidDesign) -> str:
+    """All steps as text."""
+    steps = (
+        ("axis", axis_lines(design)),
+        ("PID", pid_lines(design)),
+        ("limits", limit_lines(design)),
+        ("search", search_lines(design)),
+        ("result", result_lines(design)),
+    )
+    return "\n\n".join(
+        "\n".join([f"{n}. {name}", *(f"   {x}".rstrip() for x in lines)])
+        for n, (name, lines) in enumerate(steps, start=1)
+    )
+
+
+def axis_lines(d: NpidDesign) -> list[str]:
+    """The axis and its work."""
+    a, w = d.axis, d.work
+    cases = ", ".join(c.name for c in w.cases)
+    return [
+        f"{a.gain:g} / (s^2 + {a.damping:g} s + {a.stiffness:g}) mm/V, dead time {1e3 * a.dead_time_s:g} ms, "
+        f"sampled at {1.0 / a.period_s:g} Hz",
+        f"{w.amplitude_mm:g} mm at {w.frequency_hz:g} Hz; force lines at {', '.join(f'{f:g}' for f in w.lines_hz)} Hz; "
+        f"cases: {cases}",
+        f"encoder {w.encoder_um:g} um, noise {w.noise_um:g} um",
+    ]
+
+
+def pid_lines(d: NpidDesign) -> list[str]:
+    """The linear loop."""
+    g = d.gains
+    said = [f"kp {g.kp:.6g} V/mm, ki {g.ki:.6g} V/(mm s), kd {g.kd:.6g} V s/mm"]
+    if d.retuned is not None:
+        said.append(
+            f"retuned for Ms {d.retuned.asked:g}: the response to force at the lines is {d.retuned.ratio:.3f} of what "
+            f"it was, Ms {d.retuned.ms:.4g}"
+        )
+    b = d.base
+    return [*said, f"error {b.rms_um:.3g} um rms, drive at rest {b.rest_du_mv:.3g} mV from period to period"]
+
+
+def limit_lines(d: NpidDesign) -> list[str]:
+    """What bounds the nonlinear gain."""
+    m = d.limits
+    return [
+        f"at rest: gain up to {m.rest:.4g} ({m.rest_by}, a verified matrix inequality), / m1 = {m.m1:g}: {m.gain:.4g}",
+        f"driven: slope up to {m.driven:.4g} (incremental circle, a verified matrix inequality), / m2 = {m.m2:g}: "
+        f"{m.slope:.4g}",
+        f"noise: at most {m.budget_mv:.3g} mV from period to period at rest",
+        f"for comparison, the Nyquist limit of a constant gain: {m.nyquist:.4g}",
+    ]
+
+
+def search_lines(d: NpidDesign) -> list[str]:
+    """What was tried, and the degenerate optimum."""
+    return [
+        f"{len(d.grid)} candidates of the law {d.law}, then two finer grids; score: mean of all amplitudes against the "
+        "PID's",
+        f"without the noise budget the best of them is {named(d, d.free)}: score {d.free.score:.3f} at "
+        f"{d.free.rest_du_mv:.3g} mV",
+        f"a linear PID within the same limits: gains x {d.linear.strength:.3f}, score {d.linear.score:.3f} at "
+        f"{d.linear.rest_du_mv:.3g} mV",
+    ]
+
+
+def result_lines(d: NpidDesign) -> list[str]:
+    """The controller, and what binds."""
+    b = d.best
+    binding = "; ".join(WHERE[name] for name in d.binding) or "nothing: the optimum lies inside all limits"
+    return [
+        f"{d.block_name} with {named(d, b)}: gain up to {b.gain:.4g}, slope up to {b.slope:.4g}",
+        f"score {b.score:.3f}: {100.0 * (1.0 - b.score):.1f} % less than the PID, "
+        f"{100.0 * (1.0 - b.score / d.linear.score):.1f} % less than the linear PID within the same limits",
+        f"error {b.rms_um:.3g} um rms, {b.largest_um:.3g} um at most; drive at rest {b.rest_du_mv:.3g} mV, at work "
+        f"{b.work_du_mv:.3g} mV",
+        f"what binds: {binding}",
+        f"{d.driven.grade}: {d.driven.statement}",
+    ]
+
+
+def named(d: NpidDesign, c: Candidate) -> str:
+    """A candidate by its parameters."""
+    if d.law == "slope":
+        return f"k = {c.strength:.4g}, es = {c.scale_um:.3g} um"
+    return f"alpha = {c.strength / c.scale_um:.4g} 1/um, e_max = {c.scale_um:.3g} um"

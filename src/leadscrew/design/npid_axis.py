@@ -1,6 +1,6 @@
 """What a nonlinear PID is designed for: the axis, what disturbs it, what it is judged by; and its loops.
 
-The axis is :mod:`leadscrew.plants.xy_table_cutting`, ``gain / (s^2 + damping s + stiffness)`` with a dead time of any
+The axis is :obj:`leadscrew.plants.xy_table_cutting`, ``gain / (s^2 + damping s + stiffness)`` with a dead time of any
 length, sampled. The work is a sine under force lines, one :class:`Case` a spindle speed.
 """
 
@@ -13,7 +13,7 @@ from functools import lru_cache
 from typing import TYPE_CHECKING, Any, Literal
 
 from leadscrew.kernel.block import Block
-from leadscrew.kernel.errors import ValueRefused
+from leadscrew.util.errors import ValueRefused
 
 if TYPE_CHECKING:
     from leadscrew.analysis.stability.linear import LinearLoop
@@ -96,7 +96,7 @@ class TableAxis:
         Raises:
             ValueRefused: a coefficient out of range, or a dead time of more than four periods.
         """
-        from leadscrew.plants.xy_table_cutting import xy_table_cutting
+        from leadscrew.plants._xy_table_cutting import xy_table_cutting
 
         made: Block = xy_table_cutting(
             gain=self.gain, damping=self.damping, stiffness=self.stiffness, dead_time_s=self.dead_time_s, **more
@@ -109,12 +109,12 @@ class TableAxis:
 
     def loop(self, controller: Block, work: Work | None = None, case: Case | None = None) -> Loop:
         """The loop of a controller at its work, read through the encoder; without work at rest, read ideally."""
-        from leadscrew.actuators.saturation import saturation
-        from leadscrew.disturbances.five_sines import five_sines
+        from leadscrew.actuators._saturation import saturation
+        from leadscrew.disturbances._five_sines import five_sines
         from leadscrew.kernel.loop import Loop
         from leadscrew.kernel.metrics import chatter, max_error, rms_error
-        from leadscrew.references.eased_sine import eased_sine
-        from leadscrew.sensors.noisy_ruler import noisy_ruler
+        from leadscrew.references._eased_sine import eased_sine
+        from leadscrew.sensors._noisy_ruler import noisy_ruler
 
         late = {"from_time": 0.5 * RUN_S}
         metrics = {"rms_error": rms_error(**late), "max_error": max_error(**late), "chatter": chatter(**late)}
@@ -137,10 +137,10 @@ class TableAxis:
 
     def linear(self, gains: Gains) -> LinearLoop:
         """The sampled linear loop of a PID, from the steps that run, cut at the error."""
-        from leadscrew.analysis.stability.sampled import sampled_loop
-        from leadscrew.controllers.pid import pid
+        from leadscrew.analysis.stability.loop import sampled_loop
+        from leadscrew.controllers._pid import pid
 
-        made = self.loop(pid(**gains.as_dict()))
+        made = self.loop(pid.using(**gains.as_dict()))
         made.__dict__["signals"] = _signals()
         return sampled_loop(made, self.name)
 
@@ -148,7 +148,7 @@ class TableAxis:
 @lru_cache(maxsize=1)
 def _signals() -> dict[str, Any]:
     """The shapes of the signals of :meth:`TableAxis.loop` at rest: the same for all values, and slow to find."""
-    from leadscrew.controllers.pid import pid
+    from leadscrew.controllers._pid import pid
 
     return TableAxis().loop(pid).signals
 
@@ -159,7 +159,7 @@ RUN_S = 20.0
 
 def line_changes(lines_hz: Sequence[float], volts: Sequence[Any]) -> dict[str, Any]:
     """Parameters of ``five_sines``, by dotted key of a loop."""
-    from leadscrew.disturbances.five_sines import five_sines
+    from leadscrew.disturbances._five_sines import five_sines
 
     places = five_sines.params._fields
     found: dict[str, Any] = {}
@@ -174,8 +174,8 @@ def block_of(law: Law, gains: Gains, strength: float = 1.0, scale_um: float = 1.
     Raises:
         ValueRefused: a law that there is not, or a value out of range.
     """
-    from leadscrew.controllers.npid import npid
-    from leadscrew.controllers.npid_slope import npid_slope
+    from leadscrew.controllers._npid import npid
+    from leadscrew.controllers._npid_slope import npid_slope
 
     if law not in ("slope", "cosh"):
         raise ValueRefused(f"law = {law!r}: there are slope (npid_slope) and cosh (npid)")

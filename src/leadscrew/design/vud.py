@@ -1,11 +1,13 @@
 """From a log of the old controller to a VUD fuzzy controller: the five steps of Long et al. (2014) as one procedure.
 
-1. the log (:mod:`leadscrew.design.files`), its columns checked by physics (:mod:`leadscrew.design.checks`);
-2. universes (:mod:`leadscrew.design.universes`);
-3. curvature, where the log can tell (:mod:`leadscrew.design.bending`);
-4. sets (:mod:`leadscrew.design.sets`);
-5. rules and completion (:mod:`leadscrew.design.rules`);
-6. contraction-expansion factors and law (:mod:`leadscrew.design.factors`).
+1. the log, its columns checked by physics (:mod:`leadscrew.design.files`);
+2. universes;
+3. curvature, where the log can tell;
+4. sets;
+5. rules and completion;
+6. contraction-expansion factors and law.
+
+Steps 2 to 6 are in :mod:`leadscrew.design.vud_steps`.
 
 Every step says what it found, what it took instead, and why. The result is a controller file
 (:mod:`leadscrew.controller_file`) for the blocks ``vud_beta_e`` and ``vud``.
@@ -18,18 +20,26 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from leadscrew.design.bending import MOST_CONDITION, Bending, find_bending
-from leadscrew.design.factors import Factors
-from leadscrew.design.files import INTERVAL_S, read_moves
-from leadscrew.design.log import MoveLog
-from leadscrew.design.rules import Rules, find_rules
-from leadscrew.design.sets import ACCURACY, Sets, find_sets
-from leadscrew.design.universes import Universes, find_universes
-from leadscrew.fuzzy.partition_count import Reading
+from leadscrew.design.files import INTERVAL_S, MoveLog, read_moves
+from leadscrew.design.vud_steps import (
+    ACCURACY,
+    MOST_CONDITION,
+    Bending,
+    Factors,
+    Rules,
+    Sets,
+    Universes,
+    find_bending,
+    find_rules,
+    find_sets,
+    find_universes,
+)
+from leadscrew.fuzzy.grids import Reading
 
 if TYPE_CHECKING:
     from leadscrew.controller_file import ControllerFile
     from leadscrew.kernel.block import Block
+
 
 STUDY = "vud_lathe"
 """Whose axis a controller file names unless told otherwise."""
@@ -62,8 +72,8 @@ class VudDesign:
 
     def controller(self) -> Block:
         """The controller as a block for a loop."""
-        from leadscrew.controllers import vud as laws
-        from leadscrew.kernel.sheet import checked_replace
+        from leadscrew.controllers import _vud as laws
+        from leadscrew.kernel.parameters import checked_replace
 
         base: Block = getattr(laws, self.factors.law)
         return replace(base, params=checked_replace(base.params, self.parameters, where="design"))
@@ -71,14 +81,11 @@ class VudDesign:
     def controller_file(self, study: str = STUDY) -> ControllerFile:
         """The controller as a file that ``simulate``, ``tune`` and ``export`` take."""
         from leadscrew.controller_file import ControllerFile
-        from leadscrew.design.file import origin
 
         return ControllerFile(study, self.factors.law, self.parameters, origin(self))
 
     def report(self, most: int = 30) -> str:
         """All steps as text; lists are cut after ``most`` lines, and say so."""
-        from leadscrew.design.file import log_lines
-
         steps = (
             ("log", log_lines(self.log)),
             ("universes", self.universes.lines()),
@@ -138,7 +145,7 @@ def design_vud(
         reading: of equation (10): half, full or intervals; the number of sets follows from it.
         sets: number of evenly spaced sets instead.
         centres: of the sets instead, from -1 to 1.
-        complete: steps of completion; see :mod:`leadscrew.design.rules`.
+        complete: steps of completion; see :mod:`leadscrew.design.vud_steps`.
         levels: sizes of the consequents; the sets' centres unless given.
         factors: exponents, floor and law.
 
@@ -153,3 +160,35 @@ def design_vud(
     found = find_sets(bending, reading, sets, centres, accuracy)
     rules = find_rules(samples, found.partition, complete, levels)
     return VudDesign(given, universes, bending, found, rules, factors or Factors())
+
+
+MADE_BY = "leadscrew design vud"
+
+
+def origin(design: VudDesign) -> dict[str, Any]:
+    """The table ``[tuning]`` of the file: where the parameters come from."""
+    from leadscrew._version import __version__
+
+    learned, compared = design.rules.learned, design.rules.compared
+    notes = [
+        f"made by {MADE_BY} from {', '.join(design.log.sources)}",
+        f"{learned.covered} of {learned.total} rules from {learned.samples} samples, {len(learned.conflicts)} in "
+        f"conflict; the others by {', '.join(design.rules.steps) or 'no step'}, which is not data",
+    ]
+    if compared is not None:
+        notes.append(f"{compared.equal} of {design.rules.table.size} cells are those of the printed Table 2")
+    return {"made_by": MADE_BY, "leadscrew": __version__, "notes": notes}
+
+
+def log_lines(log: MoveLog) -> list[str]:
+    """The first step as text."""
+    names = ", ".join(m.name for m in log.moves)
+    every = (
+        f"one a row, {log.interval_s:g} s apart" if log.layout == "normalised" else f"one every {log.interval_s:g} s"
+    )
+    lines = [f"{len(log.moves)} move{'' if len(log.moves) == 1 else 's'} ({names}), {log.rows} samples, {every}"]
+    if log.turned:
+        lines.append(
+            f"the sign of ec is turned in {', '.join(log.turned)}: there ec has the other sign than the change of e"
+        )
+    return lines

@@ -1,1 +1,8 @@
-"""Disturbances: blocks that load a plant, one file each. The load is in the unit that the plant says."""
+"""Disturbances: blocks that load a plant. The load is in the unit that the plant says.
+
+The public names stand in ``__init__.pyi``; each loads its own module when it is first used.
+"""
+
+from leadscrew.util.lazy_exports import exports
+
+__getattr__, __dir__, __all__ = exports(__name__, __file__)

@@ -1,27 +1,151 @@
-"""From a loop to an exported controller: its C, its ports and knobs, and a recorded run in the loop to check it by."""
+"""From a loop to an exported controller: its C, its ports and knobs, and a recorded run in the loop to check it by.
+
+A knob is a parameter that can be changed on the machine: one that reaches the step unchanged. A block that prepares its
+parameters (works out filter coefficients, tables) hands its step other numbers than those of the data sheet: a
+parameter is a knob where changing it changes nothing but copies of itself; else it is baked in.
+"""
 
 from __future__ import annotations
 
+import hashlib
+import json
 import math
+from collections.abc import Iterable, Iterator
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from leadscrew.escape import c_comment, checked_line, one_line
-from leadscrew.export.core import Core, Limits, Port, Record
-from leadscrew.export.knobs import knobs_of
+from leadscrew.export.core import Core, Knob, Limits, Port, Record
 from leadscrew.export.machine import LICENCE, machine_files
 from leadscrew.export.source import Source
 from leadscrew.kernel.block import DRIVES, Block
-from leadscrew.kernel.c99.names import is_identifier
-from leadscrew.kernel.errors import BlockError, ValueRefused
+from leadscrew.kernel.c99.names import is_identifier, safe, safe_field
 from leadscrew.kernel.frame import pairs
-from leadscrew.kernel.layout import is_branch, numbers_of
-from leadscrew.kernel.sheet import Entry, entries
+from leadscrew.kernel.layout import Layout, is_branch, numbers_of
+from leadscrew.kernel.loop import Loop
+from leadscrew.kernel.parameters import ParameterSpec, entries, put
+from leadscrew.util.errors import BlockError, LeadscrewError, ValueRefused
+from leadscrew.util.escape import c_comment, checked_line, one_line
 
 if TYPE_CHECKING:
     from leadscrew.kernel.loop import Loop
+
+
+def _others(entry: ParameterSpec) -> Iterator[Any]:
+    """Other values that a parameter may have, near its own."""
+    value = entry.stored(entry.default)
+    if entry.choice is not None:
+        yield from (number for number in range(len(entry.choice.names)) if number != value)
+        return
+    if entry.type == "bool":
+        yield not value
+        return
+    steps = (1, -1, 2, -2) if entry.type == "int" else (0.01, -0.01, 1e-3, -1e-3, 1e-6, -1e-6)
+    scale = 1 if entry.type == "int" else max(abs(value), 1e-3)
+    for step in steps:
+        try:
+            yield entry.check(value + step * scale)
+        except LeadscrewError:
+            continue
+
+
+def _prepared(block: Block, params: Any, period: float) -> list[float]:
+    made = params if block.prepare is None else block.prepare(params, period)
+    return list(numbers_of(made))
+
+
+def _places(prepared: Any) -> list[str]:
+    """The C place of every number of the prepared parameters, in their order; empty for elements of arrays."""
+    found: list[str] = []
+    for leaf in _in_order(Layout(prepared).tree):
+        if leaf.kind == "array":
+            found += [""] * leaf.size
+        else:
+            found.append(".".join(safe_field(part) for part in leaf.key.split(".")))
+    return found
+
+
+def _in_order(node: Any) -> Iterator[Any]:
+    for part in getattr(node, "parts", ()):
+        if hasattr(part, "parts"):
+            yield from _in_order(part)
+        else:
+            yield part
+
+
+def _carried(block: Block, entry: ParameterSpec, period: float, places: list[str]) -> tuple[str, ...]:
+    """Where a parameter's own value lies among the prepared ones; empty where it is worked into others."""
+    base, own = _prepared(block, block.params, period), entry.stored(entry.default)
+    found: set[int] | None = None
+    tried = 0
+    for value in _others(entry):
+        try:
+            moved = _prepared(block, put(block.params, entry.key.split("."), value), period)
+        except LeadscrewError:
+            continue
+        if len(moved) != len(base):
+            return ()
+        changed = {i for i, (a, b) in enumerate(zip(base, moved, strict=True)) if a != b}
+        if not changed or any(moved[i] != value or base[i] != own or not places[i] for i in changed):
+            return ()
+        found = changed if found is None else found
+        if changed != found:
+            return ()
+        tried += 1
+        if tried == 2:
+            break
+    return tuple(places[i] for i in sorted(found or ()))
+
+
+def named_options(name: str, knobs: Iterable[Knob]) -> str:
+    """The options of choices as constants of C, ``NAME_KNOB_OPTION``."""
+    parts, taken = [], set[str]()
+    for knob in knobs:
+        rows = []
+        for number, option in enumerate(knob.names):
+            constant = safe(f"{name}_{knob.name}_{option}".replace("-", "_").upper(), taken)
+            taken.add(constant)
+            rows.append(f"    {constant} = {number}")
+        if rows:
+            parts.append(
+                f"/* params.{knob.places[0]}: {c_comment(knob.doc)} */\nenum {{\n" + ",\n".join(rows) + "\n};\n"
+            )
+    return "\n".join(parts)
+
+
+def knobs_of(block: Block, prepared: Any, period: float) -> tuple[tuple[Knob, ...], tuple[str, ...]]:
+    """The knobs of a block, and the keys of the parameters that are none (arrays among them)."""
+    if block.params is None:
+        return (), ()
+    places = _places(prepared)
+    knobs: list[Knob] = []
+    baked: list[str] = []
+    taken: set[str] = set()
+    for entry in entries(block.params):
+        where = () if entry.type == "array" else _carried(block, entry, period, places)
+        if not where:
+            baked.append(entry.key)
+            continue
+        name = safe(entry.key.replace(".", "_"), taken)
+        taken.add(name)
+        low = -math.inf if entry.above == -math.inf else entry.above
+        choice = entry.choice
+        if choice is not None:
+            knobs.append(
+                Knob(
+                    entry.key, name, "choice", entry.stored(entry.default), where, entry.unit, entry.doc, 0,
+                    len(choice.names) - 1, str(choice), choice.names,
+                )
+            )  # fmt: skip
+            continue
+        knobs.append(
+            Knob(
+                entry.key, name, entry.type, entry.default, where, entry.unit, entry.doc, low, entry.below, entry.range
+            )
+        )
+    return tuple(knobs), tuple(baked)
+
 
 REALS = ("double", "float")
 ROLES = {"velocity": "command-deriv", "acceleration": "command-accel"}
@@ -91,7 +215,7 @@ DOCS = {
 }  # fmt: skip
 
 
-def _annotated(signal: str, example: Any) -> list[Entry]:
+def _annotated(signal: str, example: Any) -> list[ParameterSpec]:
     """What the annotations of a signal's NamedTuple say of its numbers."""
     return list(entries(example, f"{signal}.")) if is_branch(example) else []
 
@@ -221,9 +345,9 @@ def export_controller(
     title = checked_line("title", title)
     head = f"/* {c_comment(title)}, exported by Leadscrew from {c_comment(block.name)}.\n{LICENCE} */\n"
     source = Source(block, prepared, state, loop.signals, name=name, period=loop.period, real=real, head=head)
-    files = source.files()
-    inputs, outputs = ports(loop, block, source)
     knobs, baked = knobs_of(block, prepared, loop.period)
+    files = source.files(named_options(name, knobs))
+    inputs, outputs = ports(loop, block, source)
     record = recorded(loop, source, duration)
     double = record
     if real == "float":
@@ -243,7 +367,7 @@ def export_controller(
 
 def manifest(core: Core, loop: Loop, source: Source, record: Record, double: Record) -> dict[str, Any]:
     """What every exported folder says of itself, in ``manifest.json``."""
-    from leadscrew import __version__
+    from leadscrew._version import __version__
 
     block = loop.blocks["controller"]
     assert block is not None
@@ -267,7 +391,7 @@ def manifest(core: Core, loop: Loop, source: Source, record: Record, double: Rec
         "inputs": [vars(p) for p in core.inputs],
         "outputs": [vars(p) for p in core.outputs],
         "parameters": {e.key: e.default for e in entries(block.params)} if block.params is not None else {},
-        "knobs": [vars(k) for k in core.knobs],
+        "knobs": [{key: v for key, v in vars(k).items() if key != "names" or v} for k in core.knobs],
         "baked": list(core.baked),
         "limits": vars(core.limits),
         "source_hash": source.module.identity(),
@@ -281,3 +405,34 @@ def manifest(core: Core, loop: Loop, source: Source, record: Record, double: Rec
             "said": "same inputs, output in single precision against output in double precision",
         }
     return found
+
+
+def identity_of(loop: Loop) -> dict[str, Any]:
+    """The controller of a loop: block, parameters, period, hashes.
+
+    ``source_hash`` is that of the steps from which C, HAL component and FMU are printed: the same as in the
+    ``manifest.json`` of an export of this controller. It says nothing of the parameters; ``fingerprint`` is over both
+    and the period.
+    """
+    from leadscrew._version import __version__
+    from leadscrew.export.source import Source
+
+    block = loop.blocks["controller"]
+    assert block is not None
+    prepared = None if block.params is None else loop.prepared(block, "controller")
+    state = None if block.state is None else loop.start_state(block)
+    source = Source(block, prepared, state, loop.signals, name="certified", period=loop.period, real="double", head="")
+    source.files()
+    steps = source.module.identity()
+    sheet = tuple(entries(block.params))
+    parameters = {e.key: e.default.tolist() if hasattr(e.default, "tolist") else e.default for e in sheet}
+    numbers = {e.key: e.stored(e.default) for e in sheet if e.choice is not None}
+    said = json.dumps([steps, parameters | numbers, loop.period], sort_keys=True)
+    return {
+        "block": block.name,
+        "parameters": parameters,
+        "period_s": loop.period,
+        "source_hash": steps,
+        "fingerprint": hashlib.sha256(said.encode()).hexdigest()[:24],
+        "leadscrew": __version__,
+    }

@@ -45,8 +45,9 @@ class Knob:
     name: str
     """C identifier, unique among the knobs."""
     kind: str
-    """``float``, ``int`` or ``bool``."""
+    """``float``, ``int``, ``bool`` or ``choice``."""
     value: float | int | bool
+    """Of a choice the number."""
     places: tuple[str, ...]
     """Where it lies in C, below ``params.``: usually one place."""
     unit: str = ""
@@ -54,7 +55,14 @@ class Knob:
     low: float = -np.inf
     high: float = np.inf
     range: str = ""
-    """The allowed range in interval notation, open ends included."""
+    """The allowed range in interval notation, open ends included; of a choice its numbers and names."""
+    names: tuple[str, ...] = ()
+    """Of a choice, from 0."""
+
+    @property
+    def shown(self) -> str:
+        """Its value in words."""
+        return f"{self.value} ({self.names[int(self.value)]})" if self.names else str(self.value).lower()
 
 
 @dataclass(frozen=True)

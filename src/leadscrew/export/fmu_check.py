@@ -17,7 +17,7 @@ import numpy as np
 
 from leadscrew.export.core import at_the_machine
 from leadscrew.export.verdict import FAILED, GOLDEN, NOT_RUN, Verdict, compared, read_golden
-from leadscrew.kernel.system import safe_path
+from leadscrew.util.system import safe_path
 
 _ROWS = (("FMPy", "fmpy", False), ("FMPy, compiled from its own sources", "fmpy", True), ("ecos", "ecospy", False))
 _BINARIES = ("binaries/linux64/", "binaries/x86_64-linux/")

@@ -11,17 +11,17 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from leadscrew import reading
-from leadscrew.export import c99, c99_check
+from leadscrew.export import c99
 from leadscrew.export.core import Core, Record
 from leadscrew.export.templates import render
 from leadscrew.export.verdict import DIFFERENT, GOLDEN, IDENTICAL, NOT_RUN, Verdict, golden_text, read_golden
-from leadscrew.kernel import compiler
+from leadscrew.figures.formats import integrated
+from leadscrew.kernel import engines
 from leadscrew.kernel.c99.names import is_identifier
-from leadscrew.kernel.errors import DataError, EngineError, LeadscrewError, SubsetError, ValueRefused
-from leadscrew.newfolder import appearing
-from leadscrew.report.strict import strict
-from leadscrew.report.tables import integrated
+from leadscrew.util import reading
+from leadscrew.util.atomic import atomic_folder
+from leadscrew.util.errors import DataError, EngineError, LeadscrewError, SubsetError, ValueRefused
+from leadscrew.util.strict_json import strict
 
 if TYPE_CHECKING:
     from leadscrew.kernel.loop import Loop
@@ -93,7 +93,7 @@ def write(
     golden = first_check(core, record) | {"sha256": fingerprint(np.column_stack([record.inputs, record.outputs]))}
     manifest = strict({**core.manifest, "target": target, "golden": golden})
     files = contents(core, record, target, path if binary else None, manifest, loop)
-    with appearing(folder) as beside:
+    with atomic_folder(folder) as beside:
         for name, content in files.items():
             if isinstance(content, bytes):
                 (beside / name).write_bytes(content)
@@ -110,7 +110,7 @@ def fingerprint(rows: np.ndarray) -> str:
 def compiler_path() -> str | None:
     """The C compiler of this machine, if there is one."""
     try:
-        return compiler.find()
+        return engines.c_compiler()
     except EngineError:
         return None
 
@@ -128,7 +128,7 @@ def first_check(core: Core, record: Record) -> dict[str, Any]:
         here = Path(place)
         for name, text in {**core.files, **c99.files(core), GOLDEN: golden_text(core, record)}.items():
             (here / name).write_text(text, encoding="utf-8", newline="\n")
-        found = c99_check.replayed(here, core.name, path, "-O2", Path(path).name)
+        found = c99.replayed(here, core.name, path, "-O2", Path(path).name)
     if found.verdict != IDENTICAL:
         raise ExportDiffers(
             f"{core.title}: the exported C is not identical to the simulation ({found.verdict}, worst {found.worst}; "
@@ -225,7 +225,7 @@ def verify(folder: Path) -> list[Verdict]:
     if fingerprint(rows) != manifest["golden"]["sha256"]:
         found.append(Verdict(GOLDEN, DIFFERENT, len(rows), note="not the golden vectors that were exported"))
     if not target.startswith("fmu"):
-        found += c99_check.check(folder, manifest)
+        found += c99.check(folder, manifest)
     if target != "c99":
         module = import_module(f"leadscrew.export.{target.rstrip('23')}_check")
         found += module.check(folder, manifest)

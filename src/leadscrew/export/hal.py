@@ -3,18 +3,130 @@
 from __future__ import annotations
 
 import math
+import re
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from leadscrew.escape import hal_string
-from leadscrew.export import hal_names
 from leadscrew.export.core import Core, Knob, Port
 from leadscrew.export.machine import LICENCE, number
 from leadscrew.export.templates import render
-from leadscrew.report.tables import integrated
+from leadscrew.figures.formats import integrated
+from leadscrew.util.errors import ValueRefused
+from leadscrew.util.escape import hal_string
 
 if TYPE_CHECKING:
     from leadscrew.kernel.loop import Loop
+
+LONGEST = 47
+"""HAL_NAME_LEN of LinuxCNC 2.9."""
+
+BY_ROLE = ("command", "feedback", "output", "command-deriv", "command-accel")
+FIXED = (
+    *BY_ROLE,
+    "error",
+    "enable",
+    "index-enable",
+    "saturated",
+    "fault",
+    "fault-code",
+    "bad-parameter",
+    "maxoutput",
+    "max-following-error",
+    "max-wrong-way",
+    "period-design",
+    "every",
+    "rediscretise",
+    "inside",
+    "time",
+    "tmax",
+    "tmax-increased",
+)
+"""Names that the component or HAL itself uses, whether this controller has them or not."""
+
+_STOCK = """abs abs_s32 and2 anglejog axistest bin2gray biquad bitslice bitwise bldc blend boss_plc carousel charge_pump
+    clarke2 clarke3 clarkeinv classicladder_rt comp constant conv_bit_float conv_bit_s32 conv_bit_u32
+    conv_float_s32 conv_float_u32 conv_s32_bit conv_s32_float conv_s32_u32 conv_u32_bit conv_u32_float
+    conv_u32_s32 corexy_by_hal corexykins counter dbounce ddt deadzone debounce demux differential div2 edge
+    encoder encoder_ratio eoffset_per_angle estop_latch feedcomp filter_kalman flipflop gantry gearchange
+    genhexkins genserkins gray2bin hal_bb_gpio hal_gm hal_lib hal_parport hal_pi_gpio hal_ppmc hal_speaker
+    histobins hm2_7i43 hm2_7i90 hm2_eth hm2_pci hm2_rpspi hm2_spi hm2_test homecomp homemod hostmot2 hypot
+    ilowpass integ invert joyhandle knob2float latencybins lcd limit1 limit2 limit3 lincurve lineardeltakins
+    logic lowpass lut5 maj3 match8 matrix_kb max31855 maxkins mesa_7i65 mesa_pktgyro_test mesa_uart message
+    millturn minmax modmath motmod moveoff mult2 multiclick multiswitch mux16 mux2 mux4 mux8 mux_generic near
+    not offset ohmic oneshot or2 orient pentakins pid plasmac pumakins pwmgen rosekins rotarydeltakins
+    rotatekins sample_hold sampler scale scaled_s32_sums scarakins scope_rt select8 serport setsserial siggen
+    sim_axis_hardware sim_encoder sim_home_switch sim_matrix_kb sim_parport sim_spindle simple_tp sphereprobe
+    spindle spindle_monitor stepgen steptest streamer sum2 supply thc thcud threads threadtest time timedelay
+    timedelta tof toggle toggle2nist ton tp tpmod tripodkins tristate_bit tristate_float trivkins updown
+    userkins watchdog wcomp weighted_sum xhc_hb04_util xor2 xyzab_tdr_kins"""
+STOCK = frozenset(_STOCK.split())
+"""The realtime components of LinuxCNC 2.9, and what else is in its folder of modules."""
+
+
+def component(name: str) -> str:
+    """The component's name in HAL: ``demo_pd`` is ``demo-pd``, its first instance ``demo-pd.0``."""
+    return name.removeprefix("hal_").replace("_", "-").rstrip("-")
+
+
+def _free(name: str, prefix: str, taken: set[str]) -> str:
+    """The name with dashes for underscores, behind the prefix where it is taken."""
+    free = re.sub("_+", "-", name).strip("-")
+    while free in taken:
+        free = f"{prefix}-{free}"
+    taken.add(free)
+    return free
+
+
+def pins(ports: Iterable[tuple[str, str]]) -> list[str]:
+    """Names of the pins of inputs or outputs, given each one's C identifier and role."""
+    taken = set(FIXED)
+    used: set[str] = set()
+
+    def named() -> Iterator[str]:
+        for name, role in ports:
+            if role in BY_ROLE and role not in used:
+                used.add(role)
+                yield role
+            else:
+                yield _free(name, "pin", taken)
+
+    return list(named())
+
+
+def parameters(knobs: Iterable[str], others: Iterable[str]) -> list[str]:
+    """Names of the parameters of knobs, given their C identifiers and the pins' names."""
+    taken = {*FIXED, *others}
+    return [_free(k, "knob", taken) for k in knobs]
+
+
+def check_name(name: str) -> None:
+    """Refuses the name of a component that LinuxCNC has: installing ours would replace it.
+
+    Raises:
+        ValueRefused: there is one of that name.
+    """
+    if name in STOCK:
+        raise ValueRefused(
+            f"name = {name!r} is a component of LinuxCNC, which this one would replace; choose another, "
+            f"for example --name {name}_controller"
+        )
+
+
+def check_lengths(name: str, within: Sequence[str]) -> None:
+    """Refuses a component whose pins would not fit into a HAL name.
+
+    Raises:
+        ValueRefused: a name is too long.
+    """
+    longest = max(within, key=len)
+    full = f"{component(name)}.0.{longest}"
+    if len(full) > LONGEST:
+        raise ValueRefused(
+            f"{full} has {len(full)} characters, and LinuxCNC allows names of {LONGEST}: "
+            f"export under a name that is {len(full) - LONGEST} characters shorter than {name}"
+        )
+
 
 S32 = (-(2**31), 2**31 - 1)
 LENGTHS = {"mm": 1.0, "um": 1000.0, "m": 0.001}
@@ -68,10 +180,10 @@ def files(core: Core) -> dict[str, str]:
     Raises:
         ValueRefused: a name is too long for HAL, or that of a component of LinuxCNC.
     """
-    hal_names.new(core.name)
+    check_name(core.name)
     view = _view(core)
-    hal_names.fit(core.name, [p.hal for p in (*view["inputs"], *view["outputs"], *view["settings"])])
-    hal_names.fit(core.name, hal_names.FIXED)
+    check_lengths(core.name, [p.hal for p in (*view["inputs"], *view["outputs"], *view["settings"])])
+    check_lengths(core.name, FIXED)
     n = core.name
     return {
         f"{n}.comp": render("hal_comp.j2", **view),
@@ -92,13 +204,13 @@ def _view(core: Core) -> dict[str, Any]:
     """What the templates are filled in with."""
     inputs, outputs = _pins(core.inputs), _pins(core.outputs)
     taken = [p.hal for p in (*inputs, *outputs)]
-    names = hal_names.parameters([k.name for k in core.knobs], taken)
+    names = parameters([k.name for k in core.knobs], taken)
     knobs = [_knob(core, k, name) for k, name in zip(core.knobs, names, strict=True)]
     derived = [p for p in inputs if p.hal in ("command-deriv", "command-accel")]
     return {
         "core": core,
         "n": core.name,
-        "comp": hal_names.component(core.name),
+        "comp": component(core.name),
         "licence": LICENCE,
         "inputs": inputs,
         "outputs": outputs,
@@ -127,7 +239,7 @@ def _about(doc: str, unit: str, interval: str = "") -> str:
 
 
 def _pins(ports: tuple[Port, ...]) -> list[Pin]:
-    names = hal_names.pins((p.name, p.role) for p in ports)
+    names = pins((p.name, p.role) for p in ports)
     return [
         Pin(
             hal,
@@ -169,14 +281,14 @@ def _knob(core: Core, knob: Knob, hal: str) -> Setting:
 
 def _setting(core: Core, knob: Knob, hal: str, places: tuple[str, ...], source: str | None = None) -> Setting:
     c = hal.replace("-", "_")
-    hal_type = {"float": "float", "int": "s32", "bool": "bit"}[knob.kind]
-    held = {"float": core.real, "int": "int", "bool": "int"}[knob.kind]
+    hal_type = {"float": "float", "int": "s32", "choice": "s32", "bool": "bit"}[knob.kind]
+    held = {"float": core.real, "int": "int", "choice": "int", "bool": "int"}[knob.kind]
     read = source or f"inst->{c}"
     start = repr(float(knob.value)) if knob.kind == "float" else str(int(knob.value))
     wanted = f"{read} != 0" if knob.kind == "bool" else f"({held}){read}"
     interval = "" if knob.kind == "bool" else _interval(knob)
     doc, unit = hal_string(knob.doc or knob.key), _unit(knob.unit)
-    about = _about(doc, unit, interval)
+    about = f"{doc}: {interval}" if knob.kind == "choice" else _about(doc, unit, interval)
     outside = _outside(core, knob)
     return Setting(hal, c, hal_type, start, unit, doc, about, interval, held, wanted, outside, places)
 
@@ -193,7 +305,7 @@ def _outside(core: Core, knob: Knob) -> str:
     """C that is true for a value out of the knob's range, or not finite."""
     if knob.kind == "bool":
         return "0"
-    if knob.kind == "int":
+    if knob.kind in ("int", "choice"):
         low, high = max(knob.low, S32[0]), min(knob.high, S32[1])
         bounds = [f"wanted < {int(low)}"] if low > S32[0] else []
         bounds += [f"wanted > {int(high)}"] if high < S32[1] else []

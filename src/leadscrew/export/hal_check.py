@@ -9,10 +9,10 @@ from typing import Any
 
 import numpy as np
 
-from leadscrew.export import hal_names, hal_run
+from leadscrew.export import hal, hal_run
 from leadscrew.export.core import at_the_machine
 from leadscrew.export.verdict import FAILED, GOLDEN, NOT_RUN, Verdict, compared, read_golden
-from leadscrew.kernel.errors import DataError
+from leadscrew.util.errors import DataError
 
 TARGET = "hal halrun"
 LOOP = "hal halrun, loop closed"
@@ -61,7 +61,7 @@ def check(folder: Path, manifest: dict[str, Any], speed: int = 300) -> list[Verd
         wanted = [*(p["name"] for p in inputs), *(p["name"] for p in outputs)]
         if names != wanted:
             raise DataError(f"{folder / GOLDEN}: has the columns {names}, expected {wanted}")
-        pins = hal_names.pins((p["name"], p["role"]) for p in inputs)
+        pins = hal.pins((p["name"], p["role"]) for p in inputs)
         with hal_run.workplace() as place:
             hal_run.install(place, folder, manifest["name"])
             stream = Stream({pin: rows[:, i] for i, pin in enumerate(pins)})
@@ -83,9 +83,9 @@ def closed_loop(place: Path, folder: Path, manifest: dict[str, Any], rows: np.nd
         return Verdict(LOOP, NOT_RUN, note="single precision: the loop that was recorded is in double precision")
     name = manifest["name"]
     hal_run.install(place, folder, f"{name}_plant")
-    own, machine = f"{hal_names.component(name)}.0", f"{hal_names.component(f'{name}_plant')}.0"
+    own, machine = f"{hal.component(name)}.0", f"{hal.component(f'{name}_plant')}.0"
     inputs, outputs = manifest["inputs"], manifest["outputs"]
-    ins, outs = (hal_names.pins((p["name"], p["role"]) for p in side) for side in (inputs, outputs))
+    ins, outs = (hal.pins((p["name"], p["role"]) for p in side) for side in (inputs, outputs))
     there = [p["name"].replace("_", "-") for p in (*inputs, *outputs)]
     sampled = [f"{machine}.{p}" for p in there[: len(inputs)]] + [f"{own}.{p}" for p in outs]
     thread, count = round(float(manifest["period_s"]) * 1e9), len(rows)
@@ -137,8 +137,8 @@ def replay(place: Path, manifest: dict[str, Any], stream: Stream, speed: int = 3
     with given.open("w", encoding="utf-8") as out:
         for row in rows.tolist():
             out.write(" ".join(repr(x) if k == "f" else str(int(x)) for k, x in zip(kinds, row, strict=True)) + "\n")
-    outputs = hal_names.pins((p["name"], p["role"]) for p in manifest["outputs"])
-    instance = f"{hal_names.component(manifest['name'])}.0"
+    outputs = hal.pins((p["name"], p["role"]) for p in manifest["outputs"])
+    instance = f"{hal.component(manifest['name'])}.0"
     pins = [f"{instance}.{p}" for p in (*stream.inputs, *stream.bits)]
     sampled = [f"{instance}.{p}" for p in (*outputs, "fault-code")]
     sampled_kinds = "f" * len(outputs) + "s"

@@ -16,7 +16,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from leadscrew.kernel.errors import LeadscrewError
+from leadscrew.util.errors import LeadscrewError
 
 MODULES = Path("/usr/lib/linuxcnc/modules")
 PYTHON = "/usr/bin/python3"

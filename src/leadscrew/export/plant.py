@@ -12,14 +12,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from leadscrew.export import hal_names
+from leadscrew.export import hal
 from leadscrew.export.core import Core
 from leadscrew.export.machine import LICENCE
 from leadscrew.export.source import argument_name
 from leadscrew.export.templates import render
-from leadscrew.kernel.c99.entry import entry_function
 from leadscrew.kernel.c99.prelude import GUARD
-from leadscrew.kernel.c99.translation import Translation
+from leadscrew.kernel.c99.translation import Translation, entry_function
 from leadscrew.kernel.linker import Linker
 from leadscrew.kernel.module import Module
 from leadscrew.kernel.program import RANKS
@@ -71,14 +70,14 @@ def plant_files(loop: Loop, core: Core) -> dict[str, str]:
     vectors = {"P": plan.params.pack(params)[0], "A": plan.params.pack(params)[1],
                "S": plan.state.pack(state)[0], "B": plan.state.pack(state)[1]}  # fmt: skip
     pins = [pin(core, s, x.key, i) for i, (s, x) in enumerate(held) if s != "load"]
-    hal_names.fit(title, [*(p.hal for p in pins), "write.tmax-increased"])
-    ours = {p.name: hal for side in (core.inputs, core.outputs)
-            for p, hal in zip(side, hal_names.pins((q.name, q.role) for q in side), strict=True)}  # fmt: skip
+    hal.check_lengths(title, [*(p.hal for p in pins), "write.tmax-increased"])
+    ours = {p.name: name for side in (core.inputs, core.outputs)
+            for p, name in zip(side, hal.pins((q.name, q.role) for q in side), strict=True)}  # fmt: skip
     values = {
         "core": core,
         "n": title,
-        "comp": hal_names.component(title),
-        "own": hal_names.component(core.name),
+        "comp": hal.component(title),
+        "own": hal.component(core.name),
         "licence": LICENCE,
         "loop": loop.name,
         "vectors": {k: [number(x) for x in v.tolist()] for k, v in vectors.items()},

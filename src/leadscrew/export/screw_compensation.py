@@ -26,7 +26,7 @@ from __future__ import annotations
 import numpy as np
 
 from leadscrew.analysis.positioning import Correction, Positioning, correction
-from leadscrew.kernel.errors import DataError, ValueRefused
+from leadscrew.util.errors import DataError, ValueRefused
 
 MOST = 256
 """Points of a table (``EMCMOT_COMP_SIZE``)."""

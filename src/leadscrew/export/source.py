@@ -11,17 +11,17 @@ import numpy as np
 
 from leadscrew.kernel.block import Block
 from leadscrew.kernel.c99 import comments
+from leadscrew.kernel.c99.comments import wrapped
 from leadscrew.kernel.c99.expressions import Expressions
-from leadscrew.kernel.c99.layout import wrapped
 from leadscrew.kernel.c99.names import safe, safe_field
 from leadscrew.kernel.c99.prelude import GUARD
 from leadscrew.kernel.c99.translation import EMPTY, Translation
 from leadscrew.kernel.c99.types import DOUBLE, FLOAT, INT, Number, Pair, Struct, Type, has_arrays
-from leadscrew.kernel.errors import BlockError, SubsetError
 from leadscrew.kernel.frame import as_floats
 from leadscrew.kernel.layout import Branch, Layout, Leaf, leaves
 from leadscrew.kernel.module import Module
 from leadscrew.kernel.trees import each
+from leadscrew.util.errors import BlockError, SubsetError
 
 INPUTS = ("command", "feedback")
 LOCALS = ("params", "state", "p", "s", "r", "value", "next", "output", "command_", "feedback_", "exported", "fresh")
@@ -349,8 +349,8 @@ class Source:
         lines += [*before, *unused, f"const {self.unit.name_of(kind)} next = {call};", ""]
         return [*lines, *self.kept(state, "next"), "state->periods = 0;"]
 
-    def files(self) -> dict[str, str]:
-        """``NAME.h`` and ``NAME.c``."""
+    def files(self, options: str = "") -> dict[str, str]:
+        """``NAME.h`` and ``NAME.c``; ``options``: constants of C for the parameters."""
         n = self.name
         types: list[str] = []
         params, _ = self.own("params", self.prepared, True)
@@ -384,7 +384,8 @@ class Source:
         guard = f"{n.upper()}_H"
         header = [
             self.head, f"#ifndef {guard}\n#define {guard}\n", self.unit.includes(), CPP_OPEN, *published, *types,
-            params_text, state_text, *(f"/* {note} */\n{sign};\n" for sign, (note, _) in public.items()), CPP_CLOSE,
+            *filter(None, [options]), params_text, state_text,
+            *(f"/* {note} */\n{sign};\n" for sign, (note, _) in public.items()), CPP_CLOSE,
             "#endif\n",
         ]  # fmt: skip
         bodies = [

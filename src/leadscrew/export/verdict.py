@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from leadscrew.export.core import Core, Record
-from leadscrew.kernel.errors import DataError
+from leadscrew.util.errors import DataError
 
 IDENTICAL, DIFFERENT, NOT_RUN, FAILED = "identical", "different", "not run", "failed"
 GOLDEN = "golden.csv"

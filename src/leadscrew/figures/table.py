@@ -8,6 +8,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
+from leadscrew.util.escape import html
+
 NOTHING = "–"
 """What stands where there is no value."""
 
@@ -98,6 +100,11 @@ class Table:
         """Of every column, the label's included, whether its values are numbers: those stand to the right."""
         columns = [[row[k] for row in self.rows.values()] for k in range(len(self.columns))]
         return [False, *(all(not isinstance(v, str) or v in ("yes", "no") for v in column) for column in columns)]
+
+    def _repr_html_(self) -> str:
+        heads = "".join(f"<th>{html(text)}</th>" for text in self.heads())
+        rows = "".join(f"<tr>{''.join(f'<td>{html(cell)}</td>' for cell in row)}</tr>" for row in self.cells())
+        return f"<table><tr>{heads}</tr>{rows}</table>"
 
     def as_dict(self) -> dict[str, Any]:
         """The table for JSON: columns as they were given, and values by row."""

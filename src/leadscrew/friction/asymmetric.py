@@ -17,7 +17,7 @@ import math
 from typing import Annotated, NamedTuple
 
 from leadscrew.friction.static_map import Sliding, one_way
-from leadscrew.kernel.sheet import Doc, Ge, Gt, Unit
+from leadscrew.kernel.parameters import Doc, Ge, Gt, Unit
 
 
 class LuGreSlide(NamedTuple):

@@ -19,7 +19,7 @@ from __future__ import annotations
 import math
 from typing import Annotated, NamedTuple
 
-from leadscrew.kernel.sheet import Doc, Ge, Gt, Le, Unit
+from leadscrew.kernel.parameters import Doc, Ge, Gt, Le, Unit
 
 
 class Dahl(NamedTuple):

@@ -16,7 +16,7 @@ from __future__ import annotations
 import math
 from typing import Annotated, NamedTuple
 
-from leadscrew.kernel.sheet import Doc, Ge, Gt, Unit
+from leadscrew.kernel.parameters import Doc, Ge, Gt, Unit
 
 FAR = 700.0
 """Exponents of (3) and of the relaxation are cut here: e^-700 is 1e-304, and beyond begin denormal numbers."""

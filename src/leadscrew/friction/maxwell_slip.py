@@ -26,8 +26,8 @@ from typing import Annotated, NamedTuple, TypeVar
 import numpy as np
 
 from leadscrew.friction.lugre import FAR, level
-from leadscrew.kernel.errors import ValueRefused
-from leadscrew.kernel.sheet import Doc, Ge, Gt, Unit
+from leadscrew.kernel.parameters import Doc, Ge, Gt, Unit
+from leadscrew.util.errors import ValueRefused
 
 
 class MaxwellSlip(NamedTuple):

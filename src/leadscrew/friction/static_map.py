@@ -21,7 +21,7 @@ import math
 from typing import Annotated, NamedTuple
 
 from leadscrew.friction.lugre import level
-from leadscrew.kernel.sheet import Doc, Ge, Gt, Unit
+from leadscrew.kernel.parameters import Doc, Ge, Gt, Unit
 
 
 class Sliding(NamedTuple):

@@ -20,14 +20,14 @@ from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 
-from leadscrew.escape import python_docstring
 from leadscrew.fuzzy.engine import Engine, engine, execute
 from leadscrew.fuzzy.system import System
 from leadscrew.fuzzy.tables import Tables
-from leadscrew.fuzzy.text import identifiers
+from leadscrew.fuzzy.writer import identifiers
 from leadscrew.kernel.block import Block, InputRange, make
-from leadscrew.kernel.errors import NameUnknown, ValueRefused
-from leadscrew.kernel.sheet import Doc, nearest
+from leadscrew.kernel.parameters import Doc, nearest
+from leadscrew.util.errors import NameUnknown, ValueRefused, entry_point
+from leadscrew.util.escape import python_docstring
 
 SIGNALS = {
     "error": "error",
@@ -41,6 +41,7 @@ SIGNALS = {
 themselves, or the sum of the error over time."""
 
 
+@entry_point
 def function(system: System) -> Callable[..., Any]:
     """The system as a plain function ``f(input, ...)`` with its numbers frozen, for use inside steps.
 
@@ -110,6 +111,7 @@ class Memory(NamedTuple):
     started: Annotated[bool, Doc("whether a period has passed: the first error has no change")] = False
 
 
+@entry_point
 def controller(
     system: System,
     inputs: Mapping[str, Any] | None = None,
@@ -172,6 +174,7 @@ def controller(
     return make("controller", step, start, Memory(), prepare=prepare, input_ranges=ranges, **more)
 
 
+@entry_point
 def from_file(path: str | Path, output: str | None = None, *, command: str = "", feedback: str = "") -> Block:
     """The system in a file as a controller: its first input is the error, its second the error's change in a period.
 

@@ -20,9 +20,10 @@ from leadscrew.fuzzy import rules_text
 from leadscrew.fuzzy.rules_text import Names
 from leadscrew.fuzzy.shapes import STRAIGHT
 from leadscrew.fuzzy.system import Input, Output, Rule, RuleBlock, System, Term
-from leadscrew.kernel.errors import ValueRefused
+from leadscrew.util.errors import ValueRefused, entry_point
 
 
+@entry_point
 def triangles(
     labels: str | Sequence[str], low: float, high: float, centres: Sequence[float] | None = None, shoulders: bool = True
 ) -> tuple[Term, ...]:
@@ -47,11 +48,13 @@ def triangles(
     return tuple(Term(name, "triangle", tuple(feet[i : i + 3])) for i, name in enumerate(names))
 
 
+@entry_point
 def constants(values: Mapping[str, float]) -> tuple[Term, ...]:
     """Constants by name: the consequents of a zero-order Takagi-Sugeno system."""
     return tuple(Term(name, "constant", (float(v),)) for name, v in values.items())
 
 
+@entry_point
 def linear(values: Mapping[str, Sequence[float]]) -> tuple[Term, ...]:
     """Linear forms by name, a coefficient for each input and the constant last: first-order Takagi-Sugeno."""
     return tuple(Term(name, "linear", tuple(v)) for name, v in values.items())
@@ -94,6 +97,7 @@ def _system(
     return System(name, ins, outs, (RuleBlock(rules(given, ins, outs), **block),), doc=doc)
 
 
+@entry_point
 def mamdani(
     name: str,
     inputs: Sequence[Input] | Input,
@@ -114,6 +118,7 @@ def mamdani(
     return _cut_or_scaled("minimum", name, inputs, outputs, rules, defuzzifier, integration, doc)
 
 
+@entry_point
 def larsen(
     name: str,
     inputs: Sequence[Input] | Input,
@@ -139,6 +144,7 @@ def _cut_or_scaled(
     return _system(name, inputs, outs, given, output, block, doc)
 
 
+@entry_point
 def takagi_sugeno(
     name: str,
     inputs: Sequence[Input] | Input,
@@ -161,6 +167,7 @@ def takagi_sugeno(
     return _system(name, inputs, outputs, rules, output, block, doc)
 
 
+@entry_point
 def tsukamoto(
     name: str,
     inputs: Sequence[Input] | Input,

@@ -13,7 +13,7 @@ from dataclasses import dataclass, field
 
 from leadscrew.fuzzy.shapes import STRAIGHT
 from leadscrew.fuzzy.system import INTEGRAL, And, Antecedent, Input, Is, Output, Rule, RuleBlock, System, Term
-from leadscrew.kernel.errors import ValueRefused
+from leadscrew.util.errors import ValueRefused
 
 COMPARISONS = ("<", "<=", "==", "!=", ">=", ">")
 CONSEQUENTS = ("constant", "linear")

@@ -29,7 +29,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.polynomial import legendre
 
-from leadscrew.kernel.errors import ValueRefused
+from leadscrew.util.errors import ValueRefused
 
 Method = Literal["local", "polynomial"]
 MOST_POINTS = 5000

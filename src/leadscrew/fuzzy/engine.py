@@ -10,10 +10,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from leadscrew.escape import one_line
-from leadscrew.fuzzy.active import axis_numbers, is_pointed, is_table, table
 from leadscrew.fuzzy.circuit import Circuit, circuit
 from leadscrew.fuzzy.exact_centroid import prepare_lines
+from leadscrew.fuzzy.inference import axis_numbers, is_pointed, is_table, table
 from leadscrew.fuzzy.system import System
 from leadscrew.fuzzy.tables import (
     FIRST,
@@ -30,10 +29,10 @@ from leadscrew.fuzzy.tables import (
     tables,
     tuned_terms,
 )
-from leadscrew.fuzzy.writer import Writer
-from leadscrew.fuzzy.writer_rules import variable_names
-from leadscrew.kernel.errors import ValueRefused
+from leadscrew.fuzzy.writer import Writer, variable_names
 from leadscrew.kernel.guards import unguarded
+from leadscrew.util.errors import ValueRefused
+from leadscrew.util.escape import one_line
 
 HOME = "leadscrew.fuzzy.generated"
 """The module that written functions say that they are of."""

@@ -8,15 +8,43 @@ changed by ``antisymmetric``, ``monotone`` and ``nearest``, and where data contr
     The centres of all variables must lie symmetrically about zero.
 ``monotone``
     the output rises (1) or falls (-1) with the inputs that ``directions`` names. With the nearest monotone values ``g``
-    of the cells that have a rule (:mod:`leadscrew.fuzzy.isotonic`, weighted by their samples), a cell gets the set
-    nearest to the middle between the largest ``g`` before it and the smallest ``g`` after it; where there is nothing on
-    one side, the extreme of all ``g`` stands in. A cell that no rule comes before or after stays empty.
+    of the cells that have a rule (below, weighted by their samples), a cell gets the set nearest to the middle between
+    the largest ``g`` before it and the smallest ``g`` after it; where there is nothing on one side, the extreme of all
+    ``g`` stands in. A cell that no rule comes before or after stays empty.
 ``nearest``
     a copy of the nearest cell that has a rule, by the distance of the centres with every universe scaled to 1; of
     several equally near the one whose output lies nearest to the middle of its universe, then the first.
 ``servo``, ``servo_growth``
-    the lathe study's procedure for two inputs, without and with its piece of prior knowledge:
-    :mod:`leadscrew.fuzzy.completion`. It alone may overrule cells that data covers; these are in ``changed``.
+    the lathe study's procedure for two inputs (below), without and with its piece of prior knowledge. It alone may
+    overrule cells that data covers; these are in ``changed``.
+
+A full rule table from a few learned rules: symmetry, monotonicity and one piece of prior knowledge.
+
+This is a step of its own, named so that nobody mistakes what it adds for data. For a servo axis the output falls
+with the error and with its rate, and the machine is the same in both directions. With ``n`` sets (even) on each of
+the two inputs and on the output:
+
+1. fold: rule ``(i, j) -> k`` and its mirror ``(n-1-i, n-1-j) -> n-1-k`` are one rule of the half with negative
+   error; where the two disagree the stronger stays;
+2. of two seeds that break monotonicity, drop the one with fewer samples;
+3. minimal monotone completion: a cell gets the largest output asked for by a seed at an equal or larger error and
+   rate, and at least the smallest positive one;
+4. (prior knowledge, not data) where the error is negative and still growing, one level more, up to the largest;
+5. mirror to the half with positive error.
+
+This step is ``servo``.
+
+The monotone values nearest to given ones, on points of any number of dimensions.
+
+    minimise  sum_i w_i (f_i - y_i)^2   subject to   f_i <= f_j  wherever  p_i comes before p_j
+
+``p_i`` comes before ``p_j`` where it does so or is equal in every rising coordinate, the other way round in every
+falling one, and equal in every other (:func:`before`). With one row of ``A`` for every neighbouring pair of that order,
+``(A f)_k = f_j - f_i >= 0``, the solution is ``f = y + A' lambda / w`` with the ``lambda >= 0`` of least
+``|A' lambda / sqrt(w) + sqrt(w) y|``: a non-negative least-squares problem, solved exactly by its active set.
+
+Source: R. E. Barlow et al., Statistical Inference under Order Restrictions, 1972; C. L. Lawson, R. J. Hanson, Solving
+Least Squares Problems, 1974, chapter 23.
 """
 
 from __future__ import annotations
@@ -28,12 +56,162 @@ from typing import Any
 
 import numpy as np
 
-from leadscrew.fuzzy.completion import complete_rules
-from leadscrew.fuzzy.isotonic import before, isotonic, violations
 from leadscrew.fuzzy.learning import LearnedRules
 from leadscrew.fuzzy.partition import Partition
-from leadscrew.kernel.errors import NameUnknown, ValueRefused
-from leadscrew.kernel.sheet import nearest as nearest_name
+from leadscrew.kernel.parameters import nearest as nearest_name
+from leadscrew.util.errors import NameUnknown, ValueRefused
+
+
+@dataclass(frozen=True)
+class Seed:
+    """A folded rule: output level 1, 2, ... (small, medium, ...), its samples and its strength."""
+
+    level: int
+    count: int
+    strength: float
+
+
+@dataclass(frozen=True)
+class Completion:
+    """A full table, and how each step got there."""
+
+    levels: np.ndarray
+    """Signed output levels: -n/2 ... -1, 1 ... n/2; rows by the error's sets, columns by the rate's."""
+    seeds: dict[tuple[int, int], Seed]
+    """The folded rules that the table keeps."""
+    dropped: dict[tuple[int, int], Seed]
+    """The folded rules that broke monotonicity and had the fewer samples."""
+    growth_level_added: bool
+    """Whether step 4 was taken."""
+
+    def table(self, magnitudes) -> np.ndarray:
+        """Consequents, with ``magnitudes[level - 1]`` as the size of each level."""
+        size = np.asarray(magnitudes, dtype=float)
+        return np.sign(self.levels) * size[np.abs(self.levels) - 1]
+
+    def agreement(self, table: np.ndarray, magnitudes) -> int:
+        """How many cells equal those of ``table``."""
+        return int(np.sum(np.isclose(self.table(magnitudes), table)))
+
+
+def complete_rules(learned: LearnedRules, add_growth_level: bool = True) -> Completion:
+    """The full table from learned rules by the five steps above; ``add_growth_level=False`` leaves out step 4.
+
+    Raises:
+        ValueRefused: the inputs and the output do not have the same, even number of sets, or no rule was learned.
+    """
+    n = len(learned.output)
+    if n % 2 or learned.shape != (n, n):
+        raise ValueRefused(
+            "completion of a servo axis needs two inputs, and the same even number of sets everywhere, not "
+            f"{', '.join(map(str, learned.shape))} and {n}"
+        )
+    if not learned.cells:
+        raise ValueRefused("completion needs at least one learned rule")
+    seeds, dropped = _monotone(_fold(learned, n))
+    half = n // 2
+    levels = np.zeros((n, n), dtype=int)
+    for i in range(half):
+        for j in range(n):
+            asked = [seed.level for (a, b), seed in seeds.items() if a >= i and b >= j]
+            level = max([1, *asked])
+            growing = j < half
+            levels[i, j] = min(level + 1, half) if growing and add_growth_level else level
+    levels[half:] = -levels[:half][::-1, ::-1]
+    return Completion(levels, seeds, dropped, add_growth_level)
+
+
+def _fold(learned: LearnedRules, n: int) -> dict[tuple[int, int], Seed]:
+    half = n // 2
+    folded: dict[tuple[int, int], Seed] = {}
+    for (i, j), cell in learned.cells.items():
+        mirrored = i >= half
+        at = (n - 1 - i, n - 1 - j) if mirrored else (i, j)
+        output = n - 1 - cell.winner.output if mirrored else cell.winner.output
+        level = max(output - half + 1, 1)
+        before = folded.get(at, Seed(level, 0, 0.0))
+        stronger = cell.winner.strength > before.strength
+        folded[at] = Seed(
+            level if stronger else before.level,
+            before.count + cell.count,
+            max(cell.winner.strength, before.strength),
+        )
+    return folded
+
+
+def _monotone(seeds: dict[tuple[int, int], Seed]) -> tuple[dict, dict]:
+    kept = dict(seeds)
+    dropped: dict[tuple[int, int], Seed] = {}
+    while True:
+        pairs = [
+            (p, q)
+            for p in kept
+            for q in kept
+            if p != q and p[0] <= q[0] and p[1] <= q[1] and kept[p].level < kept[q].level
+        ]
+        if not pairs:
+            return kept, dropped
+        weakest = min({cell for pair in pairs for cell in pair}, key=lambda at: (kept[at].count, at))
+        dropped[weakest] = kept.pop(weakest)
+
+
+MOST = 1500
+"""Points up to which data that is not monotone is fitted: the work grows with the cube."""
+
+
+def before(first: np.ndarray, second: np.ndarray, directions: np.ndarray) -> np.ndarray:
+    """Whether each of ``first`` comes before or is equal to each of ``second``; points as rows.
+
+    ``directions``: 1 rising, -1 falling, 0 only comparable where equal; one a coordinate.
+    """
+    out = np.ones((len(first), len(second)), dtype=bool)
+    for k, way in enumerate(directions.tolist()):
+        a, b = first[:, None, k], second[None, :, k]
+        out &= (a == b) if way == 0 else (way * a <= way * b)
+    return out
+
+
+def violations(points: np.ndarray, values: np.ndarray, directions: np.ndarray) -> np.ndarray:
+    """Pairs of indices ``(i, j)``: point ``i`` comes before ``j`` and has the larger value."""
+    pairs: np.ndarray = np.argwhere(before(points, points, directions) & (values[:, None] > values[None, :]))
+    return pairs
+
+
+def isotonic(points: np.ndarray, values: np.ndarray, weights: np.ndarray, directions: np.ndarray) -> np.ndarray:
+    """The nearest monotone values, one a point; ``values`` themselves where they are monotone already.
+
+    Points must differ. Errors of the result are those of rounding.
+
+    Raises:
+        ValueRefused: more than :data:`MOST` points that are not monotone.
+    """
+    if not len(violations(points, values, directions)):
+        return values.astype(float)
+    if len(points) > MOST:
+        raise ValueRefused(f"{len(points)} covered cells are not monotone; a monotone fit goes up to {MOST}")
+    from scipy.optimize import nnls
+
+    pairs = _neighbours(before(points, points, directions))
+    root = np.sqrt(weights)
+    matrix = np.zeros((len(points), len(pairs)))
+    matrix[pairs[:, 1], np.arange(len(pairs))] = 1.0
+    matrix[pairs[:, 0], np.arange(len(pairs))] -= 1.0
+    force, _ = nnls(matrix / root[:, None], -root * values, maxiter=30 * max(10, len(pairs)))
+    fitted: np.ndarray = values + matrix @ force / weights
+    # Rounding may leave neighbours out of order by an ulp: each takes the largest before it, from the start.
+    comes = before(points, points, directions)
+    for i in np.argsort(comes.sum(axis=0), kind="stable"):
+        fitted[i] = fitted[comes[:, i]].max()
+    return fitted
+
+
+def _neighbours(comes: np.ndarray) -> np.ndarray:
+    """The pairs of a partial order between which no third point lies."""
+    strict = comes & ~np.eye(len(comes), dtype=bool)
+    number = strict.astype(np.float32)
+    pairs: np.ndarray = np.argwhere(strict & (number @ number < 0.5))
+    return pairs
+
 
 Cells = dict[tuple[int, ...], int]
 """Index of the output's set by the indices of the inputs' sets."""
@@ -170,7 +348,7 @@ def _mirror(learned: LearnedRules, at: tuple[int, ...]) -> tuple[int, ...]:
     return tuple(n - 1 - i for n, i in zip(learned.shape, at, strict=True))
 
 
-def _monotone(learned: LearnedRules, outputs: Cells, ways: np.ndarray) -> tuple[Cells, str]:
+def _monotone_step(learned: LearnedRules, outputs: Cells, ways: np.ndarray) -> tuple[Cells, str]:
     have, value = np.array(list(outputs)), np.array(learned.output.centres)[list(outputs.values())]
     counts = [learned.cells[at].count if at in learned.cells else 1 for at in outputs]
     g = isotonic(have, value, np.array(counts, dtype=float), ways)
@@ -232,7 +410,7 @@ def _against(learned: LearnedRules, cells: Iterable[tuple[int, ...]], what: str,
 
 STEPS: dict[str, Callable[[LearnedRules, Cells, np.ndarray], tuple[Cells, str]]] = {
     "antisymmetric": _antisymmetric,
-    "monotone": _monotone,
+    "monotone": _monotone_step,
     "nearest": _nearest,
     "servo": _servo,
     "servo_growth": lambda learned, outputs, ways: _servo(learned, outputs, ways, growth=True),

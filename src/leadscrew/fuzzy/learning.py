@@ -9,7 +9,7 @@ antecedents the strongest is kept, of equal ones the earlier. Nothing is guessed
 which cells of the table are covered, by how many samples, and which rules lost to which.
 
 Samples outside a universe count as its end; how many there are, and how far out, is in the result. Values are in the
-units of the partitions. The rules become a system by :func:`leadscrew.fuzzy.learned_system.to_system`; cells that no
+units of the partitions. The rules become a system by :func:`leadscrew.fuzzy.from_data.to_system`; cells that no
 sample covers are filled only by a step of :mod:`leadscrew.fuzzy.fill` that is asked for by name.
 
 Source: L.-X. Wang, J. M. Mendel, Generating fuzzy rules by learning from examples, IEEE Trans. SMC 22 (1992)
@@ -20,15 +20,61 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any, Literal
 
 import numpy as np
 
 from leadscrew.fuzzy.partition import Partition
-from leadscrew.fuzzy.samples import names_of, rows_of, weights_of
-from leadscrew.kernel.errors import ValueRefused
+from leadscrew.util.errors import ValueRefused
+
+
+def names_of(names: Sequence[str] | None, inputs: int) -> tuple[str, ...]:
+    """Names of the inputs, and of the output last: those given, or ``x1``, ``x2``, ..., ``y``."""
+    if inputs < 1:
+        raise ValueRefused("rules need at least one input")
+    called = tuple(names) if names is not None else (*(f"x{k + 1}" for k in range(inputs)), "y")
+    if len(called) != inputs + 1 or len(set(called)) != len(called):
+        raise ValueRefused(f"names = {list(called)}: expected {inputs + 1} different ones, the output's last")
+    return called
+
+
+def rows_of(samples: Any, names: tuple[str, ...], numbers: Any) -> tuple[np.ndarray, np.ndarray]:
+    """The samples as an array, empty where there are none, and their numbers."""
+    wanted = f"expected rows of {len(names)} numbers ({', '.join(names)})"
+    given = list(samples) if isinstance(samples, Iterable) and not isinstance(samples, np.ndarray) else samples
+    try:
+        rows = np.asarray(given, dtype=float)
+    except (TypeError, ValueError):
+        raise ValueRefused(f"samples: {wanted}") from None
+    rows = np.empty((0, len(names))) if rows.size == 0 else rows
+    if rows.ndim != 2 or rows.shape[1] != len(names):
+        raise ValueRefused(f"samples of shape {rows.shape}: {wanted}")
+    number = np.arange(len(rows)) if numbers is None else np.asarray(numbers)
+    if number.shape != (len(rows),):
+        raise ValueRefused(f"numbers of shape {number.shape} for {len(rows)} samples")
+    bad = np.argwhere(~np.isfinite(rows))
+    if len(bad):
+        row, column = bad[0].tolist()
+        raise ValueRefused(
+            f"samples, row {number[row]} (from 0): {names[column]} = {rows[row, column]}: must be finite"
+        )
+    return rows, number
+
+
+def weights_of(weights: Any, number: np.ndarray) -> np.ndarray | None:
+    """One weight in (0, 1] for each of the samples with these numbers."""
+    if weights is None:
+        return None
+    given = np.asarray(weights, dtype=float)
+    if given.shape != number.shape:
+        raise ValueRefused(f"weights of shape {given.shape} for {len(number)} samples")
+    bad = np.flatnonzero(~((given > 0.0) & (given <= 1.0)))
+    if len(bad):
+        raise ValueRefused(f"weights, row {number[bad[0]]} (from 0): {given[bad[0]]}: allowed is above 0 to 1")
+    return given
+
 
 Ties = Literal["drop", "keep"]
 
@@ -132,14 +178,10 @@ class LearnedRules:
 
     def report(self, most: int = 30) -> str:
         """Coverage, rules and conflicts as text for a reader; lists are cut after ``most`` lines, and say so."""
-        from leadscrew.fuzzy.learning_report import report
-
         return report(self, most)
 
     def as_dict(self) -> dict[str, Any]:
         """The same as plain data, for JSON."""
-        from leadscrew.fuzzy.learning_report import as_dict
-
         return as_dict(self)
 
 
@@ -209,3 +251,115 @@ def _outside(rows: np.ndarray, partitions: Sequence[Partition], names: tuple[str
         if (beyond > 0.0).any():
             out[name] = Outside(int((beyond > 0.0).sum()), float(column[int(np.argmax(beyond))]))
     return out
+
+
+MOST_CELLS = 100_000
+"""Cells up to which :func:`as_dict` lists those that no sample covers."""
+
+
+def report(learned: LearnedRules, most: int = 30) -> str:
+    """Coverage, rules and conflicts; lists are cut after ``most`` lines, and say so."""
+    used = learned.samples - len(learned.dropped)
+    share = 100.0 * learned.covered / learned.total
+    conflicts = learned.conflicts
+    lines = [
+        f"{learned.samples} samples, {used} used, {len(learned.dropped)} left out (a value exactly between two sets)",
+        *(outside_line(learned, name) for name in learned.outside),
+        f"{learned.covered} of {learned.total} cells covered ({share:.1f} %), {len(conflicts)} in conflict",
+        "",
+        *rule_table(learned, most),
+    ]
+    missing = learned.total - learned.covered
+    if missing:
+        shown = [f"({', '.join(learned.labels(at))})" for at in itertools.islice(learned.uncovered(), most)]
+        more = f" and {missing - len(shown)} more" if missing > len(shown) else ""
+        lines += ["", f"no sample covers {', '.join(shown)}{more}"]
+    return "\n".join(lines)
+
+
+def outside_line(learned: LearnedRules, name: str) -> str:
+    """One sentence on the samples outside the universe of a variable."""
+    centres = dict(zip(learned.names, (*learned.inputs, learned.output), strict=True))[name].centres
+    said = learned.outside[name]
+    verb = "sample lies" if said.count == 1 else "samples lie"
+    return (
+        f"{said.count} {verb} outside the universe of {name}, [{centres[0]:g}, {centres[-1]:g}], the farthest at "
+        f"{said.farthest:g}: held at its end"
+    )
+
+
+def rule_table(learned: LearnedRules, most: int) -> list[str]:
+    """Lines of a table: rule, strength, samples that say so of those in the cell, what it beat."""
+    rows = [_row(learned, cell) for cell in itertools.islice(learned.cells.values(), most)]
+    lines = aligned([(*learned.names, "strength", "samples", "beat"), *rows])
+    if learned.covered > most:
+        lines.append(f"... and {learned.covered - most} more rules")
+    return lines
+
+
+def _row(learned: LearnedRules, cell: Cell) -> tuple[str, ...]:
+    rule = cell.winner
+    of = f"{rule.count} of {cell.count}" if cell.losers else str(rule.count)
+    beat = ", ".join(f"{learned.output.labels[r.output]} ({r.strength:.3f}, {r.count})" for r in cell.losers)
+    beat += "; a draw, the earlier sample wins" if cell.drawn else ""
+    return (*learned.labels(rule.sets), learned.output.labels[rule.output], f"{rule.strength:.3f}", of, beat)
+
+
+def aligned(rows: Sequence[Sequence[str]]) -> list[str]:
+    """Rows of texts as lines with straight columns."""
+    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+    return ["  ".join(cell.ljust(w) for cell, w in zip(row, widths, strict=True)).rstrip() for row in rows]
+
+
+def runs(numbers: Iterable[int]) -> str:
+    """Rising whole numbers in few words: ``1-4, 7``."""
+    parts: list[list[int]] = []
+    for n in numbers:
+        if parts and n == parts[-1][-1] + 1:
+            parts[-1] = [parts[-1][0], n]
+        else:
+            parts.append([n])
+    return ", ".join("-".join(map(str, part)) for part in parts)
+
+
+def finite(value: Any) -> Any:
+    """Plain data with None for numbers that are not finite, as JSON wants it."""
+    if isinstance(value, dict):
+        return {k: finite(v) for k, v in value.items()}
+    if isinstance(value, list | tuple):
+        return [finite(v) for v in value]
+    return None if isinstance(value, float) and not math.isfinite(value) else value
+
+
+def as_dict(learned: LearnedRules) -> dict[str, Any]:
+    """The same as plain data, for JSON; ``uncovered`` is None for a table of more than :data:`MOST_CELLS` cells."""
+    return {
+        "names": list(learned.names),
+        "partitions": {
+            name: {"centres": [float(c) for c in p.centres], "labels": list(p.labels)}
+            for name, p in zip(learned.names, (*learned.inputs, learned.output), strict=True)
+        },
+        "samples": learned.samples,
+        "weighted": learned.weighted,
+        "dropped": list(learned.dropped),
+        "outside": {name: vars(o) for name, o in learned.outside.items()},
+        "cells": learned.total,
+        "covered": learned.covered,
+        "conflicts": len(learned.conflicts),
+        "rules": [_cell_words(learned, at, cell) for at, cell in learned.cells.items()],
+        "uncovered": [learned.labels(at) for at in learned.uncovered()] if learned.total <= MOST_CELLS else None,
+    }
+
+
+def _cell_words(learned: LearnedRules, at: tuple[int, ...], cell: Cell) -> dict[str, Any]:
+    def plain(rule: Rule) -> dict[str, Any]:
+        output = learned.output.labels[rule.output]
+        return {"output": output, "strength": rule.strength, "samples": rule.count, "sample": rule.sample}
+
+    return {
+        "sets": learned.labels(at),
+        **plain(cell.winner),
+        "cell_samples": cell.count,
+        "drawn": cell.drawn,
+        "beat": [plain(rule) for rule in cell.losers],
+    }

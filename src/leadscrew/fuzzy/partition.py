@@ -6,64 +6,23 @@ The first and the last set are shouldered: outside the universe ``[c_1, c_n]`` a
 At every ``x`` at most two sets have a membership above zero and the two sum to one, so an input is told by the
 interval that it lies in and by its membership in the interval's upper set.
 
-:class:`Partition` is for design and reports (labels, all memberships, ties). :class:`Axis` is the same partition as
-a step reads it: its centres and, for speed, the reciprocals of the interval widths. A partition becomes the input of a
-:class:`~leadscrew.fuzzy.system.System` by :meth:`Partition.as_input`, and comes back by :meth:`Partition.from_input`.
+:class:`Partition` is for design and reports (labels, all memberships, ties); :class:`leadscrew.fuzzy.inference.Axis` is
+the same partition as a step reads it. A partition becomes the input of a :class:`~leadscrew.fuzzy.system.System` by
+:meth:`Partition.as_input`, and comes back by :meth:`Partition.from_input`.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Annotated, NamedTuple
 
 import numpy as np
 
+from leadscrew.fuzzy.inference import axis
 from leadscrew.fuzzy.system import Input, Output, Term
-from leadscrew.kernel.errors import ValueRefused
-from leadscrew.kernel.sheet import Doc
+from leadscrew.util.errors import ValueRefused
 
 TIE = 1e-12
 """Two memberships closer than this are a tie: far above rounding, far below three printed digits."""
-
-
-class Axis(NamedTuple):
-    """One input of a rule base, as a step reads it."""
-
-    centres: Annotated[np.ndarray, Doc("peaks of the sets, increasing")]
-    reciprocal_widths: Annotated[np.ndarray, Doc("one over the distance to the next centre")]
-
-
-def axis(centres) -> Axis:
-    """The partition with these centres, ready for a step.
-
-    Raises:
-        ValueRefused: fewer than two centres, or centres that do not increase.
-    """
-    c = np.array(centres, dtype=float)
-    if c.ndim != 1 or c.size < 2:
-        raise ValueRefused(f"centres = {c.tolist()}: a partition needs at least two centres in one row")
-    width = np.diff(c)
-    if not (np.isfinite(c).all() and (width > 0.0).all()):
-        raise ValueRefused(f"centres = {c.tolist()}: centres must be finite and strictly increasing")
-    return Axis(c, 1.0 / width)
-
-
-def inside_universe(axis, x):
-    """``x`` held between the first and the last centre."""
-    return min(max(x, axis.centres[0]), axis.centres[axis.centres.shape[0] - 1])
-
-
-def interval_index(axis, x):
-    """Number of the interval that holds ``x``, from 0: how many inner centres lie at or below it."""
-    index = 0
-    for i in range(1, axis.centres.shape[0] - 1):
-        index = index + (1 if x >= axis.centres[i] else 0)
-    return index
-
-
-def upper_membership(axis, index, x):
-    """Membership of ``x`` in the upper set of its interval; the lower set has the rest to one."""
-    return (x - axis.centres[index]) * axis.reciprocal_widths[index]
 
 
 @dataclass(frozen=True)
@@ -163,7 +122,7 @@ class Partition:
         Raises:
             ValueRefused: they are none (triangles that sum to one, a shoulder at each end); says so.
         """
-        from leadscrew.fuzzy.active import axis_numbers, is_pointed
+        from leadscrew.fuzzy.inference import axis_numbers, is_pointed
         from leadscrew.fuzzy.tables import cuts
 
         sides = cuts(list(variable.terms))

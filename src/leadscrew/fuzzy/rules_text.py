@@ -13,8 +13,8 @@ from dataclasses import dataclass
 from typing import NoReturn
 
 from leadscrew.fuzzy.system import HEDGES, And, Antecedent, Is, Or, Rule, System, Variable
-from leadscrew.kernel.errors import DataError
-from leadscrew.kernel.sheet import nearest
+from leadscrew.kernel.parameters import nearest
+from leadscrew.util.errors import DataError, entry_point
 
 __all__ = ["Cursor", "Names", "Token", "parse", "quoted", "read_number", "read_rule", "rule_text", "table", "tokens"]
 
@@ -154,6 +154,7 @@ def tokens(text: str, where: str = "rule", line: int = 1, column: int = 1) -> li
         at = end
 
 
+@entry_point
 def parse(
     text: str, names: Names | System | None = None, *, where: str = "rule", line: int = 1, column: int = 1
 ) -> Rule:

@@ -35,9 +35,9 @@ from collections.abc import Callable, Sequence
 from typing import Any
 
 from leadscrew.fuzzy.system import Term
-from leadscrew.kernel.errors import ValueRefused
 from leadscrew.kernel.guards import unguarded
 from leadscrew.kernel.portable import cos, exp, pow
+from leadscrew.util.errors import ValueRefused
 
 NUMBERS = 6
 """How many prepared numbers a term has."""

@@ -15,14 +15,14 @@ from dataclasses import dataclass, field, fields
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
-from leadscrew.kernel.errors import NameUnknown, ValueRefused
-from leadscrew.kernel.sheet import nearest
+from leadscrew.kernel.parameters import nearest
+from leadscrew.util.errors import NameUnknown, ValueRefused, entry_point
 
 if TYPE_CHECKING:
     import numpy as np
 
     from leadscrew.fuzzy.evaluate import Compiled
-    from leadscrew.fuzzy.explain import Explanation
+    from leadscrew.fuzzy.explanation import Explanation
 
 SHAPES: dict[str, tuple[str, ...]] = {
     "bell": ("center", "width", "slope"),
@@ -277,6 +277,7 @@ class RuleBlock:
         _one_of(f"rule block {self.name}: activation", self.activation, ACTIVATIONS)
 
 
+@entry_point
 @dataclass(frozen=True)
 class System:
     """A whole fuzzy system; checked: every name in a rule exists."""
@@ -336,9 +337,9 @@ class System:
 
     @cached_property
     def _compiled(self) -> Compiled:
-        from leadscrew.fuzzy.evaluate import compiled
+        from leadscrew import fuzzy
 
-        return compiled(self)
+        return fuzzy.compiled(self)
 
     def __call__(self, **inputs: float) -> dict[str, float]:
         """All outputs by name at one point, inputs by name; see :mod:`leadscrew.fuzzy.evaluate`.
@@ -360,6 +361,6 @@ class System:
             ValueRefused: no value for an input.
             NameUnknown: there is no such input.
         """
-        from leadscrew.fuzzy.explain import explain
+        from leadscrew import fuzzy
 
-        return explain(self, {**(inputs or {}), **named})
+        return fuzzy.explain(self, {**(inputs or {}), **named})

@@ -12,8 +12,8 @@ from leadscrew.fuzzy.circuit import CONSEQUENTS, Circuit
 from leadscrew.fuzzy.exact_centroid import prepare_partition
 from leadscrew.fuzzy.shapes import NUMBERS, PREPARED, membership, membership_function, polyline_rows, prepared
 from leadscrew.fuzzy.system import INTEGRAL, Output, Term
-from leadscrew.kernel.errors import ValueRefused
-from leadscrew.kernel.sheet import Doc
+from leadscrew.kernel.parameters import Doc
+from leadscrew.util.errors import ValueRefused
 
 HEIGHT, FIRST, SECOND, PEAK = NUMBERS, NUMBERS + 1, NUMBERS + 2, NUMBERS + 3
 """Columns of a prepared term after those of its shape: height, its first two parameters, its peak."""

@@ -10,7 +10,7 @@ from collections.abc import Callable
 import numpy as np
 
 from leadscrew.grey.vectorised import gm11
-from leadscrew.kernel.errors import ValueRefused
+from leadscrew.util.errors import ValueRefused
 
 
 def linearised(level: float, length: int = 5, horizon: float = 1.0, model: Callable[..., np.ndarray] = gm11,

@@ -21,7 +21,7 @@ from __future__ import annotations
 import math
 from typing import Annotated, NamedTuple
 
-from leadscrew.kernel.sheet import Doc, Unit
+from leadscrew.kernel.parameters import Doc, Unit
 
 SINGULAR = 1e-12
 """Spread of z, of the sum of z^2, below which no line has a slope (zeros and alternating samples)."""

@@ -6,6 +6,8 @@ numbers below, so that a batch may mix predictors in one compiled loop; :data:`K
 
 from __future__ import annotations
 
+from typing import Literal, get_args
+
 from leadscrew.grey.gm11 import ahead, as_printed, derivative, exponential, fit
 from leadscrew.grey.others import dgm, fir, line, residual, two_point, verhulst
 from leadscrew.grey.window import LENGTH, lifted
@@ -16,23 +18,13 @@ PRINTED, VERHULST, RESIDUAL, FIR, EXPONENTIAL, OFF_BY_ONE, DERIVATIVE = 8, 9, 10
 GUARD = 0.5
 """Development coefficient beyond which ``GM_GUARDED`` does not believe the model."""
 
-KINDS = {
-    "last": LAST,
-    "gm11": GM,
-    "gm11_clamped": GM_CLAMPED,
-    "gm11_guarded": GM_GUARDED,
-    "gm11_shifted": GM_SHIFTED,
-    "line": LINE,
-    "two_point": TWO_POINT,
-    "dgm11": DGM,
-    "gm11_printed": PRINTED,
-    "verhulst": VERHULST,
-    "gm11_residual": RESIDUAL,
-    "fir": FIR,
-    "gm11_exponential": EXPONENTIAL,
-    "gm11_off_by_one": OFF_BY_ONE,
-    "gm11_derivative": DERIVATIVE,
-}
+Kind = Literal[
+    "last", "gm11", "gm11_clamped", "gm11_guarded", "gm11_shifted",
+    "line", "two_point", "dgm11", "gm11_printed", "verhulst",
+    "gm11_residual", "fir", "gm11_exponential", "gm11_off_by_one", "gm11_derivative",
+]  # fmt: skip
+
+KINDS = {name: number for number, name in enumerate(get_args(Kind))}
 """Numbers of the predictors by name.
 
 ==== ================= ==============================================================================================

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from leadscrew.grey.vectorised_others import predictions
-from leadscrew.kernel.errors import DataError
+from leadscrew.grey.vectorised import predictions
+from leadscrew.util.errors import DataError
 
 BESIDE = ("last", "line", "two_point")
 """What a grey model is always compared with: persistence and two straight lines."""

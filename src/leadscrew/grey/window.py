@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Annotated, NamedTuple
 
-from leadscrew.kernel.sheet import Doc
+from leadscrew.kernel.parameters import Doc
 
 LENGTH = 5
 """Samples that a window holds."""

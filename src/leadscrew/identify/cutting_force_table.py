@@ -13,30 +13,142 @@
 
 from __future__ import annotations
 
+import csv
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 
 from leadscrew.analysis.cutting_force import USUAL_KC, specific_force
-from leadscrew.csvlines import number
-from leadscrew.identify.cutting_force_lines import Lines, read_cells
-from leadscrew.identify.cutting_force_words import (
-    FORCE_UNITS,
-    FORCES,
-    LENGTHS,
-    NAMES,
-    NEEDED,
-    PER_MINUTE,
-    UNITS,
-    Word,
-    parted,
-    understood,
-    unit_of,
-)
-from leadscrew.kernel.errors import DataError, ValueRefused
-from leadscrew.kernel.sheet import nearest
+from leadscrew.kernel.parameters import nearest
+from leadscrew.util import parquet, reading
+from leadscrew.util.csv_lines import number
+from leadscrew.util.errors import DataError, ValueRefused
+
+PARQUET = (".parquet", ".pq")
+"""Suffixes of Parquet files."""
+NAMES = {
+    "feed": ("feed", "feed_per_rev", "feed_per_revolution", "fn", "f_n", "fr", "f_r"),
+    "depth": ("depth", "depth_of_cut", "ap", "a_p", "doc"),
+    "force": ("force", "main_force", "cutting_force", "main_cutting_force", "tangential_force", "fc", "f_c"),
+    "feed_force": ("feed_force", "axial_force", "ff", "f_f"),
+    "passive_force": ("passive_force", "radial_force", "thrust_force", "fp", "f_p"),
+    "speed": ("cutting_speed", "speed", "vc", "v_c"),
+    "spindle": ("spindle", "spindle_speed", "rpm", "spindle_rpm"),
+}
+"""What a column may be called, in lower case and with underscores; ``f``, ``F`` and ``n`` go by their case."""
+BY_CASE = {"f": "feed", "F": "force", "n": "spindle"}
+NEEDED = ("feed", "depth", "force")
+FORCES = ("force", "feed_force", "passive_force")
+
+LENGTHS = {"mm": 1.0, "um": 1e-3, "µm": 1e-3, "μm": 1e-3, "cm": 10.0, "m": 1000.0, "in": 25.4, "inch": 25.4}
+TURN = ("/rev", "/r", "_per_rev", "_rev", "/u", "/tr", "")
+FORCE_UNITS = {"N": 1.0, "daN": 10.0, "kN": 1000.0, "kgf": 9.80665, "lbf": 4.4482216152605}
+PER_MINUTE = "mm/min"
+"""A feed that becomes one per revolution by the spindle speed."""
+UNITS: dict[str, dict[str, float]] = {
+    "feed": {f"{unit}{turn}": by for unit, by in LENGTHS.items() for turn in TURN}
+    | dict.fromkeys((PER_MINUTE, "mm_min", "mm_per_min"), 1.0),
+    "depth": LENGTHS,
+    **dict.fromkeys(FORCES, FORCE_UNITS),
+    "speed": {"m/min": 1.0, "m_min": 1.0, "m_per_min": 1.0, "m/s": 60.0, "ft/min": 0.3048, "sfm": 0.3048},
+    "spindle": {"1/min": 1.0, "rpm": 1.0, "rev/min": 1.0, "min-1": 1.0, "rev/s": 60.0, "1/s": 60.0},
+}
+"""Into mm per revolution, mm, N, m/min and 1/min."""
+OWN = {
+    "feed": "mm/rev", "depth": "mm", "force": "N", "feed_force": "N", "passive_force": "N", "speed": "m/min",
+    "spindle": "1/min",
+}  # fmt: skip
+"""The unit of a column that says none."""
+
+
+class Word(NamedTuple):
+    """What a header says."""
+
+    quantity: str
+    unit: str
+
+
+def understood(header: str) -> Word | None:
+    """Quantity and unit of a header such as ``feed (mm/rev)``, ``ap_mm`` or ``Fc [kN]``; ``None`` for another word."""
+    name, said = parted(header)
+    if name in BY_CASE:
+        return _with_unit(BY_CASE[name], said)
+    words = re.sub(r"[\s_-]+", "_", name).casefold().split("_")
+    for split in range(len(words), 0, -1):
+        quantity = _quantity("_".join(words[:split]))
+        rest = "_".join(words[split:])
+        if quantity is not None and (not rest or (not said and unit_of(quantity, rest) is not None)):
+            return _with_unit(quantity, said or rest)
+    return None
+
+
+def parted(header: str) -> tuple[str, str]:
+    """Name and unit where the unit stands in brackets at the end."""
+    found = re.fullmatch(r"(.*?)\s*[\[(]([^\])]*)[\])]", header.strip())
+    return (found[1], found[2].strip()) if found else (header.strip(), "")
+
+
+def unit_of(quantity: str, text: str) -> str | None:
+    """The unit of a quantity as it is written here, whatever the case; ``None`` for a unit that it does not have."""
+    asked = text.replace(" ", "").casefold()
+    return next((unit for unit in UNITS[quantity] if unit.casefold() == asked), None)
+
+
+def _quantity(name: str) -> str | None:
+    return next((quantity for quantity, names in NAMES.items() if name in names), None)
+
+
+def _with_unit(quantity: str, text: str) -> Word:
+    return Word(quantity, text or OWN[quantity])
+
+
+Lines = list[tuple[int, list[str]]]
+
+
+def read_cells(path: Path) -> Lines:
+    """Row number (as an editor counts; of a Parquet file from 1) and cells of the header and of every row.
+
+    Raises:
+        DataError: it cannot be read, is empty, has no rows, or a row has not as many cells as the header.
+    """
+    return _parquet(path) if path.suffix.casefold() in PARQUET else _text(path)
+
+
+def _text(path: Path) -> Lines:
+    text = reading.text(path, reading.POINTS, "tables of points")
+    kept = [(n, line) for n, line in enumerate(text.splitlines(), 1) if line.strip() and not line.startswith("#")]
+    if not kept:
+        raise DataError(f"{path}: is empty; expected a header line with feed, depth, force")
+    if len(kept) == 1:
+        raise DataError(f"{path}: has a header but no rows of data")
+    first = kept[0][1]
+    apart = next((sign for sign in ("\t", ";", ",") if sign in first), None)
+    if apart is None:
+        raise DataError(f"{path}, row {kept[0][0]}: {first!r} is one cell; expected commas, semicolons or tabs between")
+    lines = []
+    for n, line in kept:
+        try:
+            cells = next(csv.reader([line], delimiter=apart, strict=True))
+        except csv.Error as problem:
+            raise DataError(f"{path}, row {n}: {problem}") from None
+        lines.append((n, [cell.strip() for cell in cells]))
+        if len(cells) != len(lines[0][1]):
+            hint = "; decimal commas need semicolons or tabs between the cells" if apart == "," else ""
+            raise DataError(f"{path}, row {n}: {len(cells)} cells where the header has {len(lines[0][1])}{hint}")
+    return lines
+
+
+def _parquet(path: Path) -> Lines:
+    held = parquet.read(path)
+    if not held.rows:
+        raise DataError(f"{path}: has columns but no rows of data")
+    cells = [held.texts[n] if n in held.texts else [repr(v) for v in held.numbers[n].tolist()] for n in held.names]
+    return [(0, held.names), *((n, list(row)) for n, row in enumerate(zip(*cells, strict=True), 1))]
+
 
 POSSIBLE = {"feed": (0.001, 10.0), "depth": (0.005, 50.0), "force": (0.5, 50000.0)}
 """What a row in turning may have, mm and N: what is guessed when a unit is wrong."""
@@ -218,3 +330,21 @@ def _distinct(rows: tuple[int, ...], found: Mapping[str, np.ndarray]) -> tuple[l
             first[key] = row
             keep.append(i)
     return keep, tuple(repeated)
+
+
+EXAMPLE = """\
+# Main cutting force in dry turning, about 1080 1/min: published facts, from mati-paredes/Turning-Cutting-Forces.
+# Four feeds at a depth of 1 mm, four depths at a feed of 0.104 mm/rev; the cut at 0.104 mm/rev and 1 mm is in both.
+# "feed" is what was set at the lathe, "measured feed" is length over time and spindle speed, as its authors took it.
+# Their own fit, to the four feeds as measured: specific force 1609.5 N/mm2 at 1 mm, exponent 0.136, R2 0.932.
+feed (mm/rev),measured feed (mm/rev),depth (mm),force (N)
+0.104,0.098,1.0,212.6
+0.187,0.176,1.0,371.1
+0.299,0.303,1.0,569.0
+0.416,0.401,1.0,725.6
+0.104,0.102,0.25,65.5
+0.104,0.100,0.5,120.2
+0.104,0.098,1.0,212.6
+0.104,0.101,1.25,268.2
+"""
+"""Eight facts of mati-paredes/Turning-Cutting-Forces; the same as ``examples/turning_forces.csv``."""

@@ -3,7 +3,7 @@
 1. Sliding, by linear least squares: ``F_C``, ``sigma_2``, the inertia and an offset
    (:mod:`leadscrew.identify.friction_record`).
 2. Around every stand-still, by simulation: ``sigma_0, sigma_1, F_S, v_s`` minimise what the log's position differs
-   from a model that is driven by the log's torque (:mod:`leadscrew.identify.friction_replay`),
+   from a model that is driven by the log's torque (:mod:`leadscrew.identify.friction_record`),
 
         minimise  sum_k rho((y_k - y_k(theta)) / noise),      rho(r) = 18 (sqrt(1 + r^2 / 9) - 1)
 
@@ -18,7 +18,7 @@ The cost has several minima along ``v_s``. Trust-region least squares starts fro
 Standard errors are those of a linearised fit, not below the noise, with the errors of inertia, Coulomb and viscous
 friction carried over from step 1. A stroke that repeats another count by count counts once. A parameter with more than
 :data:`KNOWN` is not identifiable. Static friction and Stribeck speed act in slow motion only: sines of millimetres do
-not determine them, the record of :mod:`leadscrew.references.friction_test` does. Where they are not identifiable they
+not determine them, the record of :obj:`leadscrew.references.friction_test` does. Where they are not identifiable they
 stay near usual values (F_S = 1.5 F_C; v_s a 3,300th of the top speed), each weighed as one sample that is off by the
 noise at a factor of e.
 
@@ -35,10 +35,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from leadscrew.friction.lugre import LuGre
-from leadscrew.identify.friction_record import Piece, Record, Sliding, checked, pieces, sliding
-from leadscrew.identify.friction_replay import replay_loop
-from leadscrew.kernel import door
-from leadscrew.kernel.errors import DataError
+from leadscrew.identify.friction_record import Piece, Record, Sliding, checked, pieces, replay_loop, sliding
+from leadscrew.kernel import validate
+from leadscrew.util.errors import DataError
 
 KNOWN = 0.1
 """Standard error, as a share of the value (of static friction: of what it is above Coulomb friction), up to which a
@@ -208,7 +207,7 @@ def fit_friction(
     """
     say = progress or (lambda what, done: None)
     if inertia is not None:
-        inertia = door.positive("inertia", inertia, "kg m^2")
+        inertia = validate.positive("inertia", inertia, "kg m^2")
     say("sliding", 0.0)
     record = checked(time_s, torque, angle, delay)
     slide = sliding(record)

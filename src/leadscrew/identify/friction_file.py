@@ -7,11 +7,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from leadscrew.identify.friction import FrictionFit, fit_friction
-from leadscrew.kernel import door
-from leadscrew.kernel.errors import DataError, ValueRefused
+from leadscrew.kernel import validate
 from leadscrew.logs import read_table
-from leadscrew.logs.role_units import named_unit
 from leadscrew.logs.units import drive_in, length_in, plain
+from leadscrew.util.errors import DataError, ValueRefused
 
 if TYPE_CHECKING:
     import numpy as np
@@ -50,7 +49,9 @@ def identify_file(
             travel.
     """
     where = Path(path)
-    travel = door.positive("travel_per_rad", travel_of(where) if travel_per_rad is None else travel_per_rad, "per rad")
+    travel = validate.positive(
+        "travel_per_rad", travel_of(where) if travel_per_rad is None else travel_per_rad, "per rad"
+    )
     if len({time, torque, position}) < 3:
         raise ValueRefused(f"time = {time!r}, torque = {torque!r}, position = {position!r}: expected three columns")
     table = read_table(where)
@@ -65,7 +66,7 @@ def identify_file(
 def _torque(table: Table, column: str) -> np.ndarray:
     """N m."""
     name = table.name(column)
-    unit = named_unit(table, name, "drive")
+    unit = table.unit_of(name, "drive")
     kept, size = drive_in(unit or "N m")
     if kept == "N m" or plain(unit) == "1":
         return size * table.numbers(name)
@@ -76,7 +77,7 @@ def _torque(table: Table, column: str) -> np.ndarray:
 def _angle(table: Table, column: str, known: bool) -> np.ndarray:
     """rad, or the column's own unit of length where its travel per radian is ``known``."""
     name = table.name(column)
-    unit = named_unit(table, name, "position")
+    unit = table.unit_of(name, "position")
     kind, size = length_in(unit or "rad")
     if kind == "m" and not known:
         raise ValueRefused(
@@ -88,7 +89,7 @@ def _angle(table: Table, column: str, known: bool) -> np.ndarray:
 
 def travel_of(folder: Path) -> float:
     """Travel per radian in the run of a folder of ``simulate --out``; 1 where nothing says it."""
-    from leadscrew import reading
+    from leadscrew.util import reading
 
     try:
         said = reading.json_object(folder / "run.json")["parameters"]["controller.travel_per_rad"]
@@ -105,12 +106,12 @@ def controller_with(fit: FrictionFit, study: str, controller: str, source: str) 
         ValueRefused: a controller that believes no LuGre friction, or whose own static friction lies below the
             Coulomb friction of the log.
     """
-    import leadscrew
-    from leadscrew import catalogue, experiment
+    from leadscrew import resolve
+    from leadscrew._version import __version__
     from leadscrew.controller_file import ControllerFile
     from leadscrew.friction.lugre import LuGre
 
-    params = experiment.controller(catalogue.study(study), controller).params
+    params = resolve.controller(resolve.study(study), controller).params
     own = getattr(params, "hat", None)
     if not isinstance(own, LuGre):
         raise ValueRefused(
@@ -126,7 +127,7 @@ def controller_with(fit: FrictionFit, study: str, controller: str, source: str) 
     values: dict[str, Any] = {f"hat.{name}": value for name, value in known.items()}
     if hasattr(params, "inertia"):
         values["inertia"] = fit.inertia
-    return ControllerFile(study, controller, values, origin(fit, source, leadscrew.__version__))
+    return ControllerFile(study, controller, values, origin(fit, source, __version__))
 
 
 def origin(fit: FrictionFit, source: str, version: str) -> dict[str, Any]:

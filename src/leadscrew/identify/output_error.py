@@ -22,8 +22,8 @@ from typing import TYPE_CHECKING, Literal, NamedTuple
 
 import numpy as np
 
-from leadscrew.kernel import door
-from leadscrew.kernel.errors import DataError, ValueRefused
+from leadscrew.kernel import validate
+from leadscrew.util.errors import DataError, ValueRefused
 
 if TYPE_CHECKING:
     from leadscrew.kernel.loop import Loop
@@ -127,7 +127,7 @@ def fit_output_error(
     """
     from scipy.optimize import differential_evolution, least_squares
 
-    door.one_of("search", search, ["local", "global"])
+    validate.one_of("search", search, ["local", "global"])
     lows, highs = _limits(loop, bounds)
     problem = _Problem(loop, records, tuple(bounds), lows, highs, signal, equal_moves)
     origin = problem.origin(start or {})

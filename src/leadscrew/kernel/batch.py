@@ -12,15 +12,15 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from leadscrew.escape import html
-from leadscrew.kernel import door
+from leadscrew.kernel import validate
 from leadscrew.kernel.engines import ENGINES
-from leadscrew.kernel.errors import NameUnknown, ValueRefused
 from leadscrew.kernel.layout import numbers_of, reader_of
 from leadscrew.kernel.linker import LANES
 from leadscrew.kernel.one_thread import one_thread
+from leadscrew.kernel.parameters import ParameterSpec, nearest, put
 from leadscrew.kernel.run import Metrics, recorded
-from leadscrew.kernel.sheet import nearest, put
+from leadscrew.util.errors import NameUnknown, ValueRefused, entry_point
+from leadscrew.util.escape import html
 
 if TYPE_CHECKING:
     from leadscrew.kernel.loop import Loop
@@ -33,6 +33,7 @@ HEARD_S = 0.1
 """After which Ctrl-C is heard at the latest."""
 
 
+@entry_point
 @dataclass(repr=False)
 class Batch:
     """The result of many runs: arrays with one row a run."""
@@ -96,10 +97,7 @@ def _columns(varied: Mapping[str, Any], loop: Loop, runs: int | None) -> tuple[d
     for key, values in varied.items():
         loop.split(key)
         entry = loop.sheet[key]
-        try:
-            array = np.asarray(values, dtype=np.float64)
-        except (TypeError, ValueError):
-            raise ValueRefused(f"{key}: expected an array of numbers, one for each run") from None
+        array = numbers(entry, values)
         inner = np.shape(entry.default) if entry.type == "array" else ()
         if array.ndim == len(inner):
             array = array[None]
@@ -110,20 +108,36 @@ def _columns(varied: Mapping[str, Any], loop: Loop, runs: int | None) -> tuple[d
         if entry.type == "array":
             for row in array:
                 entry.check(row, "batch")
-        else:
+        elif entry.choice is None:
             low, high = array.min(), array.max()
             for x in (float(low), float(high)):
                 entry.check(int(x) if entry.type == "int" and x == int(x) else x, "batch")
         found[key] = array
     if runs is not None:
-        door.whole("runs", runs, 1, 2**31 - 1)
+        validate.whole("runs", runs, 1, 2**31 - 1)
     lengths = {len(a) for a in found.values() if len(a) > 1} | ({runs} if runs is not None else set())
     if len(lengths) > 1:
         held = ", ".join(f"{k} has {len(a)}" for k, a in found.items())
         wanted = f", runs = {runs}" if runs is not None else ""
         raise ValueRefused(f"a batch needs the same number of values for every key: {held}{wanted}")
-    n = door.whole("runs", lengths.pop() if lengths else 1, 1, 2**31 - 1)
+    n = validate.whole("runs", lengths.pop() if lengths else 1, 1, 2**31 - 1)
     return {k: np.ascontiguousarray(np.broadcast_to(a, (n, *a.shape[1:]))) for k, a in found.items()}, n
+
+
+def numbers(entry: ParameterSpec, values: Any) -> np.ndarray:
+    """Values of one parameter as an array; a choice may be given by names.
+
+    Raises:
+        ValueRefused: no numbers; no name of the choice.
+    """
+    if entry.choice is not None:
+        return np.array([entry.stored(v, "batch") for v in np.ravel(values)], dtype=np.float64).reshape(
+            np.shape(values)
+        )
+    try:
+        return np.asarray(values, dtype=np.float64)
+    except (TypeError, ValueError):
+        raise ValueRefused(f"{entry.key}: expected an array of numbers, one for each run") from None
 
 
 def _places(loop: Loop, columns: Mapping[str, np.ndarray], n: int, duration: float) -> tuple[np.ndarray, np.ndarray]:
@@ -166,7 +180,7 @@ def _prepared(
     kinds = [loop.sheet[f"{slot}.{k}"].type for k in keys]
     given = [columns[f"{slot}.{k}"][firsts] for k in keys]
     typed = [
-        list(a) if kind == "array" else a.astype(np.int64).tolist() if kind == "int" else a.tolist()
+        list(a) if kind == "array" else a.astype(np.int64).tolist() if kind in ("int", "choice") else a.tolist()
         for a, kind in zip(given, kinds, strict=True)
     ]
     flat = all("." not in k for k in keys)
@@ -210,9 +224,9 @@ def run_batch(
         raise ValueRefused("a batch needs a control period; a continuous loop (period=None) runs one at a time")
     columns, n = _columns(varied, loop, runs)
     periods = loop.periods(duration)
-    every = door.whole("every", every, 1, 2**53)
-    threads = door.whole("threads", threads if threads is not None else os.cpu_count() or 1, 1, 1024)
-    first = door.whole("first", first, 0, 2**31 - 1)
+    every = validate.whole("every", every, 1, 2**53)
+    threads = validate.whole("threads", threads if threads is not None else os.cpu_count() or 1, 1, 1024)
+    first = validate.whole("first", first, 0, 2**31 - 1)
     names = loop.columns(record) if record is None or len(record) else []
     rows = -(-periods // every) if names else 0
     size = n * rows * len(names) * 8
@@ -221,7 +235,7 @@ def run_batch(
             f"recording {n} runs of {rows} rows of {len(names)} signals needs {size / 1e9:.0f} GB; "
             "record fewer, or a larger every"
         )
-    engine = door.one_of("engine", engine or loop.engine, list(ENGINES))
+    engine = validate.one_of("engine", engine or loop.engine, list(ENGINES))
     if engine == "python":
         return _one_by_one(loop, duration, columns, n, names, every, first)
     program = loop.program
@@ -300,12 +314,12 @@ def _one_by_one(
     for k in range(n):
         kinds = {key: loop.sheet[key].type for key in columns}
         changes = {
-            key: a[k] if kinds[key] == "array" else int(a[k]) if kinds[key] == "int" else float(a[k])
+            key: a[k] if kinds[key] == "array" else int(a[k]) if kinds[key] in ("int", "choice") else float(a[k])
             for key, a in columns.items()
         }
         done.append(
             loop.using(changes).run(
-                duration, record=names or (), every=every if names else 0, engine="python", run=first + k
+                duration, record=names or (), every=every if names else 0, engine="python", replicate=first + k
             )
         )
     diverged_at = np.array([r.diverged.time if r.diverged else np.nan for r in done])

@@ -28,11 +28,20 @@ from __future__ import annotations
 import inspect
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, Generic, NamedTuple, ParamSpec, Protocol, overload
 
-from leadscrew.escape import checked_line
-from leadscrew.kernel.errors import BlockError
-from leadscrew.kernel.sheet import checked_replace
+from leadscrew.kernel.parameters import checked_replace, entries
+from leadscrew.util.errors import BlockError, entry_point
+from leadscrew.util.escape import checked_line
+
+if TYPE_CHECKING:
+    from typing_extensions import ParamSpec as DefaultParamSpec
+
+    P = DefaultParamSpec("P", default=...)
+else:
+    P = ParamSpec("P")
+
+Q = ParamSpec("Q")
 
 KINDS: dict[str, tuple[str, ...]] = {
     "reference": ("t", "dt", "noise"),
@@ -46,8 +55,8 @@ KINDS: dict[str, tuple[str, ...]] = {
 """The kinds of block and the signals that a step of each may take."""
 
 
-DRIVES = ("torque", "velocity", "voltage", "duty", "position")
-"""What a controller's output may command."""
+DRIVES = ("torque", "force", "velocity", "voltage", "duty", "position")
+"""What a controller's output may command, and a plant take."""
 
 
 class InputRange(NamedTuple):
@@ -65,8 +74,9 @@ class InputRange(NamedTuple):
     feedback: str = "feedback"
 
 
-@dataclass(frozen=True)
-class Block:
+@entry_point
+@dataclass(frozen=True, repr=False)
+class Block(Generic[P]):
     """A block: its step, its parameters and its state at the start.
 
     Called with positional arguments it is its step, so that blocks compose by plain calls; called with
@@ -100,7 +110,7 @@ class Block:
     no_value: Callable[..., str] | None = None
     """Metric: ``no_value(params, state, end)`` -> why it has no value in a run of ``end`` seconds."""
     drive: str = ""
-    """Controller: what its output commands; one of :data:`DRIVES`."""
+    """Controller: what its output commands; plant: what its input is; one of :data:`DRIVES`."""
     full_scale: float = 0.0
     """Controller: size of the output at full drive; 0 where it has none of its own."""
     sense: int = 1
@@ -111,20 +121,41 @@ class Block:
     """Controller: the ranges for which its inputs are made."""
     doc: str = field(default="", repr=False)
 
+    def __repr__(self) -> str:
+        values = [f"{e.key}={_short(e.default)}" for e in entries(self.params)] if self.params is not None else []
+        more = f", and {len(values) - SHOWN} more" if len(values) > SHOWN else ""
+        return f"<{self.kind} {self.name}{': ' if values else ''}{', '.join(values[:SHOWN])}{more}>"
+
+    @overload
+    def __call__(self, *args: P.args, **changes: P.kwargs) -> Block[P]: ...
+    @overload
+    def __call__(self, first: Any, /, *more: Any) -> Any: ...
     def __call__(self, *args: Any, **changes: Any) -> Any:
         if args:
+            if self.params is not None and not isinstance(args[0], tuple):
+                first = f"{self.params._fields[0]}={args[0]!r}"
+                raise BlockError(f"{self.name}({args[0]!r}): parameters have names: {self.name}({first})")
             return self.step(*args, **changes)
         return self.using(**changes)
 
-    def using(self, **changes: Any) -> Block:
+    def using(self, **changes: Any) -> Block[P]:
         """The block with some parameters changed; each is checked against its data sheet."""
         if not changes:
             return self
         return replace(self, params=checked_replace(self.params, changes, where=self.name))
 
-    def starting(self, **changes: Any) -> Block:
+    def starting(self, **changes: Any) -> Block[P]:
         """The block with some fields of its state at the start changed."""
         return replace(self, state=checked_replace(self.state, changes, where=f"{self.name} state"), initial=None)
+
+
+SHOWN = 6
+"""Parameters that the short form of a block shows."""
+
+
+def _short(value: Any) -> str:
+    shape = getattr(value, "shape", ())
+    return f"array {' x '.join(map(str, shape))}" if shape else f"{value:g}" if isinstance(value, float) else str(value)
 
 
 def takes(function: Callable[..., Any], argument: str) -> bool:
@@ -159,6 +190,8 @@ def make(kind: str, step: Callable[..., Any], params: Any = None, state: Any = N
     """
     for what, value in (("parameters", params), ("state", state)):
         if value is not None and not (isinstance(value, tuple) and hasattr(value, "_fields")):
+            if isinstance(value, type):
+                raise BlockError(f"{step.__name__}: {what} are a class; write an instance: {value.__name__}()")
             raise BlockError(
                 f"{step.__name__}: {what} must be an instance of a NamedTuple, for example Params(), not {value!r}"
             )
@@ -178,16 +211,47 @@ def make(kind: str, step: Callable[..., Any], params: Any = None, state: Any = N
     return Block(kind, name, step, params, state, _signals(kind, step, params, state), doc=doc, **more)
 
 
-def _decorator(kind: str) -> Callable[..., Callable[[Callable[..., Any]], Block]]:
-    def with_parts(params: Any = None, state: Any = None, **more: Any) -> Callable[[Callable[..., Any]], Block]:
-        def decorate(step: Callable[..., Any]) -> Block:
-            return make(kind, step, params, state, **more)
+def _instance(step: Callable[..., Any], part: Any) -> Any:
+    """A NamedTuple from its class, with its defaults."""
+    fields = getattr(part, "_fields", None) if isinstance(part, type) else None
+    if fields is None:
+        return part
+    bare = [name for name in fields if name not in part._field_defaults]
+    if bare:
+        raise BlockError(
+            f"{step.__name__}: {part.__name__}.{bare[0]} has no default: give it one, or write an instance"
+        )
+    return part()
+
+
+class Decorator(Protocol):
+    """Makes a block of a step function; takes parameters and state as classes of NamedTuples, or as instances."""
+
+    @overload
+    def __call__(
+        self, params: Callable[Q, tuple[Any, ...]], state: Any = None, **more: Any
+    ) -> Callable[[Callable[..., Any]], Block[Q]]: ...
+    @overload
+    def __call__(
+        self, params: Any = None, state: Any = None, **more: Any
+    ) -> Callable[[Callable[..., Any]], Block[...]]: ...
+
+
+def _decorator(kind: str) -> Decorator:
+    @entry_point
+    def with_parts(params: Any = None, state: Any = None, **more: Any) -> Callable[[Callable[..., Any]], Block[...]]:
+        if inspect.isfunction(params):
+            raise BlockError(f"{params.__name__}: write @{kind}() or @{kind}(Params(), State()), with parentheses")
+
+        @entry_point
+        def decorate(step: Callable[..., Any]) -> Block[...]:
+            return make(kind, step, _instance(step, params), _instance(step, state), **more)
 
         return decorate
 
     with_parts.__name__ = kind
     with_parts.__doc__ = f"Decorator: makes a {kind} block of a step function. See the module's table."
-    return with_parts
+    return with_parts  # type: ignore[return-value]
 
 
 reference = _decorator("reference")

@@ -19,7 +19,8 @@ from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
 
-from leadscrew.kernel.system import is_private, may_be_replaced, read_private
+from leadscrew.util.frames import warning_level
+from leadscrew.util.system import is_private, may_be_replaced, read_private
 
 LIMIT = 5000
 """Files of modules kept, some 100 MB: more than the five studies compile; beyond, the oldest go."""
@@ -33,7 +34,7 @@ def stamp() -> str:
     """The versions that compiled code depends on: library, Python, LLVM."""
     from importlib.metadata import version
 
-    from leadscrew import __version__
+    from leadscrew._version import __version__
 
     return f"{__version__}-py{sys.version_info.major}.{sys.version_info.minor}-llvmlite{version('llvmlite')}"
 
@@ -83,7 +84,7 @@ def directory() -> Path:
 def _warn(text: str) -> None:
     if text not in _told:
         _told.add(text)
-        warnings.warn(text, stacklevel=3)
+        warnings.warn(text, stacklevel=warning_level())
 
 
 def _put(folder: Path, name: str, data: bytes) -> None:

@@ -1,16 +1,31 @@
-"""Whether every local of a step is set before it is read, on every path."""
+"""Whether every local of a step is set before it is read, and something is returned, on every path."""
 
 from __future__ import annotations
 
 import ast
 from collections.abc import Callable
 
-from leadscrew.kernel.trees import names
+from leadscrew.kernel.trees import each, names
 
 
 def check(node: ast.FunctionDef, locals_: set[str], refuse: Callable[[ast.AST, str], None]) -> None:
-    """Calls ``refuse`` at the first read of a local that some path has not set."""
-    _Paths(locals_, refuse).block(node.body, {a.arg for a in node.args.args})
+    """Calls ``refuse`` at the first read of a local that some path has not set, or at the end of a path that returns
+    nothing where another one returns something.
+    """
+    end = _Paths(locals_, refuse).block(node.body, {a.arg for a in node.args.args})
+    if end is not None and any(isinstance(n, ast.Return) for n in each(node)):
+        refuse(node.body[-1], "returns nothing where this does not return: missing 'return'?")
+
+
+def leaves(body: list[ast.stmt], returns: bool = True, breaks: bool = True) -> bool:
+    """Whether the body of a loop holds a ``return``, or a ``break`` of this loop."""
+    for node in body:
+        if (returns and isinstance(node, ast.Return)) or (breaks and isinstance(node, ast.Break)):
+            return True
+        inner = breaks and not isinstance(node, ast.For | ast.While)
+        if leaves([*getattr(node, "body", ()), *getattr(node, "orelse", ())], returns, inner):
+            return True
+    return False
 
 
 class _Paths:
@@ -59,6 +74,7 @@ class _Paths:
         if isinstance(node, ast.While):
             self.reads(node.test, known)
             self.block(node.body, known)
-            return known
+            endless = isinstance(node.test, ast.Constant) and node.test.value and not leaves(node.body, returns=False)
+            return None if endless else known
         self.reads(node, known)
         return known

@@ -9,8 +9,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from leadscrew.kernel.errors import BlockError
 from leadscrew.kernel.layout import Branch, Layout, Leaf, is_branch, leaves
+from leadscrew.util.errors import BlockError
 
 SLOTS = ("reference", "disturbance", "output_disturbance", "sensor", "controller", "actuator", "plant")
 """The places of a loop that hold one block each."""

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from leadscrew.kernel.sheet import SILENT, Note, leaf_type, notes
+from leadscrew.kernel.parameters import SILENT, Note, leaf_type, notes
 
 
 @dataclass(frozen=True)

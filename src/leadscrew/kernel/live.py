@@ -11,15 +11,14 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from leadscrew.kernel import door, ieee
+from leadscrew.kernel import ieee, validate
 from leadscrew.kernel.block import Block
-from leadscrew.kernel.errors import NameUnknown, ValueRefused
+from leadscrew.kernel.engines import Entry
 from leadscrew.kernel.frame import SLOTS
-from leadscrew.kernel.linker import LARGEST
-from leadscrew.kernel.loop import DivergenceWarning, warn_diverged
-from leadscrew.kernel.native import Entry
-from leadscrew.kernel.plan import LIMITS
+from leadscrew.kernel.linker import LARGEST, LIMITS
+from leadscrew.kernel.notes import DivergenceWarning, warn_diverged
 from leadscrew.kernel.run import Divergence, Metrics, Run
+from leadscrew.util.errors import NameUnknown, ValueRefused, entry_point
 
 if TYPE_CHECKING:
     from leadscrew.kernel.loop import Loop
@@ -42,15 +41,16 @@ class Saved:
     loop: Loop
 
 
+@entry_point
 class Live:
     """One loop in motion. Ten times ``advance(100)`` gives the same bits as ``advance(1000)``."""
 
-    def __init__(self, loop: Loop, engine: str, run: int = 0, duration: float = math.inf) -> None:
+    def __init__(self, loop: Loop, engine: str, replicate: int = 0, duration: float = math.inf) -> None:
         self.loop = loop
         self.duration = duration
         """Seconds after which the run ends; infinite where that is not known."""
         self.engine = engine
-        self.run_number = door.whole("run", run, 0, 2**31 - 1)
+        self.replicate = validate.whole("replicate", replicate, 0, 2**31 - 1)
         self.program = loop.program
         self.entry = self.program.entry("single", engine)
         self.period = 0
@@ -79,8 +79,8 @@ class Live:
             ValueRefused: no whole positive number; a recording larger than memory allows.
             NameUnknown: no such signal.
         """
-        periods = door.whole("periods", periods, 1, 2**53)
-        every = door.whole("every", every, 0, 2**53)
+        periods = validate.whole("periods", periods, 1, 2**53)
+        every = validate.whole("every", every, 0, 2**53)
         columns = self.loop.columns(record) if every else []
         rows = 0 if every == 0 else -(-(self.period + periods) // every) - -(-self.period // every)
         if rows * len(columns) * 8 > MEMORY:
@@ -96,7 +96,7 @@ class Live:
             select, table = self._nothing
         metrics = self._metrics
         counters = self._counters if not columns else np.zeros(6, dtype=np.int64)
-        counters[:] = (self.period, self.period + periods, every, self.run_number, 0, 0)
+        counters[:] = (self.period, self.period + periods, every, self.replicate, 0, 0)
         start = self.period
         began = time.perf_counter()
         if self.diverged is None:
@@ -112,7 +112,7 @@ class Live:
         signals = {c: table[i, : counters[4]] for i, c in enumerate(columns)}
         return Run(
             loop=self.loop, signals=signals, diverged=self.diverged, engine=self.engine, wall_s=wall,
-            duration=self.time, start=start * self.loop.period, run_number=self.run_number, every=every,
+            duration=self.time, start=start * self.loop.period, replicate=self.replicate, every=every,
             metrics=Metrics(zip(self.loop.metrics, measured.tolist(), strict=False)),
             explained=self._explained() if np.isnan(measured).any() else None,
         )  # fmt: skip
@@ -252,7 +252,7 @@ class Live:
         for built in ("program", "signals", "module"):
             loop.__dict__.pop(built, None)
         loop.blocks["controller"] = controller
-        new = Live(loop, self.engine, self.run_number)
+        new = Live(loop, self.engine, self.replicate)
         old_state = self.program.plan.state.unpack(*self.state)
         params, fresh = loop.values()
         kept = {s: getattr(old_state, s) for s in fresh._fields if s not in ("controller", "metrics")}

@@ -14,22 +14,29 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from leadscrew.escape import checked_line
-from leadscrew.kernel import door
+from leadscrew.kernel import validate
 from leadscrew.kernel.block import Block, takes
 from leadscrew.kernel.engines import ENGINES
-from leadscrew.kernel.errors import NameUnknown, ValueRefused
 from leadscrew.kernel.frame import SLOTS, Clock, as_floats, bundle
 from leadscrew.kernel.layout import Layout
 from leadscrew.kernel.linker import LARGEST, METHODS, Plan
 from leadscrew.kernel.module import Module
-from leadscrew.kernel.notes import RunWarning, notes
+from leadscrew.kernel.notes import DivergenceWarning, RunWarning, notes
+from leadscrew.kernel.parameters import ParameterSpec, entries, nearest
 from leadscrew.kernel.probe import example_signals
 from leadscrew.kernel.program import Program, programs
-from leadscrew.kernel.sheet import Entry, entries, nearest
-from leadscrew.kernel.treework import treework
+from leadscrew.kernel.trees import treework
+from leadscrew.kernel.units import UnitWarning, mismatches
+from leadscrew.kernel.views import view
+from leadscrew.util.errors import NameUnknown, ValueRefused, entry_point
+from leadscrew.util.escape import checked_line
+from leadscrew.util.frames import warning_level
 
 if TYPE_CHECKING:
+    from control import TimeResponseData
+
+    from leadscrew.analysis.linearization import Linearization
+    from leadscrew.analysis.stability.margins import Margins
     from leadscrew.kernel.batch import Batch
     from leadscrew.kernel.live import Live
     from leadscrew.kernel.run import Run
@@ -38,6 +45,7 @@ RECORDED = ("command", "feedback", "output", "applied", "actual", "disturbance",
 """What a run records unless told otherwise."""
 
 
+@entry_point
 class Loop:
     """A closed loop, ready to run on any engine.
 
@@ -91,37 +99,46 @@ class Loop:
     ) -> None:
         given = (reference, disturbance, output_disturbance, sensor, controller, actuator, plant)
         self.blocks: dict[str, Block | None] = dict(zip(SLOTS, given, strict=True))
-        door.check_blocks(self.blocks)
+        validate.check_blocks(self.blocks)
         if metrics is None:
             from leadscrew.kernel.metrics import STANDARD
 
             metrics = STANDARD
-        self.metrics = door.check_metrics(metrics)
+        self.metrics = validate.check_metrics(metrics)
         self.continuous = period is None
-        self.period = door.positive("period", sample if period is None else period, "s")
-        self.substeps = door.whole("substeps", substeps, 1, 1_000_000)
+        self.period = validate.positive("period", sample if period is None else period, "s")
+        self.substeps = validate.whole("substeps", substeps, 1, 1_000_000)
         self.step = self.period / self.substeps
-        self.sent = door.in_steps("computation_delay", computation_delay, self.step)
-        self.seen = door.in_steps("transport_delay", transport_delay, self.step)
+        self.sent = validate.in_steps("computation_delay", computation_delay, self.step)
+        self.seen = validate.in_steps("transport_delay", transport_delay, self.step)
         if method is None:
             self.method = "rodas" if self.continuous or plant.stiff else "rk4"
         else:
-            self.method = door.one_of("method", method, list(METHODS))
-        self.bound = min(door.positive("bound", bound, "in the unit of the true output"), LARGEST)
-        self.seed = door.whole("seed", seed, 0, 2**53)
-        self.rtol = door.positive("rtol", rtol, "")
-        self.atol = door.positive("atol", atol, "")
-        self.engine = door.one_of("engine", engine, list(ENGINES))
+            self.method = validate.one_of("method", method, list(METHODS))
+        self.bound = min(validate.positive("bound", bound, "in the unit of the true output"), LARGEST)
+        self.seed = validate.whole("seed", seed, 0, 2**53)
+        self.rtol = validate.positive("rtol", rtol, "")
+        self.atol = validate.positive("atol", atol, "")
+        self.engine = validate.one_of("engine", engine, list(ENGINES))
         self.name = checked_line("name", name)
         self.origin: dict[str, Any] = {}
         """How to build this loop again: study, controller, scenario and changes; goes into the manifest."""
-        door.check_continuous(self, method)
+        validate.check_continuous(self, method)
+        for text in mismatches(self.blocks):
+            warnings.warn(f"{self.name}: {text}", UnitWarning, stacklevel=warning_level())
+
+    def __repr__(self) -> str:
+        main = " -> ".join(b.name for s in ("reference", "controller", "plant") if (b := self.blocks[s]) is not None)
+        others = ("sensor", "actuator", "disturbance", "output_disturbance")
+        rest = [f"{s} {b.name}" for s in others if (b := self.blocks[s]) is not None]
+        clock = "continuous" if self.continuous else f"{1e3 * self.period:g} ms"
+        return f"<Loop {self.name}: {'; '.join([main, *rest, clock])}>"
 
     # ---- parameters
     @cached_property
-    def sheet(self) -> dict[str, Entry]:
+    def sheet(self) -> dict[str, ParameterSpec]:
         """Every parameter by its dotted key: value, unit, range, help."""
-        found: dict[str, Entry] = {}
+        found: dict[str, ParameterSpec] = {}
         for slot, block in self._parametered().items():
             for entry in entries(block.params, f"{slot}."):
                 found[entry.key] = entry
@@ -150,7 +167,7 @@ class Loop:
             held: dict[str, Any] = new.metrics if slot.startswith("metrics.") else new.blocks
             name = slot.removeprefix("metrics.")
             block = held[name]
-            held[name] = replace(block, params=door.replaced(block.params, rest, value, key))
+            held[name] = replace(block, params=validate.replaced(block.params, rest, value, key))
             may_differ = may_differ or block.prepare is not None or block.initial is not None
         for option, value in options.items():
             if option not in ("seed", "engine", "bound", "name", "substeps"):
@@ -159,11 +176,11 @@ class Loop:
             if option == "substeps":
                 value, may_differ = new._stepped(value), True
             elif option == "seed":
-                value = door.whole("seed", value, 0, 2**53)
+                value = validate.whole("seed", value, 0, 2**53)
             elif option == "bound":
-                value = min(door.positive("bound", value, ""), LARGEST)
+                value = min(validate.positive("bound", value, ""), LARGEST)
             elif option == "engine":
-                value = door.one_of("engine", value, list(ENGINES))
+                value = validate.one_of("engine", value, list(ENGINES))
             else:
                 value = checked_line("name", value)
             setattr(new, option, value)
@@ -181,10 +198,10 @@ class Loop:
         if self.continuous:
             raise ValueRefused("substeps: a continuous loop (period=None) chooses its steps itself")
         delays = self.sent * self.step, self.seen * self.step
-        count = door.whole("substeps", substeps, 1, 1_000_000)
+        count = validate.whole("substeps", substeps, 1, 1_000_000)
         self.step = self.period / count
         names = ("computation_delay", "transport_delay")
-        self.sent, self.seen = (door.in_steps(name, d, self.step) for name, d in zip(names, delays, strict=True))
+        self.sent, self.seen = (validate.in_steps(name, d, self.step) for name, d in zip(names, delays, strict=True))
         return count
 
     def split(self, key: str) -> tuple[str, str]:
@@ -333,7 +350,7 @@ class Loop:
         Raises:
             ValueRefused: not positive, or shorter than one period.
         """
-        duration = door.positive("duration", duration, "s")
+        duration = validate.positive("duration", duration, "s")
         n = round(duration / self.period)
         if n < 1:
             raise ValueRefused(f"duration = {duration!r} s is shorter than one period of {self.period} s")
@@ -367,9 +384,10 @@ class Loop:
         every: int = 1,
         *,
         engine: str | None = None,
-        run: int = 0,
+        replicate: int = 0,
+        run: None = None,
     ) -> Run:
-        """One run from the start; ``run`` is its number in the noise, as in a batch.
+        """One run from the start; ``replicate`` chooses the stream of noise, as in a batch.
 
         A loop that diverges stops: the run then holds the signals up to there, ``run.diverged`` says at what time and
         in what, its metrics are NaN, and a DivergenceWarning is issued. ``every=0`` records nothing.
@@ -380,23 +398,25 @@ class Loop:
         """
         from leadscrew.kernel.live import Live
 
+        validate.renamed("run", run, "replicate")
         periods = self.periods(duration)
-        done = Live(self, engine or self.engine, run, periods * self.period).advance(
+        done = Live(self, engine or self.engine, replicate, periods * self.period).advance(
             periods, record=record, every=every
         )
         found = notes(done)
         for note in found:
-            warnings.warn(f"{self.name}: {note.message}", RunWarning, stacklevel=2)
+            warnings.warn(f"{self.name}: {note.message}", RunWarning, stacklevel=warning_level())
         return replace(done, notes=found) if found else done
 
-    def start(self, *, engine: str | None = None, run: int = 0) -> Live:
+    def start(self, *, engine: str | None = None, replicate: int = 0, run: None = None) -> Live:
         """A live loop, to be advanced a number of periods at a time.
 
         Its end is not known, so a metric of the last part of a run has a value only with a ``from_time`` of its own.
         """
         from leadscrew.kernel.live import Live
 
-        return Live(self, engine or self.engine, run)
+        validate.renamed("run", run, "replicate")
+        return Live(self, engine or self.engine, replicate)
 
     def batch(
         self,
@@ -413,25 +433,64 @@ class Loop:
     ) -> Batch:
         """Many runs with parameters varied by dotted key (arrays, one value a run); metrics, and signals if asked for.
 
-        Run ``k`` has the same bits as ``loop.using({key: values[k]}).run(duration, run=first + k)``.
+        Run ``k`` has the same bits as ``loop.using({key: values[k]}).run(duration, replicate=first + k)``.
         """
         from leadscrew.kernel.batch import run_batch
 
         return run_batch(self, duration, varied or {}, runs, record, every, threads, first, engine, progress)
 
-    def sweep(self, duration: float, grid: Mapping[str, Sequence[float]], **options: Any) -> Batch:
+    def sweep(self, duration: float, grid: Mapping[str, Sequence[float | str]], **options: Any) -> Batch:
         """A batch over the full grid of the values given for each key; ``batch.grid(metric)`` has the grid's shape."""
-        axes = [np.asarray(v, dtype=np.float64) for v in grid.values()]
+        axes = [np.asarray(v) for v in grid.values()]
         mesh = np.meshgrid(*axes, indexing="ij")
         done = self.batch(duration, {k: m.ravel() for k, m in zip(grid, mesh, strict=True)}, **options)
         done.shape = tuple(len(a) for a in axes)
         return done
 
+    # ---- the linear view
+    def linearize(
+        self, time: float | None = None, state: Mapping[str, float] | None = None, *, ideal: Sequence[str] = ()
+    ) -> Linearization:
+        """The loop around an operating point, as python-control's ``StateSpace``: ``open_loop``, ``closed_loop``.
+
+        The point is at rest at the start (error zero), or what a run has reached after ``time`` seconds; ``state``
+        sets states of it by dotted key (``{"plant.speed": 20.0}``). A sampled loop gives discrete systems of its
+        period. ``ideal=["sensor"]`` (or ``"actuator"``) leaves out a sensor that is quantised.
+
+        Raises:
+            ValueRefused: a block has no linear view there, for example a relay or a quantiser; names it.
+        """
+        return view("linearize")(self, time, state, ideal)
+
+    def margins(
+        self, time: float | None = None, state: Mapping[str, float] | None = None, *, ideal: Sequence[str] = ()
+    ) -> Margins:
+        """Margins of the linear view at an operating point: gain, phase, delay, disk, Ms, Mt and their frequencies.
+
+        The arguments are those of :meth:`linearize`.
+        """
+        return view("margins")(self, time, state, ideal)
+
+    def step_response(
+        self,
+        duration: float | None = None,
+        time: float | None = None,
+        state: Mapping[str, float] | None = None,
+        *,
+        ideal: Sequence[str] = (),
+    ) -> TimeResponseData:
+        """The true output after a unit step of the command, by python-control: ``.time``, ``.outputs``, ``.plot()``.
+
+        The other arguments are those of :meth:`linearize`. A nonlinear loop, its limits included, answers in
+        :meth:`run` with ``references.step``.
+        """
+        return view("step_response")(self, duration, time, state, ideal)
+
     def manifest(self, engine: str) -> dict[str, Any]:
         """Everything needed to know what ran."""
         from importlib.metadata import version
 
-        from leadscrew import __version__
+        from leadscrew._version import __version__
 
         return {
             "schema_version": 1,
@@ -456,13 +515,4 @@ class Loop:
         }
 
 
-class DivergenceWarning(UserWarning):
-    """A loop diverged and was stopped."""
-
-
-def warn_diverged(text: str) -> None:
-    """Says once, in words, that a loop diverged."""
-    warnings.warn(text, DivergenceWarning, stacklevel=4)
-
-
-__all__ = ["RECORDED", "DivergenceWarning", "Loop", "RunWarning", "warn_diverged"]
+__all__ = ["RECORDED", "DivergenceWarning", "Loop", "RunWarning"]

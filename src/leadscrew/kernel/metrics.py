@@ -23,7 +23,7 @@ import sys
 from typing import Annotated, NamedTuple
 
 from leadscrew.kernel.block import Block, metric
-from leadscrew.kernel.sheet import Doc, Ge, Gt, Le, Unit
+from leadscrew.kernel.parameters import Doc, Ge, Gt, Le, Unit
 
 NAN = math.nan
 UNKNOWN = sys.float_info.max

@@ -18,24 +18,24 @@ from typing import Any, cast
 import numpy as np
 
 from leadscrew.kernel import bits, guards
-from leadscrew.kernel.asked import Asked, same, source_of, trees
 from leadscrew.kernel.block import Block
 from leadscrew.kernel.branchless import branchless
-from leadscrew.kernel.drivers import holes
-from leadscrew.kernel.errors import SubsetError
+from leadscrew.kernel.drivers import hooks
 from leadscrew.kernel.flow import Flow
 from leadscrew.kernel.fuse import Fuser
 from leadscrew.kernel.ieee import OPERATORS, Ieee, Table
 from leadscrew.kernel.normalise import Normaliser
+from leadscrew.kernel.normalised_trees import Recorder, same, source_of, trees
+from leadscrew.kernel.parameters import SILENT, leaf_type, notes
 from leadscrew.kernel.scalarise import Scalariser, fields_of, without_copies, without_dead
-from leadscrew.kernel.sheet import SILENT, leaf_type, notes
-from leadscrew.kernel.source import MISSING, lookup
-from leadscrew.kernel.subset import MATHS, call, is_named_tuple_type
-from leadscrew.kernel.trees import code_of, copied, each, expression, fingerprint
-from leadscrew.kernel.treework import treework
+from leadscrew.kernel.source import MISSING, lookup, where
+from leadscrew.kernel.subset import MATHS, PRINT, call, is_named_tuple_type, is_print
+from leadscrew.kernel.trees import code_of, copied, each, expression, fingerprint, treework
+from leadscrew.util.errors import SubsetError
+from leadscrew.util.frames import place
 
 _RESERVED = {
-    "ieee_select", "np", "math", "NamedTuple", "float", "int", "bool", "abs", "len", "range", *bits.INTRINSICS,
+    "ieee_select", PRINT, "np", "math", "NamedTuple", "float", "int", "bool", "abs", "len", "range", *bits.INTRINSICS,
     # the arguments and locals of the drivers and of what the linker writes
     *(  # noqa: SIM905
         "P A S B Q Z U V H R M D Y QA ZB p s x t k j n u f h g i c q v y b a lane run line views noise dt load "
@@ -97,7 +97,7 @@ class Module:
         self.names: dict[int, str] = {}
         self.kept: list[Any] = []
         self.constants: dict[str, float | int | bool] = {}
-        """Values of the named holes of the drivers that are plain numbers."""
+        """Values of the named hooks of the drivers that are plain numbers."""
         self.arguments: dict[tuple[int, str], type] = {}
         self._reads: dict[tuple[int, str], tuple[Any, str, Any, bytes]] = {}
         self._space: dict[str, Any] = {}
@@ -123,10 +123,10 @@ class Module:
         self.items[item.name] = item
         return item.name
 
-    def link(self, hole: Callable[..., Any], name: str) -> None:
-        """Makes the driver's ``hole`` stand for the definition ``name``."""
-        self.names[id(hole)] = name
-        self.kept.append(hole)
+    def link(self, hook: Callable[..., Any], name: str) -> None:
+        """Makes the driver's ``hook`` stand for the definition ``name``."""
+        self.names[id(hook)] = name
+        self.kept.append(hook)
 
     def is_current(self) -> bool:
         """Whether every function and every global, closure variable and table that was compiled in is unchanged."""
@@ -143,7 +143,7 @@ class Module:
         return self.arguments.get((id(function), argument))
 
     def constant(self, name: str) -> float | int | bool | None:
-        """The number that a named hole of the drivers stands for."""
+        """The number that a named hook of the drivers stands for."""
         return self.constants.get(name)
 
     def outside(self, holder: Any, name: str, free: bool) -> Any:
@@ -157,10 +157,10 @@ class Module:
         """Puts the tree of a function into its item."""
         tree = trees.found(self, item.value, item.trusted, item.name)
         if tree is None:
-            asked = Asked(self)
-            worker = Normaliser(cast(Module, asked), item.value, item.trusted)
+            recorder = Recorder(self)
+            worker = Normaliser(cast(Module, recorder), item.value, item.trusted)
             item.node, item.filename = worker.run(item.name), worker.filename
-            item.print = trees.add(item.node, item.filename, item.trusted, item.value, asked).print
+            item.print = trees.add(item.node, item.filename, item.trusted, item.value, recorder).print
         else:
             item.node, item.filename, item.print = copied(tree.node), tree.filename, tree.print
 
@@ -173,7 +173,7 @@ class Module:
             return self.named_tuple(found)
         if isinstance(found, types.BuiltinFunctionType):
             if found.__name__ not in MATHS:
-                raise SubsetError(f"{found.__name__}() has no portable counterpart")
+                raise SubsetError(f"{found.__name__}() cannot be used in a step")
             found = MATHS[found.__name__]
         trusted = trusted or getattr(found, "__module__", "") in (
             guards.__name__,
@@ -189,15 +189,14 @@ class Module:
     def function(self, function: Any, trusted: bool | None = None, kind: str = "leaf") -> str:
         """The name of a plain function in the module; it and all that it calls are added if new."""
         if id(function) in self._working:
-            place = f"{function.__code__.co_filename}:{function.__code__.co_firstlineno}"
-            raise SubsetError(f"{place}: {function.__name__!r} calls itself; a step cannot recurse")
+            raise SubsetError(f"{where(function)}it calls itself; a step cannot recurse")
         if id(function) in self.names:
             return self.names[id(function)]
         home = function.__module__ or ""
         if function.__name__ in bits.INTRINSICS and home == bits.__name__:
             return str(function.__name__)
-        if home == holes.__name__:
-            raise SubsetError(f"the driver's hole {function.__name__!r} is not linked")
+        if home == hooks.__name__:
+            raise SubsetError(f"the driver's hook {function.__name__!r} is not linked")
         if trusted is None:
             trusted = home.startswith("leadscrew.kernel.")
         name = self.fresh(function.__name__)
@@ -221,7 +220,7 @@ class Module:
             inside = list(each(node)) if isinstance(node, ast.FunctionDef) else []
             writes = any(isinstance(n, ast.Assign) and isinstance(n.targets[0], ast.Subscript) for n in inside)
             calls = (n.func.id for n in inside if isinstance(n, ast.Call) and isinstance(n.func, ast.Name))
-            waits = any(isinstance(n, ast.While) for n in inside)
+            waits = any(isinstance(n, ast.While) or is_print(n) for n in inside)
             self._effects[name] = writes or waits or any(self.has_effects(c) for c in calls)
         return self._effects[name]
 
@@ -311,6 +310,8 @@ class Module:
         done = self._fused.get(name)
         if done is not None:
             return done
+        for item in self.items.values():
+            self.refuse_print(item)
         fuser = self._fuser  # another thread may drop it
         if fuser is None:
             leaves = {
@@ -325,6 +326,19 @@ class Module:
         lean = without_dead(without_copies(without_dead(whole, harmless)), harmless)
         self._fused[name] = fused = branchless(lean)
         return fused
+
+    def refuse_print(self, item: Item) -> None:
+        """Refuses a step that prints, which only the Python engine can run.
+
+        Raises:
+            SubsetError: names file and line.
+        """
+        prints = () if item.trusted or item.kind != "leaf" else (n.lineno for n in each(item.node) if is_print(n))
+        for line in prints:
+            raise SubsetError(
+                f"{place(item.filename, line)}: in {item.value.__name__!r}: print() in a step runs with "
+                "engine='python' only"
+            )
 
     def drop_fused(self) -> None:
         """Frees the fused trees, five times as large as all else; they are made again where they are needed."""
@@ -359,7 +373,7 @@ class Module:
 
         space = self._space
         if not space:
-            space.update(__name__="leadscrew.generated", np=np, math=math, **OPERATORS)
+            space.update(__name__="leadscrew.generated", np=np, math=math, **OPERATORS, **{PRINT: print})
             space.update((name, getattr(bits, name)) for name in bits.INTRINSICS)
         for item in self.ordered():
             if item.name in space:

@@ -20,13 +20,14 @@ import numpy as np
 from leadscrew.kernel import definite, guards, portable
 from leadscrew.kernel.block import Block
 from leadscrew.kernel.branchless import is_condition
-from leadscrew.kernel.drivers.holes import Constant
-from leadscrew.kernel.errors import SubsetError
+from leadscrew.kernel.drivers.hooks import Constant
 from leadscrew.kernel.normalise_calls import Calls
-from leadscrew.kernel.sheet import hints
+from leadscrew.kernel.parameters import hints, similar
 from leadscrew.kernel.source import MISSING, local_names, lookup, tree_of
-from leadscrew.kernel.subset import EXPRESSIONS, NUMBERS, STATEMENTS, call, is_named_tuple_type
+from leadscrew.kernel.subset import EXPRESSIONS, NUMBERS, PRINT, STATEMENTS, call, is_named_tuple_type, outside
 from leadscrew.kernel.trees import copied, each
+from leadscrew.util.errors import SubsetError
+from leadscrew.util.frames import place
 
 if TYPE_CHECKING:
     from leadscrew.kernel.module import Module
@@ -74,15 +75,17 @@ class Normaliser(Calls):
     def refuse(self, node: ast.AST, what: str) -> NoReturn:
         """Refuses a construct by file, line and what it is."""
         line = getattr(node, "lineno", self.node.lineno)
-        raise SubsetError(f"{self.filename}:{line}: in {self.function.__name__!r}: {what}")
+        raise SubsetError(f"{place(self.filename, line)}: in {self.function.__name__!r}: {what}")
 
     # ---- statements
     def statement(self, node: ast.stmt) -> list[ast.stmt]:
         """A statement, checked and rewritten; folded away where its condition is a constant of the module."""
         if not isinstance(node, STATEMENTS):
-            self.refuse(node, f"'{type(node).__name__.lower()}' is outside the step subset")
+            self.refuse(node, outside(node))
         if isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant):
             return []
+        if isinstance(node, ast.Expr) and self.is_print(node.value):
+            return [self.printed(node)]
         if isinstance(node, ast.AnnAssign):
             if node.value is None:
                 return []
@@ -103,6 +106,30 @@ class Normaliser(Calls):
         if isinstance(node, ast.Return) and node.value is None:
             self.refuse(node, "a bare 'return'; a step returns its next state and signal")
         return [self.generic_visit(node)]  # type: ignore[list-item]
+
+    def is_print(self, node: ast.expr) -> bool:
+        """Whether an expression is a call of Python's own ``print``."""
+        return isinstance(node, ast.Call) and self.value(node.func) is print
+
+    def printed(self, node: ast.Expr) -> ast.stmt:
+        """A print: it stays for the Python engine; :meth:`Module.fused` refuses it."""
+        call_ = node.value
+        assert isinstance(call_, ast.Call)
+        if call_.keywords:
+            self.refuse(node, "keywords in print()")
+        call_.func = ast.copy_location(ast.Name(PRINT, ast.Load()), call_.func)
+        call_.args = [self.text(a) for a in call_.args]
+        return node
+
+    def text(self, node: ast.expr) -> Any:
+        """An argument of a print: an expression, a text, or a text with expressions in it."""
+        if isinstance(node, ast.JoinedStr):
+            node.values = [self.text(v) for v in node.values]
+        elif isinstance(node, ast.FormattedValue):
+            node.value = self.visit(node.value)
+        elif not (isinstance(node, ast.Constant) and isinstance(node.value, str)):
+            return self.visit(node)
+        return node
 
     def assign(self, node: ast.Assign) -> ast.stmt:
         if len(node.targets) != 1:
@@ -151,6 +178,8 @@ class Normaliser(Calls):
             loop.args = [self.visit(x) for x in loop.args]
             node.target = self.visit(node.target)
         else:
+            if self.constant(node.test) and not self.trusted and not definite.leaves(node.body):
+                self.refuse(node, "this 'while' never ends; give it a condition, or a 'break'")
             node.test = self.visit(node.test)
         node.body = [new for old in node.body for new in self.statement(old)] or [ast.Pass()]
         return node
@@ -159,7 +188,7 @@ class Normaliser(Calls):
     def visit(self, node: ast.AST) -> Any:
         """Dispatches, refusing what is outside the subset."""
         if isinstance(node, ast.expr) and not isinstance(node, EXPRESSIONS) and not self.trusted:
-            self.refuse(node, f"'{type(node).__name__.lower()}' is outside the step subset")
+            self.refuse(node, outside(node))
         return super().visit(node)
 
     def value(self, node: ast.expr) -> Any:
@@ -214,12 +243,16 @@ class Normaliser(Calls):
             return ast.copy_location(ast.Name(self.module.array(found, getattr(node, "id", "table")), ast.Load()), node)
         if isinstance(found, Block | types.FunctionType | types.BuiltinFunctionType) or is_named_tuple_type(found):
             return ast.copy_location(ast.Name(self.module.callable(found, self.trusted), ast.Load()), node)
-        self.refuse(node, f"{ast.unparse(node)!r} is a {type(found).__name__}; only numbers, arrays, functions, blocks "
-                          "and NamedTuple classes can be used from outside a step")  # fmt: skip
+        name = ast.unparse(node)
+        if isinstance(found, list | tuple):
+            self.refuse(node, f"{name!r} is a {type(found).__name__}; make it an array, outside the step: "
+                              f"{name} = np.array({name})")  # fmt: skip
+        self.refuse(node, f"{name!r} is a {type(found).__name__}; from outside a step it can use numbers, arrays, "
+                          "functions, blocks and NamedTuples")  # fmt: skip
 
     def visit_Constant(self, node: ast.Constant) -> ast.expr:  # noqa: N802
         if not isinstance(node.value, int | float):
-            self.refuse(node, f"the constant {node.value!r}; only numbers")
+            self.refuse(node, f"the constant {node.value!r}; a step computes with numbers only")
         return ast.copy_location(self.held(node, node.value), node)
 
     def check_table(self, node: ast.expr, table: np.ndarray) -> None:
@@ -234,8 +267,19 @@ class Normaliser(Calls):
             return node
         found = self.outside(self.function, node.id)
         if found is MISSING:
-            self.refuse(node, f"the name {node.id!r} is not defined")
+            known = self.readable()
+            near = [known[n] for n in similar(node.id, known)]
+            hint = f"; did you mean {', '.join(near)}?" if near else ""
+            self.refuse(node, f"the name {node.id!r} is not defined{hint}")
         return self.named(node, found)
+
+    def readable(self) -> dict[str, str]:
+        """Locals of the step, and the fields of its parameters and state, each with how it is read."""
+        known = {name: name for name in sorted(self.locals)}
+        for argument in ("p", "s"):
+            cls: Any = self.module.argument_type(self.function, argument)
+            known |= {field: f"{argument}.{field}" for field in (cls._fields if cls else ())}
+        return known
 
     def visit_Attribute(self, node: ast.Attribute) -> ast.expr:  # noqa: N802
         found = self.value(node)

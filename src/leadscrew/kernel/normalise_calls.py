@@ -10,9 +10,9 @@ import numpy as np
 
 from leadscrew.kernel import portable
 from leadscrew.kernel.block import Block
-from leadscrew.kernel.sheet import SILENT, notes
+from leadscrew.kernel.parameters import SILENT, notes
 from leadscrew.kernel.source import MISSING
-from leadscrew.kernel.subset import MATHS, NUMBERS, SHAPERS, call, is_named_tuple_type, literal
+from leadscrew.kernel.subset import MATHS, NUMBERS, SCALAR, SHAPERS, call, is_named_tuple_type, literal
 from leadscrew.kernel.trees import copied
 
 if TYPE_CHECKING:
@@ -145,7 +145,16 @@ class Calls(ast.NodeTransformer):
         given = {f: changes.get(f, ast.Attribute(copied(read), f, ast.Load())) for f in cls._fields}
         return self.constructed(node, cls, given)
 
+    def field(self, node: ast.Call) -> ast.expr:
+        """``getattr(x, NAME)``, of a name that is a constant outside of the step, as ``x.name``."""
+        name = self.value(node.args[1])
+        if not isinstance(name, str):
+            self.refuse(node, "getattr() by a name that is no constant text outside of the step")
+        return ast.copy_location(ast.Attribute(self.visit(node.args[0]), name, ast.Load()), node)
+
     def mathematics(self, node: ast.Call, found: Any, name: str) -> ast.expr:
+        if name not in MATHS and name in SCALAR:
+            self.refuse(node, f"{ast.unparse(node.func)!r} cannot be used in a step; {SCALAR[name]}")
         args = [self.visit(a) for a in node.args]
         if name == "float64" and len(args) == 1:
             return ast.copy_location(self.cast("float", args[0]), node)
@@ -158,14 +167,19 @@ class Calls(ast.NodeTransformer):
                 ast.Call(ast.Attribute(ast.Name("np", ast.Load()), "zeros", ast.Load()), args, []), node
             )
         if name not in MATHS or node.keywords:
-            self.refuse(
-                node, f"{ast.unparse(node.func)!r} has no portable counterpart; there are {', '.join(sorted(MATHS))}"
-            )
+            what = ast.unparse(node.func)
+            self.refuse(node, f"{what!r} cannot be used in a step; the page 'Blocks' lists the functions that can")
         return ast.copy_location(call(self.module.function(MATHS[name]), *args), node)
 
     def builtin(self, node: ast.Call, name: str) -> ast.expr:
+        if name == "print":
+            self.refuse(node, "print() inside an expression; write it on a line of its own")
+        if name == "sum":
+            self.refuse(node, "sum() is outside the step subset; write a + b, or a 'for' loop")
         if node.keywords:
             self.refuse(node, f"keywords in {name}()")
+        if name == "getattr" and len(node.args) == 2:
+            return self.field(node)
         args = [self.visit(a) for a in node.args]
         if name in ("min", "max") and len(args) >= 2:
             pick = self.module.function(portable.maximum if name == "max" else portable.minimum)

@@ -5,11 +5,13 @@ Both are judged from recorded signals and need the whole run: a live loop and a 
 
 from __future__ import annotations
 
+import warnings
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from leadscrew.kernel.frame import Pair, pairs, signal_tree, under
+from leadscrew.util.frames import warning_level
 
 if TYPE_CHECKING:
     from leadscrew.kernel.block import InputRange
@@ -31,6 +33,15 @@ class Note(NamedTuple):
 
 class RunWarning(UserWarning):
     """A run has a note."""
+
+
+class DivergenceWarning(UserWarning):
+    """A loop diverged and was stopped."""
+
+
+def warn_diverged(text: str) -> None:
+    """Says once, in words, that a loop diverged."""
+    warnings.warn(text, DivergenceWarning, stacklevel=warning_level())
 
 
 def needed(loop: Loop) -> list[str]:

@@ -9,10 +9,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from leadscrew.kernel.block import Block
-from leadscrew.kernel.errors import BlockError, LeadscrewError
 from leadscrew.kernel.frame import as_floats, bundle
 from leadscrew.kernel.layout import is_branch
 from leadscrew.kernel.noise import Noise
+from leadscrew.kernel.source import where
+from leadscrew.kernel.subset import PRINT
+from leadscrew.util.errors import BlockError, LeadscrewError
+from leadscrew.util.frames import place
 
 if TYPE_CHECKING:
     from leadscrew.kernel.loop import Loop
@@ -27,6 +30,17 @@ def _copied(value: Any) -> Any:
 def _kind(value: Any) -> str:
     """What a signal is, for a message: a number, or the names of a NamedTuple."""
     return f"{type(value).__name__}({', '.join(value._fields)})" if is_branch(value) else "as a number"
+
+
+def _what(value: Any) -> str:
+    """What a step returned, for a message."""
+    if isinstance(value, tuple) and not is_branch(value):
+        return f"{len(value)} values"
+    return type(value).__name__ if is_branch(value) else repr(value)
+
+
+def _silent(*_: Any) -> None:
+    """What ``print`` does in a probe."""
 
 
 class _Probe:
@@ -60,7 +74,10 @@ class _Probe:
         result = self._tried(block.name, slot, *lead, *(signals[n] for n in block.signals), given=given)
         if state is not None and isinstance(result, tuple) and result:
             self._arrays_stay(block.name, state, result if slot == "plant" else result[0], "")
-        return self._signal(block, slot, result)
+        try:
+            return self._signal(block, slot, result)
+        except BlockError as error:
+            raise BlockError(f"{where(block.step)}{error}") from None
 
     def _arrays_stay(self, name: str, old: Any, new: Any, key: str) -> None:
         """Refuses a next state with other arrays than the state had: compiled loops write arrays where they lie."""
@@ -76,35 +93,38 @@ class _Probe:
     def _tried(self, name: str, step: str, *args: Any, given: Mapping[str, Any] | None = None) -> Any:
         """Calls a step; what it raises becomes one sentence with file, line and the signals that it was given."""
         try:
+            self.space[PRINT] = _silent
             with np.errstate(all="ignore"):
                 return self.space[self.names[step]](*args)
         except LeadscrewError:
             raise
         except Exception as error:
             frames = traceback.extract_tb(error.__traceback__)[1:]
-            place = f" at {frames[-1].filename}:{frames[-1].lineno}" if frames else ""
-            said = ", ".join(f"{signal} {_kind(value)}" for signal, value in (given or {}).items())
+            at = f"{place(frames[-1].filename, frames[-1].lineno or 0)}: " if frames else ""
+            signals = ", ".join(f"{signal} {_kind(value)}" for signal, value in (given or {}).items())
             raise BlockError(
-                f"{name}: its first period fails{place}: {type(error).__name__}: {error}"
-                + (f"; it was given {said}" if said else "")
+                f"{at}in {name!r}, in the first period: {type(error).__name__}: {error}"
+                + (f"; it was given {signals}" if signals else "")
             ) from None
+        finally:
+            self.space[PRINT] = print
 
     def _signal(self, block: Block, slot: str, result: Any) -> Any:
+        state = type(block.state).__name__
+        if result is None:
+            raise BlockError("it returned nothing: missing 'return'?")
         if slot == "plant":
             if type(result) is not type(block.state):
-                raise BlockError(
-                    f"{block.name}: a plant returns its state ({type(block.state).__name__}) or its derivative, "
-                    f"not {type(result).__name__}"
-                )
+                raise BlockError(f"it returned {_what(result)}; a plant returns its state {state}, or its derivative")
             return result
         if block.state is None:
+            if isinstance(result, tuple) and not is_branch(result):
+                raise BlockError(f"it returned {_what(result)}; a step without state returns its signal alone")
             return as_floats(result)
         if not (isinstance(result, tuple) and not is_branch(result) and len(result) == 2):
-            raise BlockError(f"{block.name}: a step with state returns (next_state, signal), not {result!r}")
+            raise BlockError(f"it returned {_what(result)}; a step with state returns (next_state, signal)")
         if type(result[0]) is not type(block.state):
-            raise BlockError(
-                f"{block.name}: the next state is a {type(result[0]).__name__}, not {type(block.state).__name__}"
-            )
+            raise BlockError(f"its next state is {_what(result[0])}, not {state}")
         return as_floats(result[1])
 
     def actual(self) -> Any:

@@ -11,10 +11,10 @@ from typing import TYPE_CHECKING, Any
 from leadscrew.kernel.engines import ENGINES, by_python, check_engine, native
 from leadscrew.kernel.linker import Linker, Plan
 from leadscrew.kernel.module import Module
-from leadscrew.kernel.treework import treework
+from leadscrew.kernel.trees import treework
 
 if TYPE_CHECKING:
-    from leadscrew.kernel.native import Entry
+    from leadscrew.kernel.engines import Entry
 
 RANKS: dict[str, dict[str, tuple[int, str]]] = {
     "single": {"P": (1, "f"), "A": (1, "f"), "S": (1, "f"), "B": (1, "f"), "counters": (1, "i"), "select": (1, "i"),

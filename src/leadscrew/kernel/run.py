@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
@@ -11,20 +11,23 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from leadscrew.escape import html
-from leadscrew.kernel.errors import DataError, Diverged, NameUnknown
 from leadscrew.kernel.layout import is_branch
+from leadscrew.kernel.linker import LIMITS
 from leadscrew.kernel.notes import Note
-from leadscrew.kernel.plan import LIMITS
-from leadscrew.kernel.sheet import nearest
-from leadscrew.newfolder import appearing
+from leadscrew.kernel.parameters import nearest
+from leadscrew.kernel.views import view
+from leadscrew.util.atomic import atomic_folder
+from leadscrew.util.errors import DataError, Diverged, NameUnknown, entry_point
+from leadscrew.util.escape import html
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure
+    from pandas import DataFrame
 
+    from leadscrew.figures.figure import Figure
     from leadscrew.kernel.loop import Loop
 
 
+@entry_point
 class Metrics(dict[str, float]):
     """Metrics by name, as items or attributes."""
 
@@ -71,6 +74,7 @@ def recorded(signals: dict[str, np.ndarray], name: str) -> np.ndarray:
     raise NameUnknown(f"{name!r} was not recorded{nearest(name, list(signals))}")
 
 
+@entry_point
 @dataclass(frozen=True)
 class Run:
     """The result of one run."""
@@ -83,7 +87,8 @@ class Run:
     wall_s: float
     duration: float
     start: float = 0.0
-    run_number: int = 0
+    replicate: int = 0
+    """Which stream of noise it had."""
     every: int = 1
     notes: tuple[Note, ...] = ()
     """What the metrics do not show: a loop that moves away from its target, fuzzy inputs outside of their universes."""
@@ -128,7 +133,7 @@ class Run:
         """Everything needed to run it again."""
         return {
             **self.loop.manifest(self.engine),
-            "run": self.run_number,
+            "replicate": self.replicate,
             "start_s": self.start,
             "duration_s": self.duration,
             "every": self.every,
@@ -151,7 +156,7 @@ class Run:
         import pyarrow as pa
         import pyarrow.parquet as pq
 
-        with appearing(folder) as beside:
+        with atomic_folder(folder) as beside:
             table = pa.table({k: pa.array(v) for k, v in self.signals.items()})
             pq.write_table(table, beside / "signals.parquet")
             (beside / "run.json").write_text(
@@ -159,11 +164,26 @@ class Run:
             )
         return Path(folder)
 
-    def plot(self) -> Figure:
-        """Command, true output, error and controller output against time."""
-        from leadscrew.report.plots import run_figure
+    def to_dataframe(self) -> DataFrame:
+        """The signals as a pandas ``DataFrame``, a column each, by time.
 
-        return run_figure(self)
+        Raises:
+            ImportError: pandas is not installed.
+        """
+        try:
+            import pandas as pd
+        except ImportError as error:
+            raise ImportError("to_dataframe() needs pandas: pip install pandas, or leadscrew[pandas]") from error
+
+        rows = {name: values for name, values in self.signals.items() if name != "time"}
+        return pd.DataFrame(rows, index=pd.Index(self.time, name="time"))
+
+    def plot(self, signals: str | Sequence[str] | None = None) -> Figure:
+        """A Matplotlib figure: command, true output, error and output against time, or a panel for each of ``signals``.
+
+        A notebook shows it as it is; ``leadscrew.plot_runs`` draws several runs over one another.
+        """
+        return view("run_figure")(self, signals)
 
     def _repr_html_(self) -> str:
         cells = {k: html(self.metrics_without_value.get(k, f"{v:.6g}")) for k, v in self.metrics.items()}
@@ -188,19 +208,20 @@ def strict(value: Any) -> Any:
 
 MANIFEST: dict[str, Any] = {
     "parameters": dict, "origin": dict | None, "metrics": dict | None, "metrics_without_value": dict | None,
-    "blocks": dict, "record": list, "run": int, "every": int, "engine": str, "duration_s": float | int,
+    "blocks": dict, "record": list, "replicate": int, "every": int, "engine": str, "duration_s": float | int,
     "start_s": float | int, "seed": int | None, "bound": float | int | str | None,
 }  # fmt: skip
 """What stands in the manifest of a run, where something does."""
 
 
+@entry_point
 def load(folder: str | Path) -> tuple[dict[str, Any], dict[str, np.ndarray]]:
     """Manifest and signals of a saved run.
 
     Raises:
         DataError: no run folder, or an incomplete or foreign one.
     """
-    from leadscrew import parquet, reading
+    from leadscrew.util import parquet, reading
 
     path = Path(folder)
     path = path.parent if path.name == "run.json" else path
@@ -212,6 +233,8 @@ def load(folder: str | Path) -> tuple[dict[str, Any], dict[str, np.ndarray]]:
     manifest = reading.json_object(path / "run.json")
     if manifest.get("schema_version") != 1:
         raise DataError(f"{path}/run.json: schema_version = {manifest.get('schema_version')!r}; this version reads 1")
+    if "replicate" not in manifest and "run" in manifest:  # its name in 0.1.0
+        manifest["replicate"] = manifest.pop("run")
     for key, kind in MANIFEST.items():
         if key in manifest and not isinstance(manifest[key], kind):
             raise DataError(f"{path}/run.json: is not a whole manifest: {key} = {str(manifest[key])[:40]!r}")

@@ -9,8 +9,9 @@ from collections.abc import Callable
 from functools import lru_cache
 from typing import Any
 
-from leadscrew.kernel.errors import SubsetError
 from leadscrew.kernel.trees import each, parsed
+from leadscrew.util.errors import SubsetError
+from leadscrew.util.frames import place
 
 MISSING = object()
 
@@ -71,14 +72,22 @@ def tree_of(function: Callable[..., Any]) -> tuple[ast.FunctionDef, str]:
             "put the block into a file or a notebook cell"
         )
     if name == "<lambda>":
-        raise SubsetError(f"{filename}:{line}: a lambda cannot be compiled; write a def")
+        raise SubsetError(f"{place(filename, line)}: a lambda cannot be compiled; write a def")
     try:
         node = _alone(filename, line, name, text) or _functions(filename, text).get((line, name))
     except SyntaxError as error:
         raise SubsetError(f"{filename}: the file does not parse any more ({error})") from None
     if node is None:
-        raise SubsetError(f"{filename}:{line}: {name!r} is not there any more; the file changed after it was imported")
+        raise SubsetError(
+            f"{place(filename, line)}: {name!r} is not there any more; the file changed after it was imported"
+        )
     return node, filename
+
+
+def where(function: Callable[..., Any]) -> str:
+    """File, line and name of a step, for the start of a message."""
+    code = function.__code__
+    return f"{place(code.co_filename, code.co_firstlineno)}: in {code.co_name!r}: "
 
 
 def lookup(function: Callable[..., Any], name: str, default: Any = MISSING) -> Any:

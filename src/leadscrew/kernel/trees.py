@@ -1,12 +1,21 @@
-"""Copying and walking syntax trees, fast: a loop's tree is copied many times on its way to one function."""
+"""Copying and walking syntax trees, fast: a loop's tree is copied many times on its way to one function.
+
+Trees may be deep, and hold no cycles: Python stops recursion at 1,000 calls, which a sum of 250 terms needs, and half
+of a compilation went into looking for cycles; see :func:`treework`.
+"""
 
 from __future__ import annotations
 
 import ast
+import gc
+import sys
 import threading
 import types
 from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 from typing import Any
+
+from leadscrew.util.errors import SubsetError
 
 Swap = Callable[[ast.Name], ast.expr]
 Rules = Mapping[type, Callable[[Any], ast.AST]]
@@ -154,3 +163,29 @@ def fingerprint(node: ast.AST) -> str:
 
     walk(node)
     return " ".join(parts)
+
+
+DEEPEST = 20_000
+"""Calls in one another."""
+
+
+@contextmanager
+def treework() -> Iterator[None]:
+    """Inside it, or in a function that it decorates, recursion may go deep, and the garbage collector waits.
+
+    Raises:
+        SubsetError: an expression lies too deep all the same.
+    """
+    collects, calls = gc.isenabled(), sys.getrecursionlimit()
+    gc.disable()
+    sys.setrecursionlimit(max(calls, DEEPEST))
+    try:
+        yield
+    except RecursionError:
+        raise SubsetError(
+            "an expression is nested too deep to be compiled, or a function calls itself: divide it into statements"
+        ) from None
+    finally:
+        sys.setrecursionlimit(calls)
+        if collects:
+            gc.enable()

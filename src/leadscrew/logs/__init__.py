@@ -4,15 +4,6 @@
 sampled; :func:`axis_log` does so from arrays. The user's data are never changed, neither the file nor the arrays.
 """
 
-from leadscrew.lazy import doors
+from leadscrew.util.lazy_exports import exports
 
-__getattr__, __dir__ = doors(
-    globals(),
-    {
-        "arrays": "AxisLog LogUnits axis_log",
-        "axis_file": "Seen read_axis_log look_at",
-        "finding": "Finding",
-        "read": "read_table",
-        "table": "Table",
-    },
-)
+__getattr__, __dir__, __all__ = exports(__name__, __file__)

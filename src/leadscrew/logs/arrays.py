@@ -9,13 +9,13 @@ from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
-from leadscrew.kernel import door
-from leadscrew.kernel.errors import DataError, ValueRefused
+from leadscrew.kernel import validate
 from leadscrew.logs import plausible, signals
 from leadscrew.logs.finding import Finding, refuse
-from leadscrew.logs.jumps import check_jumps
 from leadscrew.logs.measure import encoder_step, motion, noise
 from leadscrew.logs.sampling import Place, clock, on_grid
+from leadscrew.logs.signals import check_jumps
+from leadscrew.util.errors import DataError, ValueRefused, entry_point
 
 
 class LogUnits(NamedTuple):
@@ -83,6 +83,7 @@ class AxisLog:
         return replace(self, **cut)  # type: ignore[arg-type]
 
 
+@entry_point
 def axis_log(
     time: Any,
     drive: Any,
@@ -138,12 +139,12 @@ def screw_force(
     Raises:
         ValueRefused: a lead or gear that is not above 0, a gear without a lead, or a lead where nothing is to convert.
     """
-    gear = door.positive("gear", gear, "")
+    gear = validate.positive("gear", gear, "")
     if lead_mm is None:
         if gear != 1.0:
             raise ValueRefused(f"gear = {gear:g}: needs the lead of the screw too, --lead in mm")
         return force_per_drive
-    lead = 1e-3 * door.positive("lead", lead_mm, "mm")
+    lead = 1e-3 * validate.positive("lead", lead_mm, "mm")
     if unit.position != "m" or unit.drive == "N":
         why = "the drive is a force" if unit.drive == "N" else "the position is an angle"
         raise ValueRefused(f"{source}: lead = {lead_mm:g} mm: {why}, so no torque is converted; leave --lead out")

@@ -9,14 +9,13 @@ from pathlib import Path
 
 import numpy as np
 
-from leadscrew.kernel import door
-from leadscrew.kernel.errors import DataError, ValueRefused
+from leadscrew.kernel import validate
 from leadscrew.logs.arrays import AxisLog, LogUnits, checked, screw_force, unlike
 from leadscrew.logs.finding import Finding, refuse
 from leadscrew.logs.read import read_table
-from leadscrew.logs.role_units import sized, taken_units
-from leadscrew.logs.roles import roles
+from leadscrew.logs.roles import roles, sized, taken_units
 from leadscrew.logs.table import Table
+from leadscrew.util.errors import DataError, ValueRefused, entry_point
 
 
 @dataclass(frozen=True)
@@ -33,6 +32,7 @@ class Seen:
     findings: list[Finding]
 
 
+@entry_point
 def read_axis_log(
     path: str | Path,
     columns: Mapping[str, str] | None = None,
@@ -65,6 +65,7 @@ def read_axis_log(
     return seen.log
 
 
+@entry_point
 def look_at(
     path: str | Path,
     columns: Mapping[str, str] | None = None,
@@ -86,8 +87,8 @@ def look_at(
     """
     table = read_table(path) if table is None else table
     if period is not None:
-        period = door.positive("period", period, "s")
-    if force_per_drive is not None and not abs(door.number("force_per_drive", force_per_drive, "N")) > 0.0:
+        period = validate.positive("period", period, "s")
+    if force_per_drive is not None and not abs(validate.number("force_per_drive", force_per_drive, "N")) > 0.0:
         raise ValueRefused(f"force_per_drive = {force_per_drive!r}: must not be 0")
     told = dict(columns or {})
     found = roles(table, told, timed=period is None and ("time" in told or _timed(table)))
@@ -169,7 +170,7 @@ def _part(time: np.ndarray, start: float | None, end: float | None, source: str)
     kept = np.ones(len(time), dtype=bool)
     for bound, name in ((start, "start"), (end, "end")):
         if bound is not None:
-            door.number(name, bound, "s")
+            validate.number(name, bound, "s")
     # A stamp that is no number stays, so that the checks name it.
     if start is not None:
         kept &= ~(time < start - 1e-9)

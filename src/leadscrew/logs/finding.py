@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Literal, NamedTuple
 
-from leadscrew.kernel.errors import DataError
+from leadscrew.util.errors import DataError
 
 Severity = Literal["refused", "warning", "note"]
 

@@ -5,7 +5,8 @@ from __future__ import annotations
 import re
 from collections.abc import Sequence
 
-from leadscrew.logs.units import known, plain
+from leadscrew.logs.units import drive_in, known, length_in, plain, speed_in, time_in
+from leadscrew.util.errors import ValueRefused
 
 _BRACKETS = re.compile(
     r"^(?P<name>.*?)\s*(?:\[(?P<square>[^\[\]]*)\]|\((?P<round>[^()]*+(?:\([^()]*+\)[^()]*+)?)\))\s*$"
@@ -94,3 +95,30 @@ def unit_row(cells: Sequence[str]) -> bool:
 
 def _digit(cell: str) -> bool:
     return cell.strip()[:1].isdigit()
+
+
+def named_unit(named: str, column: str, role: str) -> str:
+    """The unit that a header names; empty where it is the end of a name (``tau_m``) and no unit of the role."""
+    return named if named and (_fits(role, named) or not by_its_tail(column) or _counted(role, named)) else ""
+
+
+def _counted(role: str, unit: str) -> bool:
+    """A position in counts: their size must be told, and m would be wrong for sure."""
+    return role in ("position", "command") and plain(unit) == "counts"
+
+
+def _fits(role: str, unit: str) -> bool:
+    try:
+        sized(role, unit)
+    except ValueRefused:
+        return False
+    return True
+
+
+def sized(role: str, unit: str) -> tuple[str, float]:
+    """What is kept for a unit, and its size in it."""
+    if role == "time":
+        return "s", time_in(unit)
+    if role == "drive":
+        return drive_in(unit)
+    return speed_in(unit) if role == "velocity" else length_in(unit)

@@ -1,20 +1,57 @@
 """MATLAB files up to version 7: vectors are columns, single numbers constants, structures are looked into once.
 
-A file of version 7.3 is HDF5 and is read where h5py is installed.
+A file of version 7.3 is HDF5 and is read where h5py is installed. Files are read in a process of their own: a broken
+one can crash SciPy's reader.
 """
 
 from __future__ import annotations
 
+import json
+import tempfile
 from collections import Counter
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from leadscrew.kernel.errors import DataError
-from leadscrew.logs import mat_apart
 from leadscrew.logs.table import Table
-from leadscrew.reading import check_cells, check_log
+from leadscrew.util import separate_process as process
+from leadscrew.util.errors import DataError
+from leadscrew.util.reading import check_cells, check_log
+
+
+def loaded(path: Path) -> dict[str, Any]:
+    """Arrays of numbers and texts by name, None for what is neither; ``structure.field`` for parts of a structure.
+
+    Raises:
+        DataError: it cannot be read; its reader crashed, took too long or more memory than it may.
+    """
+    with tempfile.TemporaryDirectory() as folder:
+        sent = Path(folder) / "held.npz"
+        process.run(__name__, path, sent)
+        with np.load(sent, allow_pickle=False) as held:
+            said = json.loads(held["said"].tobytes())
+            return {name: held[f"a{k}"] if kind == "array" else text for k, (name, kind, text) in enumerate(said)}
+
+
+def apart(path: Path, out: Path) -> None:
+    """Reads the file and writes what it holds to ``out``.
+
+    Raises:
+        DataError: it cannot be read.
+    """
+    said: list[tuple[str, str, str | None]] = []
+    arrays: dict[str, np.ndarray] = {}
+    for k, (name, value) in enumerate(flat(read(path)).items()):
+        array = None if isinstance(value, str | dict) else np.asarray(value)
+        if array is not None and array.dtype.kind in "fiub" and array.ndim <= 2:
+            arrays[f"a{k}"] = array
+            said.append((name, "array", None))
+        else:
+            said.append((name, "text", value) if isinstance(value, str) else (name, "other", None))
+    arrays["said"] = np.frombuffer(json.dumps(said).encode(), np.uint8)
+    np.savez(out, allow_pickle=False, **arrays)
+
 
 PERIODS = ("ts", "t_s", "dt", "tsamp", "sampletime", "sample_time", "period", "period_s", "samplingperiod", "h")
 """Names of constants, in lower case, that are taken as the sampling period in seconds."""
@@ -27,7 +64,7 @@ def read_mat(path: Path) -> Table:
         DataError: it cannot be read, holds no vectors, or is of version 7.3 and h5py is not there.
     """
     check_log(path)
-    held = mat_apart.loaded(path)
+    held = loaded(path)
     notes: list[str] = []
     columns, constants = _sorted(held, str(path), notes)
     period = next((v for n, v in constants.items() if n.split(".")[-1].casefold() in PERIODS and v > 0.0), None)
@@ -35,7 +72,7 @@ def read_mat(path: Path) -> Table:
 
 
 def read(path: Path) -> dict[str, Any]:
-    """What SciPy or h5py finds in the file; a broken one can crash SciPy, so :mod:`mat_apart` calls this.
+    """What SciPy or h5py finds in the file; a broken one can crash SciPy, so it is read in a process of its own.
 
     Raises:
         DataError: it cannot be read.

@@ -13,8 +13,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from leadscrew.kernel.errors import DataError
 from leadscrew.logs.finding import Finding
+from leadscrew.util.errors import DataError
 
 JITTER = 0.01
 """Share of a period by which a clock may be off and still be called even."""

@@ -6,8 +6,8 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from leadscrew.kernel.errors import DataError, NameUnknown, ValueRefused
-from leadscrew.kernel.sheet import nearest
+from leadscrew.kernel.parameters import nearest
+from leadscrew.util.errors import DataError, NameUnknown, ValueRefused
 
 SMALLEST, LARGEST = 1e-100, 1e100
 """Of the largest value of a column: beyond, squares and quotients leave the numbers of a computer."""
@@ -92,6 +92,12 @@ class Table:
             )
         return values
 
+    def unit_of(self, column: str, role: str) -> str:
+        """The unit that the file names for a column with a role; empty for none."""
+        from leadscrew.logs.header import named_unit
+
+        return named_unit(self.units.get(column, ""), column, role)
+
     def evenly(self, period: float) -> np.ndarray:
         """Times in s of rows that are ``period`` seconds apart.
 
@@ -113,12 +119,11 @@ class Table:
             ValueRefused: the unit is not one of time.
             DataError: as :meth:`numbers`.
         """
-        from leadscrew.logs.role_units import named_unit
         from leadscrew.logs.units import time_in
 
         name = self.name(wanted)
         try:
-            size = time_in(unit or named_unit(self, name, "time") or "s")
+            size = time_in(unit or self.unit_of(name, "time") or "s")
         except ValueRefused as error:
             raise ValueRefused(f"{self.source}, column {name!r}: {error}") from None
         return size * self.numbers(name, kept)

@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 import re
 
-from leadscrew.kernel.errors import ValueRefused
+from leadscrew.util.errors import ValueRefused
 
 LENGTHS = {
     "m": ("m", 1.0), "cm": ("m", 1e-2), "mm": ("m", 1e-3), "um": ("m", 1e-6), "nm": ("m", 1e-9), "in": ("m", 0.0254),

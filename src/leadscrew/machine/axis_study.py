@@ -9,15 +9,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from leadscrew.kernel.block import Block
-from leadscrew.kernel.errors import DataError, LeadscrewError
 from leadscrew.kernel.metrics import max_error, overshoot, rms_error, settling_time
-from leadscrew.kernel.sheet import checked_replace
+from leadscrew.kernel.parameters import checked_replace
 from leadscrew.machine import gains
 from leadscrew.machine.file import MachineFile, read
-from leadscrew.machine.log import Played
-from leadscrew.machine.log import command as played
-from leadscrew.machine.scenarios import Load, Move, StepMove, command, load, position_of, scenarios
-from leadscrew.studies.study import Scenario, Study
+from leadscrew.machine.scenarios import Load, Move, Played, StepMove, command, load, logged, position_of, scenarios
+from leadscrew.study_data import Scenario, Study
+from leadscrew.util.errors import DataError, LeadscrewError, entry_point
 
 if TYPE_CHECKING:
     from leadscrew.kernel.loop import Loop
@@ -29,6 +27,7 @@ DRIVES = {"V": "voltage", "N m": "torque", "A": "current", "N": "force"}
 AXES = ("servo_axis", "servo_axis_lugre")
 
 
+@entry_point
 def study(path: str | Path) -> Study:
     """The study of a machine file.
 
@@ -81,14 +80,14 @@ def plant_of(machine: MachineFile) -> Block:
     from leadscrew import catalogue
 
     if machine.model == "linear":
-        from leadscrew.plants.linear import transfer_function
+        from leadscrew.plants._linear import transfer_function
 
         for key in ("numerator", "denominator"):
             if not isinstance(machine.parameters.get(key), list):
                 raise DataError(f"set.{key} is missing: expected a list of numbers, highest power first")
         block = transfer_function(machine.parameters["numerator"], machine.parameters["denominator"], name="linear")
         return replace(block, unit=machine.position_unit)
-    block = catalogue.block(machine.model, "plant")
+    block = catalogue.block(machine.model)
     for key in ("mass", "force_per_drive"):
         if key not in machine.parameters:
             raise DataError(f"set.{key} is missing")
@@ -103,10 +102,10 @@ def plant_of(machine: MachineFile) -> Block:
 def controllers_of(machine: MachineFile) -> dict[str, Block]:
     """Controllers for the machine: ours with and without its model, and the one that made the log, if it is known."""
     if machine.model == "linear":
-        from leadscrew.controllers.pid import pid
+        from leadscrew.controllers._pid import pid
 
         return {"ours.pid": _driving(pid(**gains.pid(machine)._asdict(), max_output=machine.drive), machine)}
-    from leadscrew.controllers.axis_cascade import AxisModel, axis_cascade
+    from leadscrew.controllers._axis_cascade import AxisModel, axis_cascade
 
     p, scale = machine.parameters, gains.per_si(machine)
     force = float(p["force_per_drive"])
@@ -133,7 +132,7 @@ def controllers_of(machine: MachineFile) -> dict[str, Block]:
     if machine.cascade:
         logged = {"kpos": machine.cascade.get("kp", 0.0), "kvp": machine.cascade.get("kv", 0.0)}
         logged["kvi"] = machine.cascade.get("ki", 0.0)
-        logged_law = axis_cascade(**logged, **common)
+        logged_law = axis_cascade.using(**logged, **common)
         found["logged.cascade"] = replace(
             logged_law, doc="The controller that made the log, its speed over one period."
         )
@@ -175,8 +174,8 @@ def loop_of(machine: MachineFile, axis: Block, controller: Block, scenario: Scen
 
     The delay is taken to the nearest integration step; the sensor reads the table with the machine's encoder and noise.
     """
-    from leadscrew.actuators.saturation import saturation
-    from leadscrew.controllers.wrapping import takes_motion
+    from leadscrew.actuators._saturation import saturation
+    from leadscrew.controllers._wrapping import takes_motion
     from leadscrew.kernel.loop import Loop
 
     steps = _steps(machine.period, machine.delay_s, _curved(machine))
@@ -184,7 +183,7 @@ def loop_of(machine: MachineFile, axis: Block, controller: Block, scenario: Scen
     options: dict[str, Any] = {"method": "sdirk3"} if machine.model == "servo_axis_lugre" else {}
     motion = takes_motion(controller, machine.period)
     if isinstance(scenario.params, Played):
-        reference = played(machine) if motion else position_of(played(machine))
+        reference = logged(machine) if motion else position_of(logged(machine))
     else:
         reference = command(scenario.params, motion, machine.position_unit)
     return Loop(
@@ -198,11 +197,11 @@ def loop_of(machine: MachineFile, axis: Block, controller: Block, scenario: Scen
 
 def _sensor(machine: MachineFile) -> Block | None:
     if machine.model in AXES:
-        from leadscrew.sensors.axis_reading import axis_reading
+        from leadscrew.sensors._axis_reading import axis_reading
 
         return axis_reading(resolution=machine.resolution, noise=machine.noise)
     if not machine.resolution and not machine.noise:
         return None
-    from leadscrew.sensors.noisy_ruler import noisy_ruler
+    from leadscrew.sensors._noisy_ruler import noisy_ruler
 
     return noisy_ruler(resolution_mm=machine.resolution or 1e-9, noise_mm=machine.noise)

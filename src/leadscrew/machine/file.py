@@ -48,10 +48,11 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from leadscrew.escape import checked_line
-from leadscrew.kernel.errors import DataError, ValueRefused
-from leadscrew.kernel.sheet import nearest
-from leadscrew.newfile import save
+from leadscrew import toml_file
+from leadscrew.kernel.parameters import nearest
+from leadscrew.util.atomic import atomic_write
+from leadscrew.util.errors import DataError, ValueRefused, entry_point
+from leadscrew.util.escape import checked_line
 
 LONGEST_NAME = 100
 SCHEMA_VERSION = 1
@@ -93,9 +94,7 @@ class MachineFile:
 
     def text(self) -> str:
         """The file."""
-        from leadscrew.controller_file import toml
-
-        return toml({
+        return toml_file.text({
             "schema_version": SCHEMA_VERSION, "kind": KIND, "name": self.name, "model": self.model,
             "position_unit": self.position_unit, "drive_unit": self.drive_unit, "period": self.period,
             "delay_s": self.delay_s, "resolution": self.resolution, "noise": self.noise,
@@ -107,32 +106,30 @@ class MachineFile:
         })  # fmt: skip
 
 
+@entry_point
 def write(path: str | Path, machine: MachineFile) -> None:
     """Writes a machine file, whole or not at all.
 
     Raises:
         DataError: it cannot be written.
     """
-    save(machine.text(), path)
+    atomic_write(machine.text(), path)
 
 
+@entry_point
 def read(path: str | Path) -> MachineFile:
     """The contents of a machine file.
 
     Raises:
         DataError: no such file, bad TOML, an unknown key or a value of the wrong type or range; names file and key.
     """
-    from leadscrew.controller_file import table_of
-
     where = Path(path).expanduser()
-    return validated(table_of(where), where)
+    return validated(toml_file.read(where), where)
 
 
 def is_machine(path: str | Path) -> bool:
     """Whether a file says that it is one."""
-    from leadscrew.controller_file import table_of
-
-    return table_of(Path(path).expanduser()).get("kind") == KIND
+    return toml_file.read(path).get("kind") == KIND
 
 
 def validated(table: Mapping[str, Any], where: Path) -> MachineFile:
@@ -141,19 +138,17 @@ def validated(table: Mapping[str, Any], where: Path) -> MachineFile:
     Raises:
         DataError: names file and key of what is wrong.
     """
-    from leadscrew.controller_file import flat
-
-    door = _Door(where)
+    reader = _Reader(where)
     if table.get("kind") != KIND:
         raise DataError(f"{where}: is not a machine file: kind = {table.get('kind')!r}, expected {KIND!r}")
     texts, tables = (
         ("name", "model", "position_unit", "drive_unit"),
         ("set", "interval", "cascade", "log", "identified"),
     )
-    door.known(table, ("schema_version", "kind", *texts, *NUMBERS, "limits", *tables), "")
+    reader.known(table, ("schema_version", "kind", *texts, *NUMBERS, "limits", *tables), "")
     if table.get("schema_version") != SCHEMA_VERSION:
         raise DataError(f"{where}: schema_version = {table.get('schema_version')!r}: expected {SCHEMA_VERSION}")
-    said = {key: door.text(table, key) for key in texts}
+    said = {key: reader.text(table, key) for key in texts}
     try:
         for key in ("name", "position_unit", "drive_unit"):
             checked_line(key, said[key], LONGEST_NAME)
@@ -162,29 +157,29 @@ def validated(table: Mapping[str, Any], where: Path) -> MachineFile:
     if said["model"] not in MODELS:
         raise DataError(f"{where}: model = {said['model']!r}: expected {', '.join(MODELS)}")
     numbers = {
-        key: door.number(table, key, *span, default=None if key == "period" else 0.0) for key, span in NUMBERS.items()
+        key: reader.number(table, key, *span, default=None if key == "period" else 0.0) for key, span in NUMBERS.items()
     }
-    limits = door.table(table, "limits")
-    door.known(limits, (*LIMITS, "travel"), "limits.")
-    bounds = {key: door.number(limits, key, 1e-12, 1e12, prefix="limits.") for key in LIMITS}
-    travel = door.pair(limits, "travel", "limits.")
-    parameters = dict(flat(door.table(table, "set")))
-    door.force(said, parameters)
-    cascade = door.table(table, "cascade")
-    door.known(cascade, CASCADE, "cascade.")
-    intervals = dict(flat(door.table(table, "interval")))
+    limits = reader.table(table, "limits")
+    reader.known(limits, (*LIMITS, "travel"), "limits.")
+    bounds = {key: reader.number(limits, key, 1e-12, 1e12, prefix="limits.") for key in LIMITS}
+    travel = reader.pair(limits, "travel", "limits.")
+    parameters = dict(toml_file.flat(reader.table(table, "set")))
+    reader.force(said, parameters)
+    cascade = reader.table(table, "cascade")
+    reader.known(cascade, CASCADE, "cascade.")
+    intervals = dict(toml_file.flat(reader.table(table, "interval")))
     return MachineFile(
         name=said["name"], model=said["model"], position_unit=said["position_unit"], drive_unit=said["drive_unit"],
         period=numbers["period"], delay_s=numbers["delay_s"], resolution=numbers["resolution"],
         noise=numbers["noise"], drive=bounds["drive"], speed=bounds["speed"], acceleration=bounds["acceleration"],
         travel=travel, parameters=parameters,
-        intervals={key: door.pair(intervals, key, "interval.") for key in intervals},
-        cascade={key: door.number(cascade, key, 0.0, 1e12, prefix="cascade.") for key in cascade},
-        identified=door.table(table, "identified"), log=door.log(table), folder=where.resolve().parent,
+        intervals={key: reader.pair(intervals, key, "interval.") for key in intervals},
+        cascade={key: reader.number(cascade, key, 0.0, 1e12, prefix="cascade.") for key in cascade},
+        identified=reader.table(table, "identified"), log=reader.log(table), folder=where.resolve().parent,
     )  # fmt: skip
 
 
-class _Door:
+class _Reader:
     """Checks of values; each names the file and the key."""
 
     def __init__(self, where: Path) -> None:

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from leadscrew.kernel.errors import ValueRefused
 from leadscrew.logs.measure import beyond_step
 from leadscrew.machine.file import MachineFile
+from leadscrew.util.errors import ValueRefused, entry_point
 
 if TYPE_CHECKING:
     from leadscrew.identify.axis.result import AxisFit
@@ -16,11 +16,12 @@ SHOWN = {"m": ("mm", 1e3), "rad": ("rad", 1.0)}
 MODELS = {"coulomb": "servo_axis", "stribeck": "servo_axis", "lugre": "servo_axis_lugre"}
 
 
+@entry_point
 def from_axis(
     fit: AxisFit, name: str, cascade: dict[str, float] | None = None, log: dict[str, Any] | None = None
 ) -> MachineFile:
     """The machine of a fit; ``cascade``: gains ``kp`` (1/s) and ``kv`` (drive s/m) of the controller of the log;
-    ``log``: how its command is read again, :func:`leadscrew.machine.log.of_log`.
+    ``log``: how its command is read again, :func:`leadscrew.machine.scenarios.of_log`.
 
     Where the log does not tell static friction it is Coulomb friction: no stick-slip is invented.
 
@@ -66,6 +67,7 @@ def from_axis(
     )  # fmt: skip
 
 
+@entry_point
 def from_linear(told: dict[str, Any], name: str, limits: dict[str, Any], source: str) -> MachineFile:
     """The machine of a linear model: ``numerator``, ``denominator``, ``delay_s``, ``position_unit``, ``drive_unit``,
     ``period`` (and ``resolution``, ``noise``); ``limits``: ``drive``, ``speed``, ``acceleration``, ``travel``.

@@ -18,8 +18,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from leadscrew.kernel.errors import DataError
 from leadscrew.machine.file import MachineFile
+from leadscrew.util.errors import DataError
 
 LATE = 0.4
 """Crossover times delay."""
@@ -44,7 +44,7 @@ PER_SI = {"m": 1.0, "mm": 1e3, "um": 1e6, "rad": 1.0, "deg": math.degrees(1.0), 
 
 
 class CascadeGains(NamedTuple):
-    """Gains of :mod:`leadscrew.controllers.axis_cascade`, and the lag of its speed."""
+    """Gains of :obj:`leadscrew.controllers.axis_cascade`, and the lag of its speed."""
 
     kpos: float
     kvp: float
@@ -77,7 +77,7 @@ def cascade(machine: MachineFile) -> CascadeGains:
 
 
 class Pid(NamedTuple):
-    """Gains of :mod:`leadscrew.controllers.pid`, and the lag of its derivative."""
+    """Gains of :obj:`leadscrew.controllers.pid`, and the lag of its derivative."""
 
     kp: float
     ki: float
@@ -140,7 +140,7 @@ def _plant(machine: MachineFile) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _answer(g: Pid, z: np.ndarray, period: float) -> np.ndarray:
-    """Of :mod:`leadscrew.controllers.parallel`, from sample to sample."""
+    """Of :mod:`leadscrew.controllers._parallel`, from sample to sample."""
     back = 1.0 - 1.0 / z
     return np.asarray(g.kp + g.ki * period / back + g.kd * back / (g.filter_s * back + period))
 

@@ -1,20 +1,74 @@
-"""What an identified axis is asked to do: moves, sines and a load, sized by what its log has shown that it bears."""
+"""What an identified axis is asked to do: moves, sines and a load, sized by what its log has shown that it bears.
+
+The scenario ``log`` is the command of the machine's log, read again.
+"""
 
 from __future__ import annotations
 
 import math
 from dataclasses import replace
+from functools import lru_cache
+from pathlib import Path
 from typing import Annotated, Any, NamedTuple
 
-from leadscrew.disturbances.step_load import step_load
+from leadscrew import userfile
+from leadscrew.disturbances._step_load import step_load
 from leadscrew.kernel.block import Block, reference
-from leadscrew.kernel.sheet import Doc, Ge, Gt, Unit
+from leadscrew.kernel.parameters import Doc, Ge, Gt, Unit
 from leadscrew.machine.file import MachineFile
-from leadscrew.machine.gains import cascade
-from leadscrew.references.eased_sine import eased_sine_motion
-from leadscrew.references.quintic import quintic
-from leadscrew.references.s_curve import s_curve
-from leadscrew.studies.study import Scenario
+from leadscrew.machine.gains import cascade, per_si
+from leadscrew.references._eased_sine import eased_sine_motion
+from leadscrew.references._quintic import quintic
+from leadscrew.references._s_curve import s_curve
+from leadscrew.study_data import Scenario
+from leadscrew.util.errors import DataError
+
+
+class Played(NamedTuple):
+    """The command of the log, as it was asked for."""
+
+
+@lru_cache(maxsize=4)
+def _read(path: Path, digest: str, how: str) -> tuple[Any, float, float]:
+    import json
+
+    from leadscrew.logs import read_axis_log
+
+    told = json.loads(how)
+    log = read_axis_log(path, **told)
+    if log.command is None:
+        raise DataError(f"{path}: has no column of the command: name it, [log.columns] command = ...")
+    return log.command, log.period, float(log.position[0])
+
+
+def logged(machine: MachineFile) -> Block:
+    """The reference: the logged command less where the axis stood, so that it begins near 0.
+
+    Raises:
+        DataError: the log is not there, has changed, or has no command.
+    """
+    import json
+
+    from leadscrew.references._logged import logged_command
+
+    path = machine.folder / str(machine.log["file"])
+    now = userfile.digest(path)
+    if not now:
+        raise DataError(f"{path}: the log of {machine.name} is not there: put it beside the machine file")
+    if now != machine.log["sha256"]:
+        raise DataError(f"{path}: is not the log that {machine.name} was identified from; put the old file back")
+    how = {k: v for k, v in machine.log.items() if k not in ("file", "sha256")}
+    position, interval, start = _read(path, now, json.dumps(how, sort_keys=True))
+    return logged_command(per_si(machine) * (position - start), interval, machine.position_unit)
+
+
+def of_log(path: Path, folder: Path, **how: Any) -> dict[str, Any]:
+    """The ``[log]`` of a machine file in ``folder``: where the log lies from there, its checksum, how it is read."""
+    import os
+
+    told = {k: v for k, v in how.items() if v not in (None, {}, "")}
+    return {"file": os.path.relpath(path.resolve(), folder.resolve()), "sha256": userfile.digest(path), **told}
+
 
 Start = Annotated[float, Doc("where it starts, in the machine's unit")]
 
@@ -103,7 +157,8 @@ def _rounded(seconds: float) -> float:
 
 
 def command(params: Any, motion: bool, unit: str = "") -> Block:
-    """The reference of a scenario: a :class:`~leadscrew.references.motion.Motion`, or its position alone."""
+    """The reference of a scenario: a :class:`~leadscrew.references.Motion`, or its position alone."""
+    block: Block
     if isinstance(params, Move):
         block = s_curve(
             distance=params.distance, max_velocity=params.max_speed, max_acceleration=params.max_acceleration,

@@ -17,10 +17,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from leadscrew.fuzzy.partition import Axis
-from leadscrew.kernel.errors import ValueRefused
+from leadscrew.fuzzy.inference import Axis
 from leadscrew.neural.inference_net import CENTRES, RULES, SETS, Fired, fired, network_output, regressors
 from leadscrew.neural.samples import P0, R, Samples, checked, rms
+from leadscrew.util.errors import ValueRefused
 
 GAP = 0.4
 """Least distance of two neighbouring centres, levels."""

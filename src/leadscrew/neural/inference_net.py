@@ -17,7 +17,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from leadscrew.fuzzy.partition import axis, inside_universe, interval_index, upper_membership
+from leadscrew.fuzzy.inference import axis, inside_universe, interval_index, upper_membership
 
 LABELS = ("NB", "NM", "NS", "ZO", "PS", "PM", "PB")
 """Names of the seven sets of each input, from large negative to large positive."""

@@ -18,8 +18,8 @@ from typing import Any, Literal
 
 import numpy as np
 
-from leadscrew.kernel.errors import NameUnknown
 from leadscrew.neural.inference_net import Fired
+from leadscrew.util.errors import NameUnknown
 
 Form = Literal["naive", "symmetrised", "joseph"]
 FORMS: tuple[Form, ...] = ("naive", "symmetrised", "joseph")

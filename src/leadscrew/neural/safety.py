@@ -18,8 +18,7 @@ from typing import Any
 
 import numpy as np
 
-from leadscrew.neural.performance import LEVELS, MOST, TABLE, Performance
-from leadscrew.neural.performance_shape import surface
+from leadscrew.neural.performance import LEVELS, MOST, TABLE, Performance, surface
 
 ORIGIN = 0.02
 """``|P(0, 0)|`` has to be below."""

@@ -19,8 +19,8 @@ import numpy as np
 from leadscrew.fuzzy.build import mamdani, triangles
 from leadscrew.fuzzy.evaluate import compiled
 from leadscrew.fuzzy.system import Input, Output, System
-from leadscrew.kernel.errors import DataError, ValueRefused
 from leadscrew.neural.inference_net import CENTRES, LABELS, RULES, SETS, initial_rules, regressors
+from leadscrew.util.errors import DataError, ValueRefused
 
 LEVELS = np.arange(-6.0, 7.0)
 """The 13 whole levels."""

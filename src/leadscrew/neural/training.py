@@ -21,12 +21,10 @@ from typing import Any, Literal, get_args
 
 import numpy as np
 
-from leadscrew.kernel.errors import NameUnknown, ValueRefused
 from leadscrew.neural.genetic import Found, Genetic, Report, evolve
-from leadscrew.neural.performance import TABLE, Performance
-from leadscrew.neural.performance_loss import Loss, polish, rmse_of
-from leadscrew.neural.performance_shape import Shape
+from leadscrew.neural.performance import TABLE, Loss, Performance, Shape, polish, rmse_of
 from leadscrew.neural.safety import Safety, safety, table_faults
+from leadscrew.util.errors import NameUnknown, ValueRefused
 
 Method = Literal["ga", "ga+polish", "cma", "cma+polish", "pymoo", "pymoo+polish"]
 METHODS: tuple[Method, ...] = get_args(Method)
@@ -85,7 +83,7 @@ def search(
     kind = method.split("+")[0]
     if kind == "ga":
         return evolve(cost, shape.weights, Genetic(population, generations), seed, report)
-    from leadscrew.neural.searches import cma_search, pymoo_search
+    from leadscrew.neural.genetic import cma_search, pymoo_search
 
     if kind == "cma":
         return cma_search(cost, shape.weights, seed, evaluations=population * generations, report=report)

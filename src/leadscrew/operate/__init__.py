@@ -2,22 +2,10 @@
 
 :class:`Operated` is the machine of a :class:`Start`: advanced, set, disturbed and switched. ``operated.session()`` is
 all that was done, and runs again to the same bits; :mod:`leadscrew.operate.session_file` keeps it as TOML,
-:mod:`leadscrew.operate.script` as a Python script, :mod:`leadscrew.operate.session_report` as a page.
+:mod:`leadscrew.operate.script` as a Python script, :mod:`leadscrew.report.session` as a page.
 :mod:`leadscrew.operate.captures` saves what a :class:`Scope` took, and loads it again.
 """
 
-from leadscrew.lazy import doors
+from leadscrew.util.lazy_exports import exports
 
-__getattr__, __dir__ = doors(
-    globals(),
-    {
-        "capture": "Capture",
-        "change": "Change",
-        "operated": "Operated",
-        "profile": "Profile fitted profile_of",
-        "scope": "Scope",
-        "scope_trigger": "Trigger",
-        "session": "Event Rerun Session Start",
-        "why": "explainer",
-    },
-)
+__getattr__, __dir__, __all__ = exports(__name__, __file__)

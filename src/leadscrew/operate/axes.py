@@ -9,11 +9,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from leadscrew.kernel.errors import NameUnknown
 from leadscrew.kernel.live import Live
 from leadscrew.kernel.loop import DivergenceWarning
-from leadscrew.kernel.sheet import nearest
+from leadscrew.kernel.parameters import nearest
 from leadscrew.operate import integrators
+from leadscrew.util.errors import NameUnknown
 
 if TYPE_CHECKING:
     from leadscrew.kernel.loop import Loop
@@ -68,7 +68,7 @@ class Axes:
         """The same place again, sharing no array: what happens to one does not reach the other."""
         lives = []
         for live in self.lives:
-            other = Live(live.loop, live.engine, live.run_number)
+            other = Live(live.loop, live.engine, live.replicate)
             other.restore(live.save())
             other.diverged = live.diverged
             lives.append(other)

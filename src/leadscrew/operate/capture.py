@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from leadscrew.kernel.errors import NameUnknown, ValueRefused
-from leadscrew.kernel.sheet import nearest
+from leadscrew.kernel.parameters import nearest
+from leadscrew.util.errors import NameUnknown, ValueRefused
 
 MOST_BYTES = 50_000_000
 """Size of the largest capture: of its values, and of its file."""

@@ -11,11 +11,11 @@ from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
 
-from leadscrew import newfile
-from leadscrew.kernel import door
-from leadscrew.kernel.errors import DataError, NameUnknown, ValueRefused
-from leadscrew.kernel.sheet import nearest
+from leadscrew.kernel import validate
+from leadscrew.kernel.parameters import nearest
 from leadscrew.operate.capture import MOST_BYTES, Capture, check
+from leadscrew.util import atomic
+from leadscrew.util.errors import DataError, NameUnknown, ValueRefused
 
 FORMATS = ("parquet", "csv", "mat")
 """What a capture is saved as; also the suffix of its file."""
@@ -62,19 +62,19 @@ def save(capture: Capture, folder: str | Path, name: str, format: str = "parquet
             or a capture of more than 50 MB.
         DataError: there is one of that name and ``replace`` is not set, the folder is full, or it cannot be written.
     """
-    from leadscrew.operate import capture_formats
+    from leadscrew.operate import capture_files
 
     name = checked_name(name)
-    door.one_of("format", format, list(FORMATS))
+    validate.one_of("format", format, list(FORMATS))
     check(capture)
     path = _place(folder, f"{name}.{format}", replace)
-    data = getattr(capture_formats, f"{format}_of")(capture)
+    data = getattr(capture_files, f"{format}_of")(capture)
     if len(data) > MOST_BYTES:
         raise ValueRefused(
             f"{name}.{format} would have {len(data) / 1e6:.0f} MB; up to {MOST_BYTES / 1e6:.0f} MB are saved: take a "
             f"shorter capture{', or save it as parquet' if format == 'csv' else ''}"
         )
-    newfile.save(data, path)
+    atomic.atomic_write(data, path)
     return path
 
 
@@ -88,7 +88,7 @@ def load(path: str | Path, apart: bool = False) -> Capture:
     Raises:
         DataError: there is none, it is broken, is larger than 50 MB, or holds no rows or no sampling period.
     """
-    from leadscrew.operate import capture_apart, capture_formats, capture_logs
+    from leadscrew.operate import capture_files
 
     where = Path(path)
     try:
@@ -99,9 +99,9 @@ def load(path: str | Path, apart: bool = False) -> Capture:
         raise DataError(
             f"{where}: {size / 1e6:.0f} MB; captures up to {MOST_BYTES / 1e6:.0f} MB are read: cut it into parts"
         )
-    if size and (apart or capture_apart.is_large_text(where)):
-        return capture_apart.read(where)
-    return (capture_formats.read(where) if size else None) or capture_logs.read(where)
+    if size and (apart or capture_files.is_large_text(where)):
+        return capture_files.read_apart(where)
+    return (capture_files.read_own(where) if size else None) or capture_files.read_log(where)
 
 
 def names(folder: str | Path) -> list[Listed]:
@@ -152,12 +152,12 @@ def received(folder: str | Path, name: object, data: bytes, replace: bool = Fals
     path.parent.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory(prefix=".upload-", dir=path.parent) as beside:
         tried = Path(beside) / known
-        newfile.save(data, tried, durable=False)
+        atomic.atomic_write(data, tried, durable=False)
         try:
             capture = load(tried, apart)
         except DataError as problem:
             raise DataError(str(problem).replace(str(tried), known)) from None
-    newfile.save(data, path)
+    atomic.atomic_write(data, path)
     return capture
 
 

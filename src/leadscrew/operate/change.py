@@ -14,10 +14,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from leadscrew.kernel.errors import ValueRefused
 from leadscrew.kernel.layout import numbers_of
 from leadscrew.operate import integrators
 from leadscrew.operate.axes import Axes, Later
+from leadscrew.util.errors import ValueRefused
 
 if TYPE_CHECKING:
     from leadscrew.kernel.live import Live

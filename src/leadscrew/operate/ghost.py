@@ -8,9 +8,9 @@ from typing import Any
 
 import numpy as np
 
-from leadscrew.kernel.errors import ValueRefused
 from leadscrew.operate import change
 from leadscrew.operate.axes import Axes, Later
+from leadscrew.util.errors import ValueRefused
 
 MODES = ("previous", "pinned", "off")
 """``previous``: the setting before the last change; ``pinned``: the setting before the first; ``off``: none."""

@@ -16,10 +16,10 @@ from typing import Any
 
 import numpy as np
 
-from leadscrew.kernel.errors import ValueRefused
 from leadscrew.kernel.layout import Leaf, is_branch, leaves
 from leadscrew.kernel.live import Live
 from leadscrew.kernel.loop import DivergenceWarning
+from leadscrew.util.errors import ValueRefused
 
 KEPT = 0.01
 """Share of what an integrator was moved aside that it may lose in a period."""

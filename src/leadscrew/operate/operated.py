@@ -1,32 +1,439 @@
-"""A machine run by hand: a live loop whose parameters are set, which is disturbed and switched, and which remembers."""
+"""A machine run by hand: a live loop whose parameters are set, which is disturbed and switched, and which remembers.
+
+:class:`Operated` is the machine. Its :class:`Session` says how it was started, what was done to it in which period, and
+a checksum of all its signals. The same start and the same events give the same bits, on every engine, however the run
+is cut into pieces; a session can therefore be saved, sent, and run again anywhere, and its checksum says whether the
+signals are the same.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import replace
-from typing import Any
+import hashlib
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 
-from leadscrew import userfile
-from leadscrew.kernel.errors import ValueRefused
+from leadscrew import names, resolve
+from leadscrew.kernel import validate
+from leadscrew.kernel.live import Live
+from leadscrew.kernel.loop import Loop
+from leadscrew.kernel.parameters import ParameterSpec
 from leadscrew.operate import change, settable, switching
-from leadscrew.operate.axes import Later, split
+from leadscrew.operate.axes import Axes, Later, split
 from leadscrew.operate.change import AT_ONCE, Change, Way
-from leadscrew.operate.history import Step
-from leadscrew.operate.running import Running
-from leadscrew.operate.session import Event
+from leadscrew.operate.ghost import Follower, Ghost
+from leadscrew.operate.profile import Profile, fitted
+from leadscrew.operate.profiles import profile_of
+from leadscrew.operate.recorder import Recorder
 from leadscrew.operate.switching import Prepared
+from leadscrew.util.errors import ValueRefused
 
+if TYPE_CHECKING:
+    from leadscrew.experiment import Experiment
+
+MARK = 16
+"""Digits of a digest that an event keeps of the rows before it."""
+
+
+@dataclass(frozen=True)
+class Start:
+    """What a machine was when its run began."""
+
+    study: str
+    """A study's name, a machine file, or ``path/file.py:name`` of a study or a loop."""
+    controller: str | None = None
+    scenario: str | None = None
+    changes: Mapping[str, Any] = field(default_factory=dict)
+    """Parameters by dotted key, those of the scenario included."""
+    seed: int | None = None
+    """Of all noise; the study's own unless given."""
+    engine: str | None = None
+    """The loop's own unless given; every engine gives the same bits."""
+    circle: bool = False
+    """Two axes on one circle instead of one axis; the columns and keys of the second begin with ``y.``."""
+    files: Mapping[str, str] = field(default_factory=dict)
+    """SHA-256, by path, of controller and machine files that must be as they were; of others nothing is asked."""
+
+    def experiment(self) -> Experiment:
+        """The experiment whose loop is operated."""
+        from leadscrew.experiment import Experiment
+
+        return Experiment(
+            self.study, self.controller, self.scenario, dict(self.changes), seed=self.seed, files=self.files
+        )
+
+
+@dataclass(frozen=True)
+class Event:
+    """Something done to the running machine."""
+
+    period: int
+    """Periods that were done when it took effect; period ``period`` is the first under it."""
+    do: str
+    """``set`` or ``switch``."""
+    changes: Mapping[str, Any] = field(default_factory=dict)
+    """New values by dotted key; of a switch, where the controller's differ from the study's."""
+    controller: str = ""
+    """Of a switch: the new controller."""
+    over: int = 0
+    """Periods of a ramp."""
+    how: str = ""
+    """Of a ``set``: ``ramped`` or ``at once``; of a switch: ``aligned`` or ``not bumpless``."""
+    by: str = ""
+    """Of a ``set``: integrators of the controller that were rescaled on the way, by their keys, between commas."""
+    why: str = ""
+    """What did it, where it was no hand: ``undo``, ``redo``, ``disturb NAME``, ``time-out`` and the like."""
+    compare: bool = True
+    """Whether it is a setting, which can be undone and which a ghost goes on without; a disturbance is none."""
+    mark: str = ""
+    """The first digits of the checksum of all rows before it: says between which events two runs part."""
+
+
+@dataclass(frozen=True)
+class Rerun:
+    """A session run again."""
+
+    signals: dict[str, np.ndarray]
+    """The recorded columns; a column that a controller of only a part of the run has is NaN in the others."""
+    digest: str
+    identical: bool
+    difference: str
+    """Where it parts from the session, in words; empty where it is identical."""
+    operated: Operated
+    """The machine where the session ended; it can be operated from there."""
+
+
+@dataclass(frozen=True)
+class Session:
+    """A run of an operated machine, complete enough to be made again."""
+
+    start: Start
+    events: tuple[Event, ...]
+    periods: int
+    digest: str
+    """SHA-256 of all rows, of all columns, as float64, little-endian, row after row."""
+    marks: Mapping[int, str] = field(default_factory=dict)
+    """The first digits of the checksum after so many periods: says where two runs part that nothing was done in."""
+    written_by: str = field(default="", compare=False)
+    """The version of Leadscrew that wrote its file; empty where it comes from none."""
+
+    def run(
+        self,
+        record: str | Sequence[str] | None = None,
+        look: Callable[[Operated, np.ndarray], None] | None = None,
+        told: Callable[[Event, Change], None] | None = None,
+    ) -> Rerun:
+        """Runs the session again and compares its checksum.
+
+        Args:
+            record: signals to keep, as for ``Loop.run``: the standard ones unless given, ``()`` for none, ``*`` for
+                all, the name of a slot for its states. The checksum does not depend on it.
+            look: called with the machine and every piece of rows (all columns) on the way.
+            told: called with every event and what it changed.
+
+        Raises:
+            LeadscrewError: the machine cannot be built, an event is refused, or the recording is larger than memory.
+        """
+        operated = Operated(self.start)
+        operated.compare("off")
+        recorder = Recorder(record, self.periods)
+
+        def seen(rows: np.ndarray) -> None:
+            recorder.feed(operated.columns, rows)
+            if look is not None:
+                look(operated, rows)
+
+        same: list[int] = []
+        odd: list[int] = []
+        for event in self.events:
+            operated.advance_to(event.period, seen)
+            if event.mark:
+                (same if operated.digest[:MARK] == event.mark else odd).append(event.period)
+            if not operated.diverged:
+                made = operated.apply(event)
+                if told is not None:
+                    told(event, made)
+        operated.advance_to(self.periods, seen)
+        again = operated.session()
+        for period in self.marks.keys() & again.marks.keys():
+            (same if self.marks[period] == again.marks[period] else odd).append(period)
+        if operated.digest != self.digest:
+            odd.append(self.periods)
+        difference = _between(same, odd, operated.period_s) if odd else ""
+        return Rerun(recorder.signals(), operated.digest, not difference, difference, operated)
+
+
+def _between(same: list[int], odd: list[int], period_s: float) -> str:
+    """In words, from the periods before which all signals are the same, and those before which they are not."""
+    last = min(odd)
+    first = max((p for p in same if p < last), default=0)
+    return f"the signals differ first between t = {first * period_s:g} s and {last * period_s:g} s"
+
+
+DEPTH = 200
+"""Changes that can be undone at most."""
+
+
+@dataclass(frozen=True)
+class Step:
+    """A change, and the one that takes it back; the periods in them say nothing."""
+
+    back: Event
+    forth: Event
+
+
+class History:
+    """Changes done, and changes undone."""
+
+    def __init__(self) -> None:
+        self.done: list[Step] = []
+        self.undone: list[Step] = []
+
+    def add(self, step: Step) -> None:
+        """A new change: what was undone before cannot be done again."""
+        self.done = [*self.done[-(DEPTH - 1) :], step]
+        self.undone = []
+
+    def last(self) -> Step:
+        """The change to be undone.
+
+        Raises:
+            ValueRefused: there is none.
+        """
+        if not self.done:
+            raise ValueRefused("there is nothing to undo")
+        return self.done[-1]
+
+    def next(self) -> Step:
+        """The change to be done again.
+
+        Raises:
+            ValueRefused: there is none.
+        """
+        if not self.undone:
+            raise ValueRefused("there is nothing to redo")
+        return self.undone[-1]
+
+    def taken_back(self) -> None:
+        """The last change was undone."""
+        self.undone.append(self.done.pop())
+
+    def done_again(self) -> None:
+        """The change was done again."""
+        self.done.append(self.undone.pop())
+
+
+CHUNK = 2000
+"""Periods in one piece where rows are passed on."""
+MARKED = 2**16
+"""Periods from one mark of the session to the next, while there are no more than :data:`MARKS`; then twice as many."""
+MARKS = 64
+
+Seen = Callable[[np.ndarray], None]
 SAFE = ("controller.", "reference.")
 """What returns to its values at the start when the machine is made safe."""
 
+_SHARED = ("start", "profile", "_first_loop", "_experiment_sheet", "_prepared", "_at_start")
 
-class Operated(Running):
-    """The running machine of a start, and everything that an operator does to it.
+
+class Operated:
+    """The running machine of a :class:`Start`, and everything that an operator does to it.
 
     Every change is an event of the session; two machines with the same start and events give the same bits.
+
+    Args:
+        start: study, controller, scenario, changes, seed; two axes on a circle.
+        profile: the study's own unless given; a session runs again with the study's own.
+
+    Raises:
+        LeadscrewError: the loop cannot be built, or no circle can be made of it.
     """
+
+    def __init__(self, start: Start, profile: Profile | None = None) -> None:
+        self.start = start
+        own = profile_of(start.study) if profile is None else profile
+        self._first_loop = switching.built(start, own, start.controller)
+        self._experiment_sheet = start.experiment().settable()
+        self.profile = fitted(own, self._first_loop)
+        """How the machine is shown and disturbed; only what this loop has."""
+        self._prepared: dict[str, Prepared] = {}
+        self._at_start = {start.controller or "": settable.at_start(self._first_loop, self._experiment_sheet)}
+        self._begin()
+
+    def _begin(self) -> None:
+        self._ghost = Follower()
+        self._history = History()
+        self._events: list[Event] = []
+        self._hash = hashlib.sha256()
+        self._marks: dict[int, str] = {}
+        self._marked = MARKED
+        self._files = dict(self._first_loop.origin.get("files", {}))
+        axes = switching.beginning(self._first_loop, self.start)
+        self._install(axes, axes.values(), self.start.controller or "")
+        self._first = self._axes.values()
+
+    def _install(self, axes: Axes, base: list[dict[str, Any]], controller: str) -> None:
+        """Takes over a machine with its columns and parameters; ``base``: the controller's values by the study."""
+        self.controller = controller
+        """Name of the controller that runs now."""
+        self._axes = axes
+        self.columns = axes.columns
+        """``time``, then every signal and state; another list after a switch."""
+        self.units = settable.units(axes)
+        whole, fixed = settable.sheet(axes), dict(self._at_start[controller])
+        if len(axes.lives) > 1:
+            fixed |= {f"y.{k}": (whole[f"y.{k}"], why) for k, (_, why) in fixed.items() if f"y.{k}" in whole}
+        self.fixed: dict[str, str] = {k: why for k, (_, why) in fixed.items()}
+        """Why a parameter cannot change in the run, by its key: it ..."""
+        self.at_start: dict[str, ParameterSpec] = {k: e for k, (e, _) in fixed.items()}
+        """Data sheets of what cannot change in the run."""
+        first = axes.named(base)
+        self.sheet: dict[str, ParameterSpec] = {
+            k: replace(e, default=first[k]) for k, e in whole.items() if k not in fixed
+        }
+        """Data sheets of what can be set; defaults: at the start, or the study's after a switch."""
+        self._base = base
+
+    def restarted(self) -> Self:
+        """The same machine at its start again; nothing is compiled anew."""
+        new = object.__new__(type(self))
+        new.__dict__.update({k: self.__dict__[k] for k in _SHARED})
+        new._begin()
+        return new
+
+    # ---- where it stands
+    @property
+    def loop(self) -> Loop:
+        """The loop as it is now, of the first axis."""
+        return self._axes.lives[0].loop
+
+    @property
+    def live(self) -> Live:
+        """The live loop, of the first axis; do not advance or set it."""
+        return self._axes.lives[0]
+
+    @property
+    def lives(self) -> list[Live]:
+        """The live loops of all axes."""
+        return self._axes.lives
+
+    @property
+    def period(self) -> int:
+        """Periods done."""
+        return self._axes.period
+
+    @property
+    def period_s(self) -> float:
+        """The control period."""
+        return self._axes.period_s
+
+    @property
+    def diverged(self) -> str:
+        """Where the loop was lost, in words; empty while it is not."""
+        return self._axes.diverged
+
+    @property
+    def digest(self) -> str:
+        """SHA-256 of all rows so far."""
+        return self._hash.hexdigest()
+
+    @property
+    def can_undo(self) -> bool:
+        """Whether there is a change to undo."""
+        return bool(self._history.done)
+
+    @property
+    def can_redo(self) -> bool:
+        """Whether there is an undone change to do again."""
+        return bool(self._history.undone)
+
+    @property
+    def ghost(self) -> Ghost | None:
+        """The label of the ghost, while there is one."""
+        return self._ghost.shown
+
+    def values(self) -> dict[str, Any]:
+        """Every parameter's value by its key, arrays as lists; one on a ramp with the value that it goes to."""
+        return {k: v for k, v in self._values().items() if not k.startswith("metrics.")}
+
+    def changed(self) -> dict[str, Any]:
+        """What is not as it was at the start; after a switch, of the controller, not as the study has it."""
+        return self._differing(self._base, ("",))
+
+    def _values(self) -> dict[str, Any]:
+        return settable.plain(self._axes.named(self._axes.values()))
+
+    def _differing(self, base: list[dict[str, Any]], lead: tuple[str, ...]) -> dict[str, Any]:
+        """Values that are others than in ``base``, by key."""
+        parts = [
+            {k: v for k, v in now.items() if k.startswith(lead) and not np.array_equal(v, was.get(k, v))}
+            for now, was in zip(self._axes.values(), base, strict=True)
+        ]
+        return settable.plain(self._axes.joined(parts))
+
+    def _alive(self) -> None:
+        if self.diverged:
+            raise ValueRefused(f"the loop is lost ({self.diverged}): only a reset is possible now")
+
+    # ---- advancing
+    def advance(self, n: int) -> tuple[np.ndarray, np.ndarray | None]:
+        """Rows of the next ``n`` periods, all columns, and those of the ghost while there is one.
+
+        What is due on the way is set at its exact period: ten times 100 periods give the same bits as 1000. Where the
+        loop is lost there are fewer rows, after that none. The ghost's rows have the machine's columns, NaN where it
+        has no such column or is lost itself.
+        """
+        left = validate.whole("periods", n, 1, 2**31)
+        parts = [np.zeros((0, len(self.columns)))]
+        while left > 0 and not self.diverged:
+            rows = self._axes.piece(min(left, self._marked - self.period % self._marked))
+            self._hash.update(rows.astype("<f8", copy=False).tobytes())
+            self._mark()
+            parts.append(rows)
+            left -= len(rows)
+            self._axes.due(self._scheduled)
+        whole = parts[1] if len(parts) == 2 else np.concatenate(parts)
+        return whole, self._ghost.advance(len(whole), self.columns)
+
+    def advance_to(self, period: int, seen: Seen | None = None) -> None:
+        """Runs on until ``period`` periods are done; ``seen`` gets the rows piece by piece.
+
+        Raises:
+            ValueRefused: they are done already.
+        """
+        if period < self.period:
+            raise ValueRefused(f"period = {period}: {self.period} periods are done already")
+        while self.period < period and not self.diverged:
+            rows, _ = self.advance(min(CHUNK, period - self.period))
+            if seen is not None:
+                seen(rows)
+
+    def _scheduled(self, later: Later) -> None:
+        """A scheduled change has been made."""
+        self._note(Event(self.period, "set", settable.plain(self._axes.joined(later.parts)), how="at once",
+                         why=later.why, compare=False))  # fmt: skip
+
+    def _mark(self) -> None:
+        if self.period % self._marked == 0:
+            self._marks[self.period] = self.digest[:MARK]
+        if len(self._marks) > MARKS:
+            self._marked *= 2
+            self._marks = {k: v for k, v in self._marks.items() if k % self._marked == 0}
+
+    def _note(self, event: Event) -> None:
+        self._events.append(replace(event, mark=self.digest[:MARK]))
+
+    def session(self) -> Session:
+        """All that was done so far, with a checksum of all signals."""
+        start = replace(
+            self.start,
+            study=names.absolute(self.start.study),
+            controller=None if self.start.controller is None else names.absolute(self.start.controller),
+            files=self._files,
+        )
+        return Session(start, tuple(self._events), self.period, self.digest, dict(self._marks))
 
     # ---- changes
     def set(self, changes: Mapping[str, Any], *, why: str = "", compare: bool = True) -> Change:
@@ -175,9 +582,9 @@ class Operated(Running):
             for b, now in zip(self._base, new.values(), strict=True)
         ]
         self._install(new, base, prepared.controller)
-        self._files |= userfile.digests(prepared.controller, self.start.study)
+        self._files |= resolve.digests(prepared.controller, self.start.study)
         how = "aligned" if all(live.bumpless for live in new.lives) else "not bumpless"
-        named = userfile.absolute(prepared.controller)
+        named = names.absolute(prepared.controller)
         event = Event(self.period, "switch", dict(changes), named, how=how, why=why)
         self._note(event)
         if remember:
@@ -262,10 +669,7 @@ def _of_controller(values: Mapping[str, Any]) -> dict[str, Any]:
 
 def _label(old: Mapping[str, Any]) -> str:
     """The setting before a change, in words."""
-    from leadscrew.report.tables import number
+    from leadscrew.figures.formats import number
 
     shown = [f"{k} = {number(v) if isinstance(v, float | int) else v}" for k, v in list(old.items())[:3]]
     return ", ".join(shown) + (f" and {len(old) - 3} more" if len(old) > 3 else "")
-
-
-__all__ = ["Operated"]

@@ -6,10 +6,10 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from leadscrew.kernel.errors import NameUnknown, ValueRefused
 from leadscrew.kernel.live import MEMORY
 from leadscrew.kernel.loop import RECORDED
-from leadscrew.kernel.sheet import nearest
+from leadscrew.kernel.parameters import nearest
+from leadscrew.util.errors import NameUnknown, ValueRefused
 
 EVERYTHING = "*"
 """Stands for all columns."""

@@ -6,10 +6,10 @@ from dataclasses import MISSING, fields
 from pathlib import Path
 from typing import Any
 
-from leadscrew import __version__
-from leadscrew.escape import python_docstring
-from leadscrew.newfile import save
-from leadscrew.operate.session import MARK, Event, Session, Start
+from leadscrew._version import __version__
+from leadscrew.operate.operated import MARK, Event, Session, Start
+from leadscrew.util.atomic import atomic_write
+from leadscrew.util.escape import python_docstring
 
 WIDEST = 110
 """Characters of an event on one line."""
@@ -69,7 +69,7 @@ def write(session: Session, period_s: float, path: str | Path) -> None:
     Raises:
         DataError: it cannot be written.
     """
-    save(text(session, period_s, Path(path).name), path)
+    atomic_write(text(session, period_s, Path(path).name), path)
 
 
 def _event(event: Event) -> str:

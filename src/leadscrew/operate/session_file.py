@@ -32,13 +32,16 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
-from leadscrew import __version__, userfile
-from leadscrew.controller_file import table_of, toml
-from leadscrew.experiment_file import Engine, flat
-from leadscrew.kernel.errors import DataError
-from leadscrew.kernel.sheet import nearest
-from leadscrew.newfile import save
-from leadscrew.operate.session import Event, Session, Start
+from leadscrew import names
+from leadscrew._version import __version__
+from leadscrew.experiment_file import Engine
+from leadscrew.kernel.parameters import nearest
+from leadscrew.operate.operated import Event, Rerun, Session, Start
+from leadscrew.toml_file import flat
+from leadscrew.toml_file import read as table_of
+from leadscrew.toml_file import text as toml
+from leadscrew.util.atomic import atomic_folder, atomic_write
+from leadscrew.util.errors import DataError, ValueRefused
 
 KIND = "session"
 Count = Annotated[int, Field(ge=0, lt=2**53)]
@@ -135,7 +138,7 @@ def write(session: Session, path: str | Path) -> None:
     Raises:
         DataError: it cannot be written.
     """
-    save(text(session), path)
+    atomic_write(text(session), path)
 
 
 def is_session(path: str | Path) -> bool:
@@ -165,9 +168,9 @@ def read(path: str | Path) -> Session:
     _in_order(events, found.periods, str(where))
     s = found.start
     start = Start(
-        userfile.from_file(s.study, where), None if s.controller is None else userfile.from_file(s.controller, where),
+        names.from_file(s.study, where), None if s.controller is None else names.from_file(s.controller, where),
         s.scenario, dict(flat(s.changes)), s.seed, s.engine, s.circle,
-        {userfile.from_file(k, where): v for k, v in found.files.items()},
+        {names.from_file(k, where): v for k, v in found.files.items()},
     )  # fmt: skip
     marks = {int(k): v for k, v in found.marks.items()}
     return Session(start, events, found.periods, found.digest, marks, found.leadscrew)
@@ -175,7 +178,7 @@ def read(path: str | Path) -> Session:
 
 def _event_of(e: EventTable, where: Path) -> Event:
     return Event(
-        e.period, e.do, dict(flat(e.changes)), userfile.from_file(e.controller, where), e.over, e.how, e.by, e.why,
+        e.period, e.do, dict(flat(e.changes)), names.from_file(e.controller, where), e.over, e.how, e.by, e.why,
         compare=e.compare, mark=e.before,
     )  # fmt: skip
 
@@ -208,4 +211,25 @@ def _validated(table: Mapping[str, Any], where: str) -> SessionFile:
         raise DataError(f"{where}: {key} = {first['input']!r}: {first['msg']}") from None
 
 
-__all__ = ["KIND", "is_session", "read", "text", "write"]
+def check_folder(folder: Path) -> None:
+    """The folder can be written.
+
+    Raises:
+        ValueRefused: it is there and not empty.
+    """
+    if folder.exists() and (not folder.is_dir() or any(folder.iterdir())):
+        raise ValueRefused(f"--out {folder} exists already; choose another folder or remove it")
+
+
+def write_folder(session: Session, rerun: Rerun, folder: Path) -> None:
+    """Writes ``signals.parquet`` and ``session.toml``.
+
+    Raises:
+        DataError: it cannot be written.
+    """
+    import pyarrow as pa
+    import pyarrow.parquet as pq
+
+    with atomic_folder(folder) as beside:
+        pq.write_table(pa.table({k: pa.array(v) for k, v in rerun.signals.items()}), beside / "signals.parquet")
+        write(session, beside / "session.toml")

@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from leadscrew.kernel.errors import LeadscrewError, NameUnknown, ValueRefused
+from leadscrew.figures.signals import signal_unit
 from leadscrew.kernel.layout import Layout, is_branch
-from leadscrew.kernel.sheet import Entry, entries, nearest, put
-from leadscrew.report.tables import signal_unit
+from leadscrew.kernel.parameters import ParameterSpec, entries, nearest, put
+from leadscrew.util.errors import LeadscrewError, NameUnknown, ValueRefused
 
 if TYPE_CHECKING:
     from leadscrew.kernel.block import Block
@@ -23,7 +23,7 @@ AT_START = "takes effect at the next start"
 SIZE = "changes the size of the loop; takes effect at the next start"
 
 
-def sheet(axes: Axes) -> dict[str, Entry]:
+def sheet(axes: Axes) -> dict[str, ParameterSpec]:
     """Every parameter of the loop but those of its metrics; of two axes also each of the second."""
     own = {k: e for k, e in axes.lives[0].loop.sheet.items() if not k.startswith("metrics.")}
     if len(axes.lives) == 1:
@@ -32,7 +32,7 @@ def sheet(axes: Axes) -> dict[str, Entry]:
     return own | {f"y.{k}": replace(second[k], key=f"y.{k}") for k in own}
 
 
-def at_start(loop: Loop, settable: Mapping[str, Entry]) -> dict[str, tuple[Entry, str]]:
+def at_start(loop: Loop, settable: Mapping[str, ParameterSpec]) -> dict[str, tuple[ParameterSpec, str]]:
     """What cannot change in the run, and why: the scenario's parameters, sizes, what only the start depends on.
 
     ``settable`` is what the experiment can be given. Sizes are found by trying neighbouring values, block by block.
@@ -49,7 +49,7 @@ def at_start(loop: Loop, settable: Mapping[str, Entry]) -> dict[str, tuple[Entry
     return found
 
 
-def _why(loop: Loop, slot: str, block: Block, entry: Entry) -> str:
+def _why(loop: Loop, slot: str, block: Block, entry: ParameterSpec) -> str:
     params, state = loop.prepared(block, slot), loop.start_state(block)
     tried = effective = False
     for value in _neighbours(entry):
@@ -69,9 +69,12 @@ def _numbers(value: Any) -> list[bytes]:
     return [part.tobytes() for part in Layout(value).pack(value)] if is_branch(value) else [np.float64(value).tobytes()]
 
 
-def _neighbours(entry: Entry) -> Iterator[Any]:
+def _neighbours(entry: ParameterSpec) -> Iterator[Any]:
     """Other values that the parameter may have."""
     if entry.type == "array":
+        return
+    if entry.choice is not None:
+        yield from range(len(entry.choice.names))
         return
     was = entry.default
     wanted: list[Any] = [not was] if entry.type == "bool" else [was + 1, was - 1, 2 * was]
@@ -84,7 +87,7 @@ def _neighbours(entry: Entry) -> Iterator[Any]:
             continue
 
 
-def checked(changes: Mapping[str, Any], known: Mapping[str, Entry], fixed: Mapping[str, str]) -> dict[str, Any]:
+def checked(changes: Mapping[str, Any], known: Mapping[str, ParameterSpec], fixed: Mapping[str, str]) -> dict[str, Any]:
     """The changes with their values in the parameters' types.
 
     Raises:
@@ -104,7 +107,7 @@ def checked(changes: Mapping[str, Any], known: Mapping[str, Entry], fixed: Mappi
     return {k: _value(k, known[k if k in known else k.removeprefix("x.")], v) for k, v in changes.items()}
 
 
-def _value(key: str, entry: Entry, value: Any) -> Any:
+def _value(key: str, entry: ParameterSpec, value: Any) -> Any:
     """Checked; infinite only where the parameter is so already, as a limit that is none."""
     found = entry.check(value)
     if entry.type == "float" and math.isinf(found) and math.isfinite(entry.default):

@@ -7,16 +7,16 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
-from leadscrew.kernel.errors import ValueRefused
 from leadscrew.kernel.frame import SLOTS
-from leadscrew.kernel.sheet import checked_replace
+from leadscrew.kernel.parameters import checked_replace
 from leadscrew.operate.axes import Axes, Later
+from leadscrew.util.errors import ValueRefused
 
 if TYPE_CHECKING:
     from leadscrew.kernel.block import Block
     from leadscrew.kernel.loop import Loop
+    from leadscrew.operate.operated import Start
     from leadscrew.operate.profile import Profile
-    from leadscrew.operate.session import Start
 
 
 @dataclass(frozen=True)
@@ -52,7 +52,7 @@ def built(start: Start, profile: Profile, controller: str | None) -> Loop:
 def beginning(loop: Loop, start: Start) -> Axes:
     """The machine at its start.
 
-    On a circle the second axis runs as the study has it, with the run number 1 in the noise; the first is a quarter of
+    On a circle the second axis runs as the study has it, with the replicate 1 of the noise; the first is a quarter of
     a turn ahead, at rest at its reversal with its bristles unbent.
 
     Raises:
@@ -60,12 +60,12 @@ def beginning(loop: Loop, start: Start) -> Axes:
     """
     if not start.circle:
         return Axes([loop.start(engine=start.engine)])
-    return Axes([ahead(loop).start(engine=start.engine), loop.start(engine=start.engine, run=1)])
+    return Axes([ahead(loop).start(engine=start.engine), loop.start(engine=start.engine, replicate=1)])
 
 
 def ahead(loop: Loop) -> Loop:
     """The loop of the first axis of a circle."""
-    from leadscrew.plants.ballscrew_stage import TRAVEL_MM_PER_RAD
+    from leadscrew.plants._ballscrew_stage import TRAVEL_MM_PER_RAD
 
     command, plant = loop.blocks["reference"], loop.blocks["plant"]
     assert command is not None and plant is not None

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from leadscrew.kernel.live import Live
     from leadscrew.kernel.loop import Loop
 
-MOVED = "leadscrew.controllers.look_ahead"
+MOVED = "leadscrew.controllers._look_ahead"
 """A wrapper that shows the controller inside it another command than the signals have."""
 
 
@@ -64,10 +64,10 @@ class Explainer:
 
 def view_of(part: Part) -> View | None:
     """The explanation of a controller, without looking inside it; None where there is none."""
-    from leadscrew.operate.explain import curvature, grey, network, sliding, system, vud
+    from leadscrew.operate.explain import grey, network, sliding, system, vud
 
     made = engine_of(part.block)
-    found: list[Any] = [of.explained(part.block) for of in (vud, grey, network, curvature)]
+    found: list[Any] = [of.explained(part.block) for of in (vud, grey, network)]
     if MOVED not in part.around:
         found.append(sliding.explained(part, made))
     if not part.around:

@@ -17,10 +17,10 @@ from starlette.websockets import WebSocket, WebSocketDisconnect
 
 from leadscrew.panel.client import Client
 from leadscrew.panel.downloads import Downloads
-from leadscrew.panel.gate import Door, Gate
+from leadscrew.panel.http_guard import Gate, HttpGuard
 from leadscrew.panel.hub import MOST_CLIENTS, Hub
 from leadscrew.panel.messages import Hello, Refused, parse
-from leadscrew.panel.plain import text_of
+from leadscrew.panel.strict_json import text_of
 
 WEB = Path(__file__).parent / "web"
 PROTOCOL = "leadscrew.1"
@@ -34,8 +34,8 @@ BROKEN = {
 """Why the server ends a line by itself, by the close code."""
 
 
-def application(hub: Hub, gate: Gate, folder: Path, begun: Callable[[], None] | None = None) -> Door:
-    """The application behind its door."""
+def application(hub: Hub, gate: Gate, folder: Path, begun: Callable[[], None] | None = None) -> HttpGuard:
+    """The application behind its guard."""
 
     @contextlib.asynccontextmanager
     async def life(_: Starlette) -> AsyncIterator[None]:
@@ -54,7 +54,7 @@ def application(hub: Hub, gate: Gate, folder: Path, begun: Callable[[], None] | 
         *downloads.routes(),
         WebSocketRoute("/ws", lines(hub)),
     ]
-    return Door(Starlette(routes=routes, lifespan=life), gate, lambda scope, text: _note_refused(hub, scope, text))
+    return HttpGuard(Starlette(routes=routes, lifespan=life), gate, lambda scope, text: _note_refused(hub, scope, text))
 
 
 async def page(_: Request) -> Response:
@@ -148,7 +148,7 @@ def _note_refused(hub: Hub, scope: Any, text: str) -> None:
     """Notes a request that was not let in; its query, where a token may stand, is left out."""
     address = scope["client"][0] if scope.get("client") else ""
     what = f"{scope.get('method', 'WebSocket')} {scope.get('path', '')[:80]}"
-    hub.refused_at_door(what, address, text)
+    hub.refused_request(what, address, text)
 
 
 __all__ = ["PROTOCOL", "application"]

@@ -11,8 +11,8 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any, TextIO
 
-from leadscrew.kernel.errors import DataError
-from leadscrew.panel.plain import plain
+from leadscrew.panel.strict_json import plain
+from leadscrew.util.errors import DataError
 
 MOST_BYTES, FILES = 4_000_000, 5
 """Size at which a file is put aside, and how many are kept."""

@@ -7,7 +7,7 @@ import time
 from collections import deque
 from typing import Any
 
-from leadscrew.panel.gate import Rate
+from leadscrew.panel.http_guard import Rate
 
 MOST_BYTES, MOST_FRAMES = 4_000_000, 250
 """Live frames that wait for a page, at most; then the oldest are left out."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import os
+import re
 import sys
 import tempfile
 from pathlib import Path
@@ -14,12 +15,28 @@ from starlette.requests import ClientDisconnect, Request
 from starlette.responses import FileResponse, JSONResponse, PlainTextResponse, Response
 from starlette.routing import Route
 
-from leadscrew.kernel.system import safe_path
 from leadscrew.panel.link import NoAnswer
-from leadscrew.panel.plain import plain
+from leadscrew.panel.strict_json import plain
+from leadscrew.util.system import safe_path
 
 if TYPE_CHECKING:
     from leadscrew.panel.hub import Hub
+
+SUFFIXES = ("parquet", "csv", "mat", "pq", "txt", "tsv", "log", "dat")
+"""As :data:`leadscrew.operate.captures.READ`."""
+_CAPTURE = re.compile(r"[A-Za-z0-9][A-Za-z0-9 _.-]{0,63}\.(?:" + "|".join(SUFFIXES) + r")\Z")
+
+
+def is_capture_name(name: str) -> bool:
+    """Whether a file of captures may be called so."""
+    return _CAPTURE.match(name) is not None and ".." not in name
+
+
+def capture_file(folder: Path, name: str) -> Path | None:
+    """The file of that name, no link and nothing outside of the folder; None where there is none."""
+    path = folder / name
+    return path if is_capture_name(name) and path.is_file() and not path.is_symlink() else None
+
 
 MOST_BYTES = 50_000_000
 REPORT_S = 300.0
@@ -30,7 +47,7 @@ SECRET = "leadscrew-secret"
 
 
 class Downloads:
-    """The routes below ``/api``; the door has seen to who asks."""
+    """The routes below ``/api``; the guard has seen to who asks."""
 
     def __init__(self, hub: Hub, folder: Path) -> None:
         self.hub, self.folder = hub, folder
@@ -72,7 +89,7 @@ class Downloads:
 
     async def capture(self, request: Request) -> Response:
         """A capture's file."""
-        from leadscrew.panel.names import capture_file
+        from leadscrew.panel.downloads import capture_file
 
         path = capture_file(self.folder / "captures", request.path_params["name"])
         if path is None:
@@ -81,7 +98,7 @@ class Downloads:
 
     async def upload(self, request: Request) -> Response:
         """A capture that a page sends, to be loaded: kept where it can be read, and said no to where not."""
-        from leadscrew.panel.names import is_capture_name
+        from leadscrew.panel.downloads import is_capture_name
 
         name = request.path_params["name"]
         if not is_capture_name(name):
@@ -165,6 +182,3 @@ def _file(text: str, name: str, kind: str) -> Response:
 
 def _refused(status: int, text: str) -> Response:
     return PlainTextResponse(text, status_code=status)
-
-
-__all__ = ["Downloads"]

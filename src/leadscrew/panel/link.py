@@ -13,13 +13,13 @@ from collections.abc import Callable
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
-from leadscrew.panel import child
+from leadscrew.panel import process
 
 if TYPE_CHECKING:
     from multiprocessing.connection import Connection
     from multiprocessing.process import BaseProcess
 
-    from leadscrew.panel.child import Spec
+    from leadscrew.panel.process import Spec
 
 WAITING = 64
 """Questions that may wait for an answer; more are refused."""
@@ -59,7 +59,7 @@ class Link:
         """Begins the process; a Ctrl-C meant for the server does not reach it while it begins."""
         context = multiprocessing.get_context("spawn")
         ours, theirs = context.Pipe()
-        self.process = context.Process(target=child.main, args=(theirs, self.spec), name="leadscrew", daemon=True)
+        self.process = context.Process(target=process.main, args=(theirs, self.spec), name="leadscrew", daemon=True)
         main = threading.current_thread() is threading.main_thread()
         before = signal.signal(signal.SIGINT, signal.SIG_IGN) if main else None
         try:

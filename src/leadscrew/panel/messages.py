@@ -17,10 +17,11 @@ Name = Annotated[str, StringConstraints(pattern=r"^[A-Za-z0-9][A-Za-z0-9 _.-]{0,
 File = Annotated[str, StringConstraints(pattern=r"^[A-Za-z0-9][A-Za-z0-9 _.-]{0,71}$")]
 Key = Annotated[str, StringConstraints(pattern=r"^[A-Za-z0-9_]+(\.[A-Za-z0-9_]+)*$", max_length=200)]
 Pin = Annotated[str, StringConstraints(pattern=r"^[A-Za-z0-9_.\-]{1,200}$")]
+Option = Annotated[str, StringConstraints(pattern=r"^[A-Za-z][A-Za-z0-9_-]{0,63}$")]
 Text = Annotated[str, StringConstraints(max_length=300)]
 Number = Annotated[float, Field(allow_inf_nan=False)]
 Row = Annotated[list[Number], Field(max_length=512)]
-Value = bool | int | Number | Row | Annotated[list[Row], Field(max_length=128)]
+Value = bool | int | Number | Option | Row | Annotated[list[Row], Field(max_length=128)]
 Changes = Annotated[dict[Key | Pin, Value], Field(min_length=1, max_length=256)]
 
 
@@ -171,7 +172,7 @@ def _refused(error: ValidationError, id: int | None, do: str) -> Refused:
     place = key or ".".join(p for p in path[:2]) or do
     text = first["msg"][:1].lower() + first["msg"][1:]
     if path[:1] == ["changes"] and len(path) > 1:
-        text = "expected a number, true or false, or a list of numbers, under the dotted key of a parameter"
+        text = "expected a number, true or false, an option, or a list of numbers, under the dotted key of a parameter"
     elif first["type"] == "string_pattern_mismatch":
         text = "allowed are letters, digits, blanks and _ . -, a letter or digit first, 64 at most"
     return Refused(f"{do}: {place}: {text}", id, do, key)

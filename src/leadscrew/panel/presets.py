@@ -9,11 +9,11 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
-from leadscrew import newfile
-from leadscrew.kernel.errors import DataError, NameUnknown
-from leadscrew.kernel.sheet import nearest
+from leadscrew.kernel.parameters import nearest
 from leadscrew.panel import strict_json
-from leadscrew.panel.plain import plain
+from leadscrew.panel.strict_json import plain
+from leadscrew.util import atomic
+from leadscrew.util.errors import DataError, NameUnknown
 
 MOST_BYTES = 256_000
 MOST_FILES = 500
@@ -45,7 +45,8 @@ def save(preset: Preset, folder: Path, name: str) -> Path:
     path = _place(folder, name)
     if not path.exists() and len(names(folder)) >= MOST_FILES:
         raise DataError(f"{folder} holds {MOST_FILES} presets, the most that it may; delete some of them first")
-    newfile.save(json.dumps({"schema_version": 1, **plain(asdict(preset))}, indent=1, allow_nan=False) + "\n", path)
+    text = json.dumps({"schema_version": 1, **plain(asdict(preset))}, indent=1, allow_nan=False)
+    atomic.atomic_write(f"{text}\n", path)
     return path
 
 

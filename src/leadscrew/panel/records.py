@@ -11,13 +11,12 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from leadscrew import newfile
-from leadscrew.kernel.errors import DataError, LeadscrewError
 from leadscrew.panel.machine import Later
+from leadscrew.util import atomic
+from leadscrew.util.errors import DataError, LeadscrewError
 
 if TYPE_CHECKING:
-    from leadscrew.operate.operated import Operated
-    from leadscrew.operate.session import Session
+    from leadscrew.operate.operated import Operated, Session
 
 MOST_FILES = 500
 KEPT, KEPT_S = 50, 1.0
@@ -54,7 +53,7 @@ class Records:
             before.join()
         path = self.folder / f"run-{datetime.now(UTC):%Y%m%d-%H%M%S%f}.toml"
         try:
-            newfile.save(text_of(kept, "toml"), path)
+            atomic.atomic_write(text_of(kept, "toml"), path)
             for old in sorted(self.folder.glob(_NAMES))[:-KEPT]:
                 old.unlink()
         except (LeadscrewError, OSError) as error:
@@ -96,7 +95,7 @@ class Records:
             if self.folder.is_dir() and sum(1 for _ in self.folder.iterdir()) >= 2 * MOST_FILES:
                 raise DataError(f"{self.folder} holds {MOST_FILES} sessions, the most that it may; remove some first")
             for path in files:
-                newfile.save(text_of(kept, path.suffix[1:]), path)
+                atomic.atomic_write(text_of(kept, path.suffix[1:]), path)
             return {"name": name, "files": [f.name for f in files]}
 
         return Later(work, lambda found: found)

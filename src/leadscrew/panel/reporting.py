@@ -12,9 +12,10 @@ def main() -> int:
 
     The session is the panel's own: the machine has run the Python that it names already.
     """
-    from leadscrew.kernel.errors import LeadscrewError
-    from leadscrew.operate import session_file, session_report
+    from leadscrew.operate import session_file
+    from leadscrew.report import session as session_report
     from leadscrew.userfile import trust
+    from leadscrew.util.errors import LeadscrewError
 
     with tempfile.TemporaryDirectory() as beside:
         path = Path(beside) / "session.toml"

@@ -20,15 +20,15 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 from urllib.parse import urlencode
 
-from leadscrew.kernel.errors import DataError, EngineError, ValueRefused
-from leadscrew.panel.gate import Gate, new_token
+from leadscrew.panel.http_guard import Gate, new_token
+from leadscrew.util.errors import DataError, EngineError, ValueRefused
 
 SWEPT_S = 3600.0
 SILENT_S = 10.0
 """A network that takes nothing for so long has lost the page, though nobody said so."""
 
 if TYPE_CHECKING:
-    from leadscrew.panel.child import Spec
+    from leadscrew.panel.process import Spec
 
 
 Say = Callable[[str], None]

@@ -18,12 +18,12 @@ from multiprocessing.connection import Connection
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from leadscrew.kernel.errors import LeadscrewError
-from leadscrew.panel.plain import text_of
+from leadscrew.panel.strict_json import text_of
+from leadscrew.util.errors import LeadscrewError
 
 if TYPE_CHECKING:
-    from leadscrew.panel.child import Spec
     from leadscrew.panel.machine import Later, Machine
+    from leadscrew.panel.process import Spec
 
 TICK_S, STATE_S, WHY_S = 0.02, 0.25, 0.1
 SAID_S = 10.0
@@ -260,7 +260,7 @@ def machine_of(spec: Spec) -> Machine:
 
         found: Machine = hal.HalMachine(hal.read(spec.hal), spec.folder, spec.run)
         return found
-    from leadscrew.operate.session import Start
+    from leadscrew.operate.operated import Start
     from leadscrew.panel.sim_machine import SimMachine
 
     start = Start(spec.study, spec.controller or None, spec.scenario or None, dict(spec.changes or {}), spec.seed,

@@ -12,9 +12,9 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from leadscrew.kernel.errors import DataError, ValueRefused
 from leadscrew.paths.curve import Array, Curve
 from leadscrew.paths.path import JOIN_MM, SHORTEST_MM, Path, wrapped
+from leadscrew.util.errors import DataError, ValueRefused
 
 UNITS_MM = {"mm": 1.0, "cm": 10.0, "m": 1000.0, "in": 25.4, "px": 25.4 / 96.0}
 """Units a user may name, in mm; ``px``: 96 to the inch."""

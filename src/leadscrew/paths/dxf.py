@@ -19,13 +19,12 @@ from typing import Any
 
 import numpy as np
 
-from leadscrew import reading
-from leadscrew.kernel.errors import DataError, NameUnknown, ValueRefused
-from leadscrew.kernel.sheet import nearest
-from leadscrew.paths.arcs import circular
+from leadscrew.kernel.parameters import nearest
 from leadscrew.paths.curve import Curve
 from leadscrew.paths.drawing import UNITS_MM, Drawing, Piece, drawing, left_out
-from leadscrew.paths.segments import Arc, EllipseArc, Line, Spline
+from leadscrew.paths.segments import Arc, EllipseArc, Line, Spline, circular
+from leadscrew.util import reading
+from leadscrew.util.errors import DataError, NameUnknown, ValueRefused
 
 INSUNITS = {
     **{1: ("in", 25.4), 2: ("ft", 304.8), 4: ("mm", 1.0), 5: ("cm", 10.0), 6: ("m", 1000.0), 8: ("microinch", 2.54e-5)},

@@ -1,7 +1,7 @@
 """Paths of a G-code program: what is cut between two rapids, or between lowering and lifting the tool.
 
 Understood are ``G0 G1 G2 G3 G5``, ``G20 G21``, ``G90 G91``, ``G93 G94`` and the rest of
-:mod:`leadscrew.references.gcode_reader`, words of the rotary axes A, B and C besides. A path ends at a rapid that moves
+:mod:`leadscrew.references._gcode_reader`, words of the axes A, B and C. A path ends at a rapid that moves
 X or Y, and at every move of Z alone. Where X and Y move at several heights, feeds that end in the upper half do not
 cut. The words of the tangential axis are kept as programmed, for each block of a path:
 :class:`~leadscrew.paths.drawing.Programmed`.
@@ -16,13 +16,13 @@ from pathlib import Path as File
 
 import numpy as np
 
-from leadscrew import reading
-from leadscrew.kernel.errors import DataError, ValueRefused
 from leadscrew.paths.curve import Curve
 from leadscrew.paths.drawing import LARGEST_MM, UNITS_MM, Drawing, Programmed, left_out, nothing, unit_named
 from leadscrew.paths.path import JOIN_MM, SHORTEST_MM, Path
 from leadscrew.paths.segments import Arc, Bezier, Line
-from leadscrew.references.gcode_reader import RADIUS_TOLERANCE_MM, Dialect, Move, moves_from_gcode
+from leadscrew.references._gcode_reader import RADIUS_TOLERANCE_MM, Dialect, Move, moves_from_gcode
+from leadscrew.util import reading
+from leadscrew.util.errors import DataError, ValueRefused
 
 ROTARY = "ABC"
 SAME_MM = 1e-9

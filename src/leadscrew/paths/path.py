@@ -17,8 +17,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from leadscrew.kernel.errors import ValueRefused
 from leadscrew.paths.curve import Array, Curve, Places
+from leadscrew.util.errors import ValueRefused
 
 CORNER_DEG = 0.01
 """A jump of the tangent below this is rounding of coordinates, not a corner."""

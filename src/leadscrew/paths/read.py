@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path as File
 
-from leadscrew.kernel.errors import DataError, ValueRefused
 from leadscrew.paths.drawing import Drawing, unit_named
 from leadscrew.paths.path import JOIN_MM
 from leadscrew.paths.suffixes import SUFFIXES
+from leadscrew.util.errors import DataError, ValueRefused
 
 
 def read_drawing(

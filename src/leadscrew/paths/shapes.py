@@ -12,10 +12,10 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from leadscrew.kernel.errors import ValueRefused
 from leadscrew.paths.curve import Array, Curve, affine
 from leadscrew.paths.path import Path
 from leadscrew.paths.segments import Arc, Line, Spline
+from leadscrew.util.errors import ValueRefused
 
 WAVE = (
     *((0, 0), (25, 55), (60, 60), (80, 10), (105, -35), (150, -30), (160, 20)),

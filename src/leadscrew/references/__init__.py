@@ -1,1 +1,8 @@
-"""References: blocks that give the command, one file each. A scalar command, a :class:`Motion`, or a path point."""
+"""References: blocks that give the command. A scalar command, a :class:`Motion`, or a path point.
+
+The public names stand in ``__init__.pyi``; each loads its own module when it is first used.
+"""
+
+from leadscrew.util.lazy_exports import exports
+
+__getattr__, __dir__, __all__ = exports(__name__, __file__)

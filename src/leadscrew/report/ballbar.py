@@ -1,4 +1,11 @@
-"""A ball-bar test for reading: tables, sentences, polar plot, a page. Every table says what it is about."""
+"""A ball-bar test for reading: tables, sentences, polar plot, a page. Every table says what it is about.
+
+The polar plot of a circular test: deviations drawn much larger than the circle, as ball-bar software draws them.
+
+The nominal circle is drawn with a radius of ``CIRCLE`` divisions; a division is a round number of micrometres chosen so
+that the largest deviation takes about three. The magnification is how much larger deviations are drawn than the circle:
+``R / (CIRCLE division)``. Angles and radii are about the common least-squares centre: the centring does not show.
+"""
 
 from __future__ import annotations
 
@@ -6,16 +13,58 @@ import json
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from leadscrew.analysis.circular.evaluation import Evaluation
-from leadscrew.analysis.circular.paths import SOURCES
-from leadscrew.newfolder import appearing
+from leadscrew.analysis.circular.paths import SOURCES, Circle
+from leadscrew.analysis.circular.quantities import about
+from leadscrew.figures.ballbar import COLOURS, WORDS, division_um, polar
+from leadscrew.figures.formats import NOTHING
 from leadscrew.report import page as html
-from leadscrew.report.ballbar_picture import picture
-from leadscrew.report.strict import strict
-from leadscrew.report.tables import NOTHING
+from leadscrew.util.atomic import atomic_folder
+from leadscrew.util.strict_json import strict
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure
+    from leadscrew.figures.figure import Figure
+
+
+def centre_of(found: Evaluation) -> Circle:
+    """The least-squares centre of all paths, mm."""
+    q = found.quantities
+    way = q.both or q.ccw or q.cw
+    assert way is not None
+    return Circle(1e-3 * way.centre_x, 1e-3 * way.centre_y, found.test.radius_mm)
+
+
+def picture(found: Evaluation) -> Figure:
+    """Polar plot, and the same deviations over the angle."""
+    from leadscrew.figures.figure import Figure
+
+    test, centre = found.test, centre_of(found)
+    paths = {t.direction: about(t, centre, test.radius_mm) for t in test.turns}
+    division = division_um(max(float(np.abs(r).max()) for _, r in paths.values()))
+    figure = Figure(figsize=(10.0, 5.6), layout="constrained")
+    left = figure.add_subplot(1, 2, 1, projection="polar")
+    right = figure.add_subplot(1, 2, 2)
+    polar(left, paths, division, test)
+    for direction, (angle, deviation) in paths.items():
+        degrees = np.mod(np.degrees(angle) + 1e-9, 360.0)
+        order = np.argsort(degrees, kind="stable")
+        right.plot(degrees[order], deviation[order], color=COLOURS[direction], linewidth=1.0, label=WORDS[direction])
+    for reversal in (0, 90, 180, 270, 360):
+        right.axvline(reversal, color="0.8", linewidth=0.6, zorder=0)
+    right.axhline(0.0, color="0.6", linewidth=0.6, zorder=0)
+    right.set(xlim=(0, 360), xticks=range(0, 361, 45), xlabel="angle (degrees)", ylabel="radial deviation (µm)")
+    handles, labels = right.get_legend_handles_labels()
+    figure.legend(handles, labels, loc="outside lower center", ncols=2, frameon=False)
+    feed = "" if test.feed_mm_min is None else f", {test.feed_mm_min:g} mm/min"
+    figure.suptitle(
+        f"radius {test.radius_mm:g} mm{feed}, axes {test.axes[0]}{test.axes[1]}, {SOURCES[test.source]}\n"
+        "deviations from the nominal radius, about the least-squares centre",
+        fontsize="small",
+    )
+    return figure
+
 
 SCHEMA_VERSION = 1
 
@@ -124,7 +173,7 @@ def write(found: Evaluation, folder: str | Path, bar: Evaluation | None = None) 
     Raises:
         DataError: the folder exists already and is not empty, or cannot be written.
     """
-    with appearing(folder) as beside:
+    with atomic_folder(folder) as beside:
         drawn = picture(found)
         drawn.savefig(beside / "ballbar.png", dpi=130, metadata={"Software": None})
         text = json.dumps(strict(summary(found, bar)), indent=1, allow_nan=False)

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from leadscrew.kernel.sheet import entries
+from leadscrew.kernel.parameters import entries
 
 if TYPE_CHECKING:
     from leadscrew.kernel.block import Block

@@ -16,15 +16,14 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from leadscrew.kernel.errors import BlockError, LeadscrewError
 from leadscrew.kernel.one_thread import one_thread
 from leadscrew.report.html import embedded
+from leadscrew.util.errors import BlockError, LeadscrewError
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
+    from leadscrew.figures.figure import Figure
     from leadscrew.report.report import Report
-    from leadscrew.studies.study import Study
+    from leadscrew.study_data import Study
 
 MOST_COPIES = 3
 """Copies of this process; each measures anew what its figures show."""

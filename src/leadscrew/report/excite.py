@@ -8,14 +8,14 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from leadscrew import escape
+from leadscrew.figures.formats import NOTHING
+from leadscrew.figures.style import BLUE, GREEN, ORANGE, PURPLE, SKY, VERMILION
 from leadscrew.identify.excite.design import PASSES, Proposal
 from leadscrew.identify.excite.files import SHOWN
-from leadscrew.report.style import BLUE, GREEN, ORANGE, PURPLE, SKY, VERMILION
-from leadscrew.report.tables import NOTHING
+from leadscrew.util import escape
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure
+    from leadscrew.figures.figure import Figure
 
 SCHEMA_VERSION = 1
 COLUMNS = ("parameter", "believed", "unit", "95 % +-", "percent", "target", "verdict")
@@ -97,7 +97,7 @@ def summary(proposal: Proposal) -> dict[str, Any]:
 
 def picture(proposal: Proposal, title: str = "") -> Figure:
     """Position, velocity and acceleration, coloured by purpose."""
-    from matplotlib.figure import Figure
+    from leadscrew.figures.figure import Figure
 
     unit, scale = SHOWN[proposal.belief.unit]
     seen, move = proposal.samples, proposal.move

@@ -11,13 +11,13 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from leadscrew import reading
-from leadscrew.escape import file_name
-from leadscrew.kernel.errors import DataError
-from leadscrew.newfolder import replaceable, replacing
 from leadscrew.report.drawing import Draw, draw_all
 from leadscrew.report.report import KIND, Report
-from leadscrew.report.strict import strict
+from leadscrew.util import reading
+from leadscrew.util.atomic import replace_folder, replaceable_folder
+from leadscrew.util.errors import DataError
+from leadscrew.util.escape import file_name
+from leadscrew.util.strict_json import strict
 
 if TYPE_CHECKING:
     from leadscrew.kernel.run import Run
@@ -29,7 +29,7 @@ def claimable(folder: str | Path) -> Path:
     Raises:
         DataError: it holds something else, or cannot be written.
     """
-    return replaceable(folder, _is_report, "a report of ours")
+    return replaceable_folder(folder, _is_report, "a report of ours")
 
 
 def _is_report(folder: Path) -> bool:
@@ -42,7 +42,7 @@ def _is_report(folder: Path) -> bool:
 
 def manifest(wall_s: float) -> dict[str, Any]:
     """What the report was made with."""
-    from leadscrew import __version__
+    from leadscrew._version import __version__
 
     return {
         "leadscrew": __version__,
@@ -77,7 +77,7 @@ def put(
     from leadscrew.report import html
 
     target, saved = Path(folder), dict(runs or {})
-    with replacing(target, _is_report, "a report of ours") as beside:
+    with replace_folder(target, _is_report, "a report of ours") as beside:
         for at, (key, run) in enumerate(saved.items()):
             progress(f"saving {key}", at / len(saved))
             scenario, _, controller = key.partition("/")
@@ -99,7 +99,7 @@ def put(
 
 def data(report: Report, wall_s: float, page: Path) -> dict[str, Any]:
     """The report as the one JSON object that a command prints."""
-    from leadscrew import __version__
+    from leadscrew._version import __version__
     from leadscrew.studies import claims
 
     whole = {

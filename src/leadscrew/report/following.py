@@ -1,4 +1,4 @@
-"""Following errors for reading: tables, sentences, JSON, CSV, a page."""
+"""Following errors for reading: tables, sentences, JSON, CSV, a picture, a page."""
 
 from __future__ import annotations
 
@@ -8,15 +8,17 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from leadscrew.analysis.following import ALL, Followed, Following
-from leadscrew.analysis.following_lag import Told
-from leadscrew.newfolder import appearing
+from leadscrew.analysis.following import ALL, Followed, Following, Told
+from leadscrew.figures.formats import NOTHING
+from leadscrew.figures.style import BLUE, GREEN, ORANGE, PURPLE, SKY, VERMILION
 from leadscrew.report import page as html
-from leadscrew.report.strict import strict
-from leadscrew.report.tables import NOTHING
+from leadscrew.util import escape
+from leadscrew.util.atomic import atomic_folder
+from leadscrew.util.strict_json import strict
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure
+    from leadscrew.figures.figure import Figure
+
 
 SCHEMA_VERSION = 1
 NUMBERS = ("rows", "moving", "max", "rms", "mean fwd", "mean back", "step", "lag ms", "95 % +-", "Kv 1/s", "shift ms",
@@ -166,7 +168,7 @@ def write(found: Following, folder: str | Path, figure: Figure) -> None:
     Raises:
         DataError: the folder exists already and is not empty, or cannot be written.
     """
-    with appearing(folder) as place:
+    with atomic_folder(folder) as place:
         figure.savefig(place / "following_error.png", dpi=130, metadata={"Software": None})
         text = json.dumps(strict(summary(found)), indent=1, allow_nan=False)
         (place / "following_error.json").write_text(text + "\n", encoding="utf-8")
@@ -185,3 +187,49 @@ def page(found: Following, figure: Figure) -> str:
         html.table("What is odd about the logs", ("log", "kind", "what"), odd, NUMBERS),
     ]
     return html.page("Following error", parts)
+
+
+COLOURS = (BLUE, VERMILION, GREEN, PURPLE, ORANGE, SKY)
+
+
+def picture(found: Following, title: str = "") -> Figure:
+    """Left the lag of each axis in each phase, right its errors; positions in the unit of the log."""
+    from leadscrew.figures.figure import Figure
+
+    axes_names = list(dict.fromkeys(r.axis for r in found.together))
+    phases = list(dict.fromkeys(r.phase for r in found.together))
+    figure = Figure(figsize=(10.0, 1.6 + 0.36 * max(len(phases), 4)), layout="constrained")
+    left, right = figure.subplots(1, 2, sharey=True)
+    for k, name in enumerate(axes_names):
+        rows = [r for r in found.together if r.axis == name]
+        at = np.array([phases.index(r.phase) for r in rows]) + 0.7 * ((k + 0.5) / len(axes_names) - 0.5)
+        colour = COLOURS[k % len(COLOURS)]
+        lags = 1e3 * np.array([r.lag.value for r in rows])
+        halves = 1e3 * np.array([r.lag.half for r in rows])
+        told = np.isfinite(halves)
+        left.errorbar(lags[told], at[told], xerr=halves[told], fmt="o", markersize=3.5, capsize=2, color=colour,
+                      label=name)  # fmt: skip
+        right.plot([r.rms for r in rows], at, "o", markersize=4, color=colour, label=f"{name}, rms")
+        right.plot([r.worst for r in rows], at, "|", markersize=8, color=colour, label=f"{name}, max")
+    left.set_yticks(range(len(phases)), phases)
+    left.invert_yaxis()
+    left.set(xlabel="lag from error at speed, 95 % (ms)")
+    spread = [1e3 * x for r in found.together for x in (r.lag.low, r.lag.high) if np.isfinite(x)]
+    if spread:
+        low, high = np.percentile(spread, [5, 95])
+        left.set_xlim(min(0.0, low - 0.2 * (high - low)), high + 0.4 * (high - low) + 1e-9)
+    units = sorted({r.unit for r in found.together if r.unit})
+    right.set(xscale="symlog", xlabel=f"error ({', '.join(units)})" if units else "error, unit of the log")
+    smallest = min((r.rms for r in found.together if r.rms > 0.0), default=1.0)
+    right.set_xscale("symlog", linthresh=0.5 * smallest)
+    right.set_xlim(0.0, 1.5 * max((r.worst for r in found.together), default=1.0) or 1.0)
+    for ax in (left, right):
+        ax.grid(color="0.92", linewidth=0.6)
+        ax.set_axisbelow(True)
+    if title:
+        figure.suptitle(escape.figure(title), fontsize="medium")
+    handles, labels = right.get_legend_handles_labels()
+    figure.legend(
+        handles, labels, loc="outside lower center", ncols=2 * len(axes_names), frameon=False, fontsize="small"
+    )
+    return figure

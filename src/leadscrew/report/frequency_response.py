@@ -6,13 +6,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from leadscrew import escape
-from leadscrew.report.style import BLUE, GREEN, VERMILION
+from leadscrew.figures.style import BLUE, GREEN, VERMILION
+from leadscrew.util import escape
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
     from leadscrew.analysis.frequency_response import FrequencyResponse
+    from leadscrew.figures.figure import Figure
 
 SCHEMA_VERSION = 1
 COLUMNS = ("Hz", "gain", "dB", "from dB", "to dB", "phase deg", "+- deg", "coherence")
@@ -82,7 +81,7 @@ def csv(found: FrequencyResponse, level: float = 0.95) -> str:
 
 def picture(found: FrequencyResponse, title: str = "", level: float = 0.95) -> Figure:
     """Gain, phase and coherence over the frequency, with confidence bands."""
-    from matplotlib.figure import Figure
+    from leadscrew.figures.figure import Figure
 
     figure = Figure(figsize=(7.5, 7.0), layout="constrained")
     gain, phase, coherence = figure.subplots(3, 1, sharex=True, height_ratios=(3, 3, 2))

@@ -6,19 +6,28 @@ import math
 from typing import Any
 
 import numpy as np
-from matplotlib.figure import Figure
 
-from leadscrew.analysis.friction import friction_along, friction_velocity, path_through
-from leadscrew.analysis.friction_runs import break_away, break_away_after_rest, stick_slip
+from leadscrew.analysis.friction import (
+    break_away,
+    break_away_after_rest,
+    friction_along,
+    friction_velocity,
+    imposed_reversal,
+    path_through,
+    stick_slip,
+)
+from leadscrew.figures.figure import Figure
+from leadscrew.figures.style import BLACK, BLUE, GREEN, ORANGE, SKY, VERMILION
 from leadscrew.friction.asymmetric import LuGreSlide
 from leadscrew.friction.dahl import Dahl
 from leadscrew.friction.maxwell_slip import MaxwellSlip
 from leadscrew.friction.static_map import Sliding, TwoSided
-from leadscrew.plants.mass_dahl import mass_dahl
-from leadscrew.plants.mass_lugre import mass_lugre
-from leadscrew.plants.mass_maxwell_slip import mass_maxwell_slip
-from leadscrew.plants.mass_stribeck import mass_stribeck
-from leadscrew.report.style import BLACK, BLUE, GREEN, ORANGE, SKY, VERMILION
+from leadscrew.kernel.block import Block
+from leadscrew.plants._backlash import DeadBand, Play, followed, reaction
+from leadscrew.plants._mass_dahl import mass_dahl
+from leadscrew.plants._mass_lugre import mass_lugre
+from leadscrew.plants._mass_maxwell_slip import mass_maxwell_slip
+from leadscrew.plants._mass_stribeck import mass_stribeck
 
 PENS: dict[str, dict[str, Any]] = {
     "static map": {"color": BLACK, "linestyle": ":"},
@@ -27,7 +36,12 @@ PENS: dict[str, dict[str, Any]] = {
     "Maxwell slip": {"color": VERMILION, "linestyle": "--"},
 }
 """How each model is drawn, here and on the page."""
-PLANTS = {"static map": mass_stribeck, "Dahl": mass_dahl, "LuGre": mass_lugre, "Maxwell slip": mass_maxwell_slip}
+PLANTS: dict[str, Block] = {
+    "static map": mass_stribeck,
+    "Dahl": mass_dahl,
+    "LuGre": mass_lugre,
+    "Maxwell slip": mass_maxwell_slip,
+}
 
 
 def _panels(rows: int, columns: int, height: float) -> tuple[Figure, np.ndarray]:
@@ -142,4 +156,58 @@ def stick_slip_figure() -> Figure:
     for ax in (left, right):
         ax.margins(x=0)
     _below(figure, left, right, columns=5)
+    return figure
+
+
+def classic_figure() -> Figure:
+    """Classic backlash: the play's hysteresis and the dead band's reaction, with equal and with unlike sides."""
+    figure, ((left, right),) = _panels(1, 2, 3.8)
+    way = np.concatenate([np.linspace(0, 6, 200), np.linspace(6, -6, 400), np.linspace(-6, 6, 400)])
+    equal = Play(1.0, 1.0)
+    unlike = Play(0.5, 2.0, forward_slope=0.9, backward_slope=1.05)
+    twist = np.linspace(-4, 4, 401)
+    bands = (DeadBand(1.0, 1.0, 1e8, 1e8), DeadBand(0.5, 2.0, 5e7, 1.5e8))
+    for p, band, colour, line, label in (
+        (equal, bands[0], BLUE, "-", "equal sides, 1 um each"),
+        (unlike, bands[1], ORANGE, "--", "unlike gaps (0.5 and 2 um) and slopes"),
+    ):
+        places, place = [], 0.0
+        for x in way:
+            place = followed(p, place, float(x))
+            places.append(place)
+        left.plot(way, places, color=colour, linestyle=line, linewidth=1.4, label=label)
+        forces = [reaction(band, float(x)) * 1e-6 for x in twist]
+        right.plot(twist, forces, color=colour, linestyle=line, linewidth=1.4, label=label)
+    left.set(xlabel="drive (um)", ylabel="table (um)", title="play: the table follows one flank or stands")
+    right.set(xlabel="twist, drive minus table (um)", ylabel="reaction (N)", title="dead band: force on the table")
+    _below(figure, left, columns=2)
+    return figure
+
+
+def modern_figure() -> Figure:
+    """Two masses: a reversal with an almost elastic and with a soft impact, against the classic play."""
+    figure, ((left, right),) = _panels(1, 2, 3.8)
+    radius, rate = 1e-3, 2.0 * math.pi
+    for restitution, colour, line in ((0.9, BLUE, "-"), (0.05, VERMILION, "--")):
+        run = imposed_reversal(radius, rate, restitution)
+        since = 1e3 * (run.time - 0.25)
+        near = (since > -5.0) & (since < 80.0)
+        twist = 1e6 * (run["plant.motor"] - run["plant.table"])
+        label = f"two masses, restitution {restitution:g}"
+        left.plot(since[near], twist[near], color=colour, linestyle=line, linewidth=1.2, label=label)
+        lag = 1e3 * run["plant.table_speed"]
+        right.plot(since[near], lag[near], color=colour, linestyle=line, linewidth=1.2, label=label)
+    screw = radius * np.sin(rate * run.time)
+    table = -1e-6
+    classic = []
+    for x in screw:
+        table = followed(Play(), table, float(x))
+        classic.append(table)
+    left.plot(since[near], 1e6 * (screw - classic)[near], color=BLACK, linestyle=":", label="classic play")
+    speed = np.gradient(np.array(classic), run.time)
+    right.plot(since[near], 1e3 * speed[near], color=BLACK, linestyle=":", label="classic play")
+    left.set(xlabel="time after the reversal of the screw (ms)", ylabel="screw minus table (um)", title="2 um of play")
+    right.set(xlabel="time after the reversal of the screw (ms)", ylabel="speed of the table (mm/s)",
+              title="the table is hit, and bounces")  # fmt: skip
+    _below(figure, left, columns=3)
     return figure

@@ -6,13 +6,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from leadscrew import escape
-from leadscrew.report.style import BLUE, VERMILION
+from leadscrew.figures.style import BLUE, VERMILION
+from leadscrew.util import escape
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
     from leadscrew.analysis.harmonics.measured import Measured
+    from leadscrew.figures.figure import Figure
 
 SCHEMA_VERSION = 1
 
@@ -71,7 +70,7 @@ def summary(found: Measured, source: str, signal: str, unit: str = "", level: fl
 
 def picture(found: Measured, title: str = "", unit: str = "", level: float = 0.95) -> Figure:
     """The spectrum with the measured lines and their confidence intervals over it."""
-    from matplotlib.figure import Figure
+    from leadscrew.figures.figure import Figure
 
     h, seen = found.harmonics, found.spectrum
     figure = Figure(figsize=(8.0, 4.2), layout="constrained")

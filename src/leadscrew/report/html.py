@@ -9,14 +9,14 @@ from collections.abc import Callable, Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
-from leadscrew.escape import html as escaped
-from leadscrew.escape import visible
+from leadscrew.util.escape import html as escaped
+from leadscrew.util.escape import visible
 
 if TYPE_CHECKING:
     from jinja2 import Template
     from markupsafe import Markup
-    from matplotlib.figure import Figure
 
+    from leadscrew.figures.figure import Figure
     from leadscrew.report.drawing import Drawn
     from leadscrew.report.report import Report
 

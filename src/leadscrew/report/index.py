@@ -7,9 +7,9 @@ from pathlib import Path
 from typing import Any, NamedTuple
 from urllib.parse import quote
 
-from leadscrew import newfile, reading
-from leadscrew.kernel.errors import DataError
 from leadscrew.report.report import KIND
+from leadscrew.util import atomic, reading
+from leadscrew.util.errors import DataError
 
 MARK = '<meta name="generator" content="leadscrew index">'
 """By this an ``index.html`` is known to be one of ours, to be replaced."""
@@ -71,5 +71,5 @@ def write(folder: str | Path, title: str = "Reports", order: Sequence[str] = ())
     if page.exists() and MARK not in page.read_text(encoding="utf-8", errors="replace")[:2000]:
         return None
     text = template("index.html.j2", code=code).render(title=title, cards=cards(Path(folder), order))
-    newfile.save(text, page, durable=False)
+    atomic.atomic_write(text, page, durable=False)
     return page

@@ -7,13 +7,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from leadscrew.report.style import BLACK, BLUE, GREEN, ORANGE, VERMILION
+from leadscrew.figures.style import BLACK, BLUE, GREEN, ORANGE, VERMILION
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
 
     from leadscrew.design.npid import NpidDesign
+    from leadscrew.figures.figure import Figure
 
 PAPER_K = 2.35
 HIGHEST_HZ = 12.0
@@ -21,7 +21,7 @@ HIGHEST_HZ = 12.0
 
 def design_map(design: NpidDesign) -> Figure:
     """Score over scale and strength, the limits that apply, the result."""
-    from matplotlib.figure import Figure
+    from leadscrew.figures.figure import Figure
 
     figure = Figure(figsize=(7.0, 4.6), layout="constrained")
     draw_map(figure.subplots(), design)
@@ -90,7 +90,7 @@ def draw_spectra(axes: Any, spectra: Mapping[str, tuple[np.ndarray, np.ndarray]]
 
 def as_paper(design: NpidDesign, spectra: Mapping[str, tuple[np.ndarray, np.ndarray]]) -> Figure:
     """The paper's figures and ours: K(e_max), the design map, the spectra of one spindle speed."""
-    from matplotlib.figure import Figure
+    from leadscrew.figures.figure import Figure
 
     figure = Figure(figsize=(11.0, 8.0), layout="constrained")
     grid = figure.add_gridspec(3, 2, width_ratios=(1.0, 1.15))

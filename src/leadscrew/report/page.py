@@ -6,12 +6,12 @@ import re
 from collections.abc import Container, Sequence
 from typing import TYPE_CHECKING
 
-from leadscrew.escape import html as escape
+from leadscrew.figures.formats import NOTHING
 from leadscrew.report.html import embedded
-from leadscrew.report.tables import NOTHING
+from leadscrew.util.escape import html as escape
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure
+    from leadscrew.figures.figure import Figure
 
 
 def page(title: str, parts: Sequence[str], style: str = "") -> str:

@@ -6,16 +6,16 @@ import json
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from leadscrew import escape
 from leadscrew.analysis.positioning import OneWay, Positioning
-from leadscrew.newfolder import appearing
+from leadscrew.figures.formats import NOTHING
+from leadscrew.figures.positioning import draw
 from leadscrew.report import page as html
-from leadscrew.report.strict import strict
-from leadscrew.report.style import BLACK, BLUE, VERMILION
-from leadscrew.report.tables import NOTHING
+from leadscrew.util import escape
+from leadscrew.util.atomic import atomic_folder
+from leadscrew.util.strict_json import strict
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure
+    from leadscrew.figures.figure import Figure
 
 SCHEMA_VERSION = 1
 STANDARD = "ISO 230-2:2014"
@@ -94,7 +94,7 @@ def _one_way(way: OneWay, name: str, travel: str) -> list[str]:
 
 def picture(test: Positioning, title: str = "") -> Figure:
     """Deviations against target, both directions: every approach, the means, and the means with two s to each side."""
-    from matplotlib.figure import Figure
+    from leadscrew.figures.figure import Figure
 
     figure = Figure(figsize=(7.0, 4.2), layout="constrained")
     axes = figure.subplots()
@@ -103,25 +103,6 @@ def picture(test: Positioning, title: str = "") -> Figure:
         axes.set_title(escape.figure(title), fontsize="medium")
     figure.legend(loc="outside lower center", ncols=3, frameon=False, fontsize="small")
     return figure
-
-
-def draw(axes: Any, test: Positioning) -> None:
-    """The picture's lines into axes of a figure."""
-    for x, way, name, colour, mark in (
-        (test.up_um, test.up, "+", BLUE, "^"),
-        (test.down_um, test.down, "-", VERMILION, "v"),
-    ):
-        if x is None or way is None:
-            continue
-        axes.plot(test.targets_mm, x, mark, color=colour, markersize=3, alpha=0.5, linewidth=0)
-        axes.plot(test.targets_mm, way.mean, color=colour, linewidth=1.4, label=f"mean, direction {name}")
-        axes.fill_between(test.targets_mm, way.mean - 2 * way.s, way.mean + 2 * way.s, color=colour, alpha=0.18,
-                          linewidth=0, label=f"mean ± 2 s, direction {name}")  # fmt: skip
-    if test.both is not None:
-        axes.plot(test.targets_mm, test.both.mean, color=BLACK, linewidth=1.0, linestyle="--",
-                  label="mean of both directions")  # fmt: skip
-    axes.axhline(0.0, color="0.6", linewidth=0.6, zorder=0)
-    axes.set(xlabel="target position (mm)", ylabel="deviation (µm)")
 
 
 def summary(test: Positioning, source: str) -> dict[str, Any]:
@@ -140,7 +121,7 @@ def write(test: Positioning, source: str, folder: str | Path, more: dict[str, st
     Raises:
         DataError: the folder exists already and is not empty, or cannot be written.
     """
-    with appearing(folder) as beside:
+    with atomic_folder(folder) as beside:
         drawn = picture(test, f"{STANDARD}: {source}")
         drawn.savefig(beside / "positioning.png", dpi=130, metadata={"Software": None})
         found = json.dumps(strict(summary(test, source)), indent=1, allow_nan=False)

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from leadscrew.figures.table import Table
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure
+    from leadscrew.figures.figure import Figure
 
 KIND = "leadscrew report"
 """``kind`` in the JSON of a report."""

@@ -7,13 +7,13 @@ from collections.abc import Iterable, Sequence
 from functools import partial
 from typing import Any
 
+from leadscrew.figures.formats import plain
 from leadscrew.figures.table import NOTHING, number, unit
 from leadscrew.report.report import KIND, KeyNumber, Picture, Report, Section, TextTable
-from leadscrew.report.strict import strict
-from leadscrew.report.tables import plain
 from leadscrew.studies.claims import SCHEMA_VERSION, VERDICTS, Claim
 from leadscrew.studies.exhibits import Experiment, FigureOf
 from leadscrew.studies.results import Miss, Results
+from leadscrew.util.strict_json import strict
 
 COLUMNS_EXPLAINED = (
     "*As printed* is what the paper's own equations and numbers give. *Corrected* is with the changes that the note or "
@@ -198,7 +198,7 @@ def runs_table(results: Results, saved: Iterable[tuple[str, str]]) -> TextTable:
 
 def data_of(results: Results) -> dict[str, Any]:
     """The results as plain values for JSON; a number that is not finite is ``None``."""
-    from leadscrew import __version__
+    from leadscrew._version import __version__
 
     data: dict[str, Any] = strict(
         {

@@ -13,8 +13,8 @@ from rich.cells import cell_len
 from rich.console import Console
 from rich.text import Text
 
-from leadscrew.escape import one_line
 from leadscrew.report.report import Report, Section, TextTable
+from leadscrew.util.escape import one_line
 
 PIPED = 100
 """Columns where output does not go to a terminal and ``COLUMNS`` is not set."""
@@ -32,6 +32,21 @@ STYLES = {
     "not testable here": "dim",
 }
 """Verdicts that a terminal shows in colour; the words themselves always stand there."""
+
+
+WIDEST = 100_000
+"""Columns where no terminal limits them: a row of a table is one line in a pipe."""
+
+
+def console() -> Console:
+    """Standard output."""
+
+    class Quiet(Console):
+        def on_broken_pipe(self) -> None:
+            raise BrokenPipeError(32, "Broken pipe")
+
+    plain = not sys.stdout.isatty()
+    return Quiet(width=WIDEST if plain else None, soft_wrap=False, highlight=False, markup=False, emoji=False)
 
 
 def width() -> int:
@@ -239,8 +254,6 @@ def ending(notes: Iterable[str], page: Path, wall_s: float, columns: int) -> Ite
 
 def show(lines: Iterable[Text]) -> None:
     """Prints lines on standard output, in colour where it is a terminal, without blanks at their ends."""
-    from leadscrew.cli.output import console
-
     out = console()
     if not out.is_terminal:
         sys.stdout.write("".join(f"{line.plain.rstrip()}\n" for line in lines))

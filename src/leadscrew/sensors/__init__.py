@@ -1,1 +1,8 @@
-"""Sensors: blocks that turn what a plant shows into what a controller sees, one file each."""
+"""Sensors: blocks that turn what a plant shows into what a controller sees.
+
+The public names stand in ``__init__.pyi``; each loads its own module when it is first used.
+"""
+
+from leadscrew.util.lazy_exports import exports
+
+__getattr__, __dir__, __all__ = exports(__name__, __file__)

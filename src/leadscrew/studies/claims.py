@@ -16,7 +16,7 @@ from dataclasses import dataclass
 from decimal import Decimal
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
-from leadscrew.kernel.errors import BlockError
+from leadscrew.util.errors import BlockError
 
 if TYPE_CHECKING:
     from leadscrew.studies.lab import Lab

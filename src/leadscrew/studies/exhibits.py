@@ -9,8 +9,7 @@ from typing import TYPE_CHECKING, Any
 from leadscrew.figures.table import Table
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
+    from leadscrew.figures.figure import Figure
     from leadscrew.studies.lab import Lab
 
 

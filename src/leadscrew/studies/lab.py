@@ -18,17 +18,21 @@ from typing import TYPE_CHECKING, Any, Concatenate, ParamSpec, TypeVar
 
 from leadscrew.kernel.block import Block
 from leadscrew.kernel.loop import RECORDED
+from leadscrew.study_data import Assumption, Scenario, Study
+from leadscrew.util.errors import entry_point
+
+__all__ = ["Assumption", "Lab", "Scenario", "Study", "measure"]
 
 if TYPE_CHECKING:
     from leadscrew.kernel.batch import Batch
     from leadscrew.kernel.loop import Loop
     from leadscrew.kernel.run import Run
-    from leadscrew.studies.study import Scenario, Study
 
 P = ParamSpec("P")
 T = TypeVar("T")
 
 
+@entry_point
 class Lab:
     """Loops and runs of a study, and every measure of it, computed when first asked for.
 

@@ -19,14 +19,14 @@ from importlib import import_module
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from leadscrew import newfile
-from leadscrew.kernel.errors import BlockError, DataError, LeadscrewError, ValueRefused
 from leadscrew.kernel.loop import DivergenceWarning, RunWarning
 from leadscrew.kernel.one_thread import one_thread
 from leadscrew.studies.claims import Claim, ClaimOf, Value
 from leadscrew.studies.exhibits import Experiment, ExperimentOf, FigureOf
 from leadscrew.studies.lab import Lab
-from leadscrew.studies.study import Study
+from leadscrew.study_data import Study
+from leadscrew.util import atomic
+from leadscrew.util.errors import BlockError, DataError, LeadscrewError, ValueRefused
 
 EXPECTED = "expected.csv"
 RELATIVE, ABSOLUTE = 1e-6, 1e-9
@@ -211,5 +211,5 @@ def write_expected(results: Results) -> Path:
             usual = RELATIVE * abs(number) + ABSOLUTE if math.isfinite(number) else 0.0
             tolerance = known[name][1] if name in known and math.isfinite(known[name][1]) else usual
             rows.writerow((name, repr(number), f"{tolerance:.1g}"))
-    newfile.save(text.getvalue(), file)
+    atomic.atomic_write(text.getvalue(), file)
     return file

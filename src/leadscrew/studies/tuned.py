@@ -10,7 +10,7 @@ from pathlib import Path
 
 from leadscrew import controller_file
 from leadscrew.kernel.block import Block
-from leadscrew.kernel.sheet import checked_replace
+from leadscrew.kernel.parameters import checked_replace
 
 FOLDER = "tuned"
 

@@ -2,7 +2,7 @@
 
     d_(j+1)(s) = Q [ (1 - L) d_j(s) + L (d_j(s) - e_j(s + lead) / g) ],      held to +-15 deg
 
-is the command form of :mod:`leadscrew.analysis.piece_learning` along the arc length. ``d_j`` are the offsets with which
+is the command form of :mod:`leadscrew.tangent.piece_learning` along the arc length. ``d_j`` are the offsets with which
 piece ``j`` was cut: what its program says. ``lead`` is the lag of the axis times the feed. There is no sensor and no
 control: the machine needs an axis that turns, and the piece a scanner.
 
@@ -22,15 +22,14 @@ from typing import NamedTuple
 
 import numpy as np
 
-from leadscrew.kernel import door
-from leadscrew.kernel.errors import ValueRefused
+from leadscrew.kernel import validate
 from leadscrew.paths.curve import Array
 from leadscrew.tangent.deviation import Deviation, deviation_of, errors_along
-from leadscrew.tangent.matching import SPAN_MM, matched
-from leadscrew.tangent.measured import Trace
-from leadscrew.tangent.placing import Placing
+from leadscrew.tangent.matching import SPAN_MM, Placing, matched
+from leadscrew.tangent.measurement import Trace
 from leadscrew.tangent.settings import MOST_OFFSET_DEG, Settings
 from leadscrew.tangent.stroke import Stroke, Table
+from leadscrew.util.errors import ValueRefused
 
 STEP_MM = 0.5
 """Step of the table of offsets."""
@@ -149,7 +148,7 @@ def compensated(
 
 def _checked(learning: Learning) -> None:
     for name, low, high in RANGES:
-        value = door.number(name, getattr(learning, name), "")
+        value = validate.number(name, getattr(learning, name), "")
         if not low <= value <= high:
             raise ValueRefused(f"{name} = {value:g}: allowed range is {low:g} to {high:g}")
     if learning.cutoff_mm is not None and not 0.5 <= learning.cutoff_mm <= 200.0:
@@ -159,7 +158,7 @@ def _checked(learning: Learning) -> None:
 
 
 def _learned(number: int, stroke: Stroke, settings: Settings, seen: Deviation, how: Learning) -> Learned:
-    from leadscrew.analysis.piece_learning import next_offsets_along
+    from leadscrew.tangent.piece_learning import next_offsets_along
 
     s = stroke.grid(STEP_MM)
     old = stroke.offset(s)

@@ -26,9 +26,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from leadscrew.kernel.errors import DataError
 from leadscrew.paths.curve import Array
 from leadscrew.tangent.stroke import Stroke
+from leadscrew.util.errors import DataError
 
 NOISE_ANGLE_DEG = 0.15
 """Noise that the automatic cut-off leaves in the angle."""

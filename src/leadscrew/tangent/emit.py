@@ -23,11 +23,11 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-from leadscrew.escape import gcode_comment
-from leadscrew.references.gcode_reader import MM_PER_INCH
+from leadscrew.references._gcode_reader import MM_PER_INCH
 from leadscrew.tangent.moves import Move, moves_of
 from leadscrew.tangent.settings import ANGLE_DIGITS, Settings, nearest_turn
 from leadscrew.tangent.stroke import Stroke
+from leadscrew.util.escape import gcode_comment
 
 FIRST_LINE = "(leadscrew tangent 1)"
 """How our programs begin."""

@@ -1,6 +1,6 @@
 """Reads a program for a tangential knife: its moves with the angles of the axis.
 
-The reader is the one of all G-code here, :mod:`leadscrew.references.gcode_reader`: what it understands of a drawing is
+The reader is the one of all G-code here, :mod:`leadscrew.references._gcode_reader`: what it understands of a drawing is
 understood of a program, in the same way. Besides, line by line:
 
 - the comment ``(d 1.234)`` of a program of ours: the offset of the axis at the end of the move;
@@ -17,10 +17,10 @@ from collections import Counter
 from collections.abc import Iterator
 from typing import NamedTuple
 
-from leadscrew.kernel.errors import DataError, ValueRefused
 from leadscrew.paths.curve import Curve
 from leadscrew.paths.gcode import curve_of
-from leadscrew.references.gcode_reader import MM_PER_INCH, WORD, Dialect, Move, moves_from_gcode
+from leadscrew.references._gcode_reader import MM_PER_INCH, WORD, Dialect, Move, moves_from_gcode
+from leadscrew.util.errors import DataError, ValueRefused
 
 DIALECT = Dialect(rotary="ABC", splines=True, passive=True, inverse_time=True)
 COMMENT = re.compile(r"\(([^()]*)\)")

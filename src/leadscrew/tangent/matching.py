@@ -1,4 +1,23 @@
-"""Which measured line is which stroke, from its plunge on and in its direction; and what is plainly wrong with it."""
+"""Which measured line is which stroke, from its plunge on and in its direction; and what is plainly wrong with it.
+
+Where a scanned piece lay: the turn and shift that bring its points back to the programmed line.
+
+Least squares over pairs of points (Kabsch), without scale: a piece does not grow, and a wrong unit is to be seen.
+
+What a scan cannot tell. A cut whose tangent is off by the same angle everywhere is the right piece, turned. Laid on the
+programmed line by its own shape (``shape``), that angle is gone and is not compensated. Two marks on the sheet, pricked
+by the machine at known places (``marks``), tell where the sheet lay, and so keep it.
+
+Measured points before they are believed: strays are taken out, points closer than a scan can tell are put together.
+
+**Strays.** A point that lies further from the median of its seven neighbours (x and y each, itself among them) than
+8 standard deviations of that distance, 0.2 mm, and the usual step. On a line that runs on, points *are* the median.
+More than two in a row are no strays but a part of the line that lies elsewhere.
+
+**Dense points.** ``k`` neighbours become their mean, for ``k`` steps as long as ``span``: white noise is then less by
+``sqrt(k)`` on points ``k`` times as far apart, which leaves the cut-off of the smoothing as it is. The ends are those
+of the line through the first two and the last two means.
+"""
 
 from __future__ import annotations
 
@@ -7,15 +26,109 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
-from leadscrew.kernel.errors import DataError, ValueRefused
 from leadscrew.paths.curve import Array
 from leadscrew.tangent.deviation import STRETCH
-from leadscrew.tangent.measured import Trace
-from leadscrew.tangent.placing import AS_IT_IS, Placing, by_marks, fitted
-from leadscrew.tangent.points import FEW, strays, thinned
+from leadscrew.tangent.measurement import Trace
 from leadscrew.tangent.settings import MM_PER_INCH
 from leadscrew.tangent.stroke import Stroke
+from leadscrew.util.errors import DataError, ValueRefused
+
+LEAST_MM = 20.0
+"""Two marks stand at least so far apart."""
+MOST_MISS_MM = 1.0
+"""Distances between marks agree to this."""
+
+
+class Placing(NamedTuple):
+    """A turn about the origin, then a shift: from scanned to programmed coordinates."""
+
+    turn_deg: float
+    dx: float
+    dy: float
+
+    def of(self, x: Array, y: Array) -> tuple[Array, Array]:
+        """Points in programmed coordinates, mm."""
+        c, s = math.cos(math.radians(self.turn_deg)), math.sin(math.radians(self.turn_deg))
+        return c * x - s * y + self.dx, s * x + c * y + self.dy
+
+
+AS_IT_IS = Placing(0.0, 0.0, 0.0)
+
+
+def fitted(scanned: Array, programmed: Array) -> Placing:
+    """The placing that brings points (n, 2) closest to others."""
+    a, b = scanned.mean(axis=0), programmed.mean(axis=0)
+    p, q = scanned - a, programmed - b
+    turn = math.atan2(float((p[:, 0] * q[:, 1] - p[:, 1] * q[:, 0]).sum()), float((p * q).sum()))
+    c, s = math.cos(turn), math.sin(turn)
+    return Placing(math.degrees(turn), float(b[0] - c * a[0] + s * a[1]), float(b[1] - s * a[0] - c * a[1]))
+
+
+def by_marks(pairs: Sequence[tuple[float, float, float, float]]) -> Placing:
+    """The placing by marks: programmed X, Y and scanned X, Y of each, mm.
+
+    Raises:
+        ValueRefused: fewer than two, too close together, or distances that do not agree.
+    """
+    rows = np.array(pairs, dtype=np.float64).reshape(-1, 4)
+    if len(rows) < 2:
+        raise ValueRefused(f"{len(rows)} mark: a turn takes two or more")
+    programmed, scanned = rows[:, :2], rows[:, 2:]
+    spread = max(math.dist(a, b) for a in programmed for b in programmed)
+    if spread < LEAST_MM:
+        raise ValueRefused(f"the marks are {spread:.3g} mm apart: expected {LEAST_MM:g} mm or more, to tell a turn")
+    placing = fitted(scanned, programmed)
+    x, y = placing.of(scanned[:, 0], scanned[:, 1])
+    miss = float(np.hypot(x - programmed[:, 0], y - programmed[:, 1]).max())
+    if miss > MOST_MISS_MM:
+        raise ValueRefused(
+            f"the scanned marks do not lie to each other as the programmed ones do: {miss:.3g} mm are left over; "
+            "expected the same order, and the scan's true scale"
+        )
+    return placing
+
+
+NEIGHBOURS = 7
+IN_A_ROW = 2
+SIGMAS = 8.0
+LEAST_STRAY_MM = 0.2
+FEW = 0.01
+"""Share of points up to which they are strays; more of them are how the scan is."""
+HELD = 6.0
+"""Means lie at most so many spans apart, or fewer points are put together."""
+
+
+def strays(x: Array, y: Array) -> tuple[NDArray[np.int64], float]:
+    """Indices of the points that lie off the line of their neighbours, and how far the furthest does, mm."""
+    from scipy.ndimage import median_filter
+
+    off = np.hypot(x - median_filter(x, NEIGHBOURS, mode="nearest"), y - median_filter(y, NEIGHBOURS, mode="nearest"))
+    step = float(np.median(np.hypot(np.diff(x), np.diff(y))))
+    far = off > max(SIGMAS * 1.4826 * float(np.median(off)), LEAST_STRAY_MM, step)
+    rows = np.split(np.flatnonzero(far), np.flatnonzero(np.diff(np.flatnonzero(far)) > 1) + 1)
+    found = np.concatenate([row for row in rows if row.size <= IN_A_ROW] or [np.empty(0, dtype=np.int64)])
+    return found.astype(np.int64), float(off[found].max(initial=0.0))
+
+
+def thinned(x: Array, y: Array, length: float, span: float) -> tuple[Array, Array, int]:
+    """Means of points, and how many each is of; the points themselves where they are not closer than ``span``."""
+    count = int(span * (x.size - 1) / length)
+    while count > 1:
+        edges = np.round(np.linspace(0.0, x.size, x.size // count + 1)).astype(np.int64)
+        sizes = np.diff(edges)
+        means = np.column_stack([np.add.reduceat(v, edges[:-1]) / sizes for v in (x, y)])
+        if np.hypot(*np.diff(means, axis=0).T).max() <= HELD * span:
+            # Half a mean's points, but for half a step, lie beyond it.
+            share = 0.5 - 0.5 / count
+            first = means[0] - share * (means[1] - means[0])
+            last = means[-1] + share * (means[-1] - means[-2])
+            u, v = np.vstack([first, means, last]).T
+            return u, v, count
+        count //= 2
+    return x, y, 1
+
 
 ALIGN = ("none", "shape", "marks")
 LEAST_POINTS = 12

@@ -3,7 +3,7 @@
 A move from ``a`` to ``b`` (arc lengths) turns the axis linearly, as LinuxCNC does on lines and arcs alike. It is halved
 until
 
-- the arc in place of a curve (:mod:`leadscrew.tangent.fitting`) is nowhere more than ``tolerance`` from it,
+- the arc in place of a curve (below) is nowhere more than ``tolerance`` from it,
 - its tangent is nowhere more than ``angle_tolerance`` from the curve's,
 - the blade is nowhere more than ``angle_tolerance`` from ``phi(s) + d(s)``, heading and offset, and half of that from
   ``d(s)`` alone: it is what a program is read back with,
@@ -15,11 +15,22 @@ is off such a line by up to half of what the curve turns there. Tangents are not
 
 **Feed limit.** A move whose axis would have to turn faster than ``swivel`` gets the feed ``swivel length / turn``, with
 length and turn as they are written: rounded.
+
+A circular arc in place of a piece of a curve: through both of its ends, turning by as much as the curve does.
+
+Between ``a`` and ``b`` with tangent angles ``phi_a`` and ``phi_b`` and a chord of length ``c`` in direction ``beta``
+
+    sweep = phi_b - phi_a,    radius = c / (2 sin(sweep / 2)),    centre = middle + normal c / (2 tan(sweep / 2))
+
+Its tangent at the arc length ``s`` from ``a`` is ``beta + sweep (s / l - 1/2)``. A knife whose axis turns evenly from
+``phi_a`` to ``phi_b`` is therefore off the tangent of its own move by ``(phi_a + phi_b) / 2 - beta`` everywhere: some
+``k' c^2 / 12`` for a curvature that changes by ``k'``, while on the chord it would be off by up to half the sweep.
 """
 
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -27,9 +38,62 @@ from numpy.typing import NDArray
 
 from leadscrew.paths.curve import Array, Places
 from leadscrew.paths.segments import Arc, Line
-from leadscrew.tangent.fitting import LEAST_ARC_MM, MOST_RADIUS_MM, MOST_SWEEP_DEG, Fits, fitted
 from leadscrew.tangent.settings import ANGLE_DIGITS, Settings
 from leadscrew.tangent.stroke import Stroke
+
+MOST_RADIUS_MM = 1e4
+"""An arc of a larger radius is written as a line."""
+LEAST_ARC_MM = 0.05
+"""A shorter arc is written as a line: its centre would be lost in the decimals."""
+MOST_SWEEP_DEG = 120.0
+"""No arc turns by more: close to a full turn its centre is badly told by its ends."""
+
+
+class Fits(NamedTuple):
+    """Arcs, or lines, through pairs of points: arrays of one length."""
+
+    x: Array
+    """Centre, mm; of a line any number."""
+    y: Array
+    radius: Array
+    """In mm; 0: a line."""
+    chord: Array
+    """Direction from end to end, rad."""
+    sweep: Array
+    """In rad, counter-clockwise positive; 0: a line."""
+
+    def across(self, at: Places, first: Places) -> Array:
+        """Distance of points, mm: rows of places of one fit each; ``first``: where each begins."""
+        line = (at.y - first.y[:, None]) * np.cos(self.chord)[:, None] - (at.x - first.x[:, None]) * np.sin(self.chord)[
+            :, None
+        ]
+        away = np.hypot(at.x - self.x[:, None], at.y - self.y[:, None]) - self.radius[:, None]
+        return np.abs(np.where(self.radius[:, None] > 0.0, away, line))
+
+    def tangent(self, shares: Array) -> Array:
+        """Its tangent angle, deg, at shares of its length: rows as in :meth:`across`."""
+        return np.degrees(self.chord[:, None] + self.sweep[:, None] * (shares - 0.5))
+
+    def arc(self, k: int, x: float, y: float) -> Arc | None:
+        """One of them, that begins at a point; None: a line."""
+        if self.radius[k] == 0.0:
+            return None
+        cx, cy = float(self.x[k]), float(self.y[k])
+        return Arc((cx, cy), float(self.radius[k]), float(np.arctan2(y - cy, x - cx)), float(self.sweep[k]))
+
+
+def fitted(first: Places, last: Places) -> Fits:
+    """The arc of each pair of ends; a line where it would be too flat, too short, or turn too far."""
+    dx, dy = last.x - first.x, last.y - first.y
+    size = np.hypot(dx, dy)
+    sweep = np.radians(last.heading - first.heading)
+    half = 0.5 * np.clip(np.abs(sweep), 1e-12, np.radians(MOST_SWEEP_DEG))
+    radius = 0.5 * size / np.sin(half)
+    round_ = (radius <= MOST_RADIUS_MM) & (size >= LEAST_ARC_MM) & (np.abs(sweep) <= np.radians(MOST_SWEEP_DEG))
+    away = np.sign(sweep) * 0.5 / np.tan(half)
+    x, y = 0.5 * (first.x + last.x) - away * dy, 0.5 * (first.y + last.y) + away * dx
+    return Fits(x, y, np.where(round_, radius, 0.0), np.arctan2(dy, dx), np.where(round_, sweep, 0.0))
+
 
 LEAST_MM = 0.005
 """No move is made shorter than this."""
@@ -182,3 +246,30 @@ def _good(stroke: Stroke, settings: Settings, low: Array, high: Array, kind: Arr
         wide = np.abs(at.heading[:, -2] - at.heading[:, 0]) > MOST_SWEEP_DEG
         good[curved] &= near & close & ~wide
     return good
+
+
+class Tight(NamedTuple):
+    """A turn of the blade at depth, sharper than the corner rule has in mind."""
+
+    x: float
+    """Where it ends, mm."""
+    y: float
+    turn: float
+    """deg."""
+    length: float
+    """mm."""
+
+
+def tight_turns(moves: Sequence[Move], settings: Settings) -> list[Tight]:
+    """Where a stroke turns by more than the corner angle within less than ``blend``, and more slowly on either side."""
+    rate = settings.corner_angle / settings.blend
+    found, turn, length = [], 0.0, 0.0
+    for k, move in enumerate(moves):
+        if abs(move.turn) > rate * move.length:
+            turn, length = turn + move.turn, length + move.length
+        last = k + 1 == len(moves) or not abs(moves[k + 1].turn) > rate * moves[k + 1].length
+        if last:
+            if settings.lifts(turn) and length < settings.blend:
+                found.append(Tight(move.x, move.y, turn, length))
+            turn = length = 0.0
+    return found

@@ -14,8 +14,8 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, fields
 
-from leadscrew.kernel.errors import DataError, ValueRefused
-from leadscrew.references.gcode_reader import MM_PER_INCH
+from leadscrew.references._gcode_reader import MM_PER_INCH
+from leadscrew.util.errors import DataError, ValueRefused
 
 MOST_OFFSET_DEG = 15.0
 """Range of the offset angle, on either side."""

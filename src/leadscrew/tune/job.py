@@ -2,7 +2,7 @@
 
 A job can be sent to another process or machine: it holds names and numbers only, and builds its loops where it runs. A
 run has the same bits wherever, beside whatever other runs, and in whatever chunk it is done: run ``k`` of a scenario
-is ``loop.using({key: values[k]}).run(duration, run=first + k)``.
+is ``loop.using({key: values[k]}).run(duration, replicate=first + k)``.
 """
 
 from __future__ import annotations
@@ -18,8 +18,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from leadscrew.experiment import Experiment
-from leadscrew.kernel.errors import NameUnknown, ValueRefused
-from leadscrew.kernel.sheet import Entry, nearest
+from leadscrew.kernel.parameters import ParameterSpec, nearest
+from leadscrew.util.errors import NameUnknown, ValueRefused, entry_point
 
 if TYPE_CHECKING:
     from leadscrew.kernel.loop import Loop
@@ -44,6 +44,7 @@ class Chunk(NamedTuple):
         return len(next(iter(self.columns.values())))
 
 
+@entry_point
 @dataclass(frozen=True, eq=False)
 class Job:
     """A controller on a machine, in one or several scenarios."""
@@ -82,7 +83,7 @@ class Job:
         if engine != "python":
             loop.program.entry("lanes", engine)
 
-    def sheet(self) -> dict[str, Entry]:
+    def sheet(self) -> dict[str, ParameterSpec]:
         """What may vary: the entries that the loops of all scenarios have."""
         first, *others = (self.loop(s).sheet for s in self.where)
         return {k: e for k, e in first.items() if all(k in sheet for sheet in others)}
@@ -122,11 +123,12 @@ class Job:
     def reasons(self, scenario: str, values: Mapping[str, float], run: int) -> dict[str, str]:
         """Why metrics of one run have no value, by name; the run is done again, alone."""
         loop = self.loop(scenario)
-        whole = [k for k in values if loop.sheet[k].type == "int"]
-        changes = {k: int(v) if k in whole else float(v) for k, v in values.items()}
+        changes = typed(loop.sheet, values)
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
-            alone = loop.using(changes).run(self.seconds(scenario), every=0, engine=self.experiment.engine, run=run)
+            alone = loop.using(changes).run(
+                self.seconds(scenario), every=0, engine=self.experiment.engine, replicate=run
+            )
         return alone.metrics_without_value
 
     @cached_property
@@ -138,7 +140,7 @@ class Job:
             "seconds": [self.seconds(s) for s in self.where],
             "programs": [loop.program.name for loop in loops],
             "seeds": [loop.seed for loop in loops],
-            "parameters": [{k: np.asarray(v).tolist() for k, v in loop.parameters.items()} for loop in loops],
+            "parameters": [{k: _number(e) for k, e in loop.sheet.items()} for loop in loops],
         }
         return hashlib.sha256(json.dumps(said, sort_keys=True, default=str).encode()).hexdigest()
 
@@ -157,6 +159,19 @@ class Job:
 
     def __hash__(self) -> int:
         return hash(self._key)
+
+
+def typed(sheet: Mapping[str, ParameterSpec], values: Mapping[str, float]) -> dict[str, Any]:
+    """Numbers as a file has them: whole numbers as such, choices by their names."""
+
+    def of(entry: ParameterSpec, value: float) -> Any:
+        return entry.check(value) if entry.choice is not None else int(value) if entry.type == "int" else float(value)
+
+    return {k: of(sheet[k], v) for k, v in values.items()}
+
+
+def _number(entry: ParameterSpec) -> Any:
+    return entry.stored(entry.default) if entry.choice is not None else np.asarray(entry.default).tolist()
 
 
 @lru_cache(maxsize=32)

@@ -8,11 +8,11 @@ from typing import Any
 
 import numpy as np
 
-from leadscrew.kernel.errors import NameUnknown
-from leadscrew.kernel.sheet import nearest
-from leadscrew.tune.crew import Crew, Result
+from leadscrew.kernel.parameters import nearest
+from leadscrew.tune.checkpoints import Journal
+from leadscrew.tune.executors import Crew, Result
 from leadscrew.tune.job import DIVERGED, Chunk, Job, chunks_of
-from leadscrew.tune.journal import Journal
+from leadscrew.util.errors import NameUnknown
 
 Progress = Callable[[int, int], None]
 """Takes the runs that are done and all of them."""

@@ -27,10 +27,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from leadscrew.kernel.errors import NameUnknown, ValueRefused
-from leadscrew.kernel.sheet import nearest
+from leadscrew.kernel.parameters import nearest
 from leadscrew.tune.job import Job
 from leadscrew.tune.measure import Samples
+from leadscrew.util.errors import NameUnknown, ValueRefused
 
 STATISTICS = ("worst", "mean", "median")
 SLACK = 1e-12

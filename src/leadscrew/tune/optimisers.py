@@ -25,9 +25,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from leadscrew.kernel.errors import LeadscrewError, NameUnknown, ValueRefused
-from leadscrew.kernel.sheet import nearest
+from leadscrew.kernel.parameters import nearest
 from leadscrew.tune.space import cube
+from leadscrew.util.errors import LeadscrewError, NameUnknown, ValueRefused
 
 
 class Answer(NamedTuple):

@@ -19,8 +19,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from leadscrew.kernel.errors import LeadscrewError, ValueRefused
 from leadscrew.tune.statistics import CONFIDENCE
+from leadscrew.util.errors import LeadscrewError, ValueRefused
 
 Z95 = 1.959963984540054
 """Quantile 97.5 % of the normal distribution."""

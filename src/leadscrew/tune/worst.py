@@ -8,12 +8,13 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from leadscrew import controller_file, userfile
-from leadscrew.escape import file_name, one_line
+from leadscrew import names, toml_file
 from leadscrew.experiment import SCHEMA_VERSION, Experiment
-from leadscrew.newfile import save
-from leadscrew.report.tables import number
+from leadscrew.figures.formats import number
+from leadscrew.tune.job import typed
 from leadscrew.tune.montecarlo import MonteCarlo
+from leadscrew.util.atomic import atomic_write
+from leadscrew.util.escape import file_name, one_line
 
 DIVERGED = "diverged"
 
@@ -71,12 +72,11 @@ def _largest(values: np.ndarray, count: int) -> list[tuple[int, int]]:
 def experiment(found: MonteCarlo, run: int, scenario: str) -> Experiment:
     """The experiment that is this very run; it knows controller files by their contents."""
     sheet = found.job.loop(scenario).sheet
-    drawn: dict[str, Any] = {k: float(v[run]) for k, v in found.samples.columns.items()}
-    drawn = {k: int(v) if sheet[k].type == "int" else v for k, v in drawn.items()}
+    drawn = typed(sheet, {k: float(v[run]) for k, v in found.samples.columns.items()})
     asked = found.job.of(scenario)
     files = found.job.loop(scenario).origin.get("files", {})
     seconds = found.job.seconds(scenario)
-    return replace(asked, changes={**asked.changes, **drawn}, duration_s=seconds, run=run, files=files)
+    return replace(asked, changes={**asked.changes, **drawn}, duration_s=seconds, replicate=run, files=files)
 
 
 def write(found: MonteCarlo, rows: tuple[Worst, ...], folder: str | Path) -> list[Path]:
@@ -90,7 +90,7 @@ def write(found: MonteCarlo, rows: tuple[Worst, ...], folder: str | Path) -> lis
         path = Path(folder) / row.file
         what = "diverged" if row.of == DIVERGED else row.of
         said = f"run {row.run} of {len(found)}: {what}{' at' if row.of == DIVERGED else ' ='} {number(row.value)}"
-        save(toml(experiment(found, row.run, row.scenario), said), path)
+        atomic_write(toml(experiment(found, row.run, row.scenario), said), path)
         made.append(path)
     return made
 
@@ -99,13 +99,13 @@ def toml(asked: Experiment, comment: str = "") -> str:
     """The experiment as the text of its file."""
     head: dict[str, Any] = {
         "schema_version": SCHEMA_VERSION,
-        "study": userfile.absolute(asked.study),
-        "controller": None if asked.controller is None else userfile.absolute(asked.controller),
+        "study": names.absolute(asked.study),
+        "controller": None if asked.controller is None else names.absolute(asked.controller),
         "scenario": asked.scenario or None,
         "duration": asked.duration_s,
         "engine": asked.engine,
         "seed": asked.seed,
-        "run": asked.run,
+        "replicate": asked.replicate,
     }
     table = {**head, "set": dict(asked.changes), "files": dict(asked.files)}
-    return (f"# {one_line(comment)}\n" if comment else "") + controller_file.toml(table)
+    return (f"# {one_line(comment)}\n" if comment else "") + toml_file.text(table)

@@ -4,7 +4,7 @@ import subprocess
 
 import numpy as np
 
-from leadscrew.bench import fuzzy_peers
+from leadscrew.bench import fuzzy
 from tests.tools import missing
 
 LETTERS = {"fll": "S", "fis": "I", "fcl": "C"}
@@ -14,8 +14,8 @@ LETTERS = {"fll": "S", "fis": "I", "fcl": "C"}
 def program() -> str:
     """The driver, compiled; skips where fuzzylite or a compiler is missing."""
     try:
-        return fuzzy_peers.fuzzylite_program()
-    except fuzzy_peers.Missing as why:
+        return fuzzy.fuzzylite_program()
+    except fuzzy.Missing as why:
         missing("fuzzylite", str(why))
 
 

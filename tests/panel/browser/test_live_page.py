@@ -50,6 +50,21 @@ def test_a_refused_value_is_put_back_with_the_reason_beside_it(browsers: Browser
         view.until(f"document.querySelector('{KP}').value === '1.32'")
 
 
+def test_an_option_is_chosen_from_a_list_of_names(browsers: Browsers, served: Served) -> None:
+    field, row = "#param-controller-anti_windup", ".param[data-key='controller.anti_windup']"
+    with browsers.view(served) as view:
+        begin(view, "npid_xytable")
+        assert view.js(f"() => [...document.querySelector('{field}').options].map((o) => o.text)") == [
+            "none", "clamping", "back-calculation"
+        ]  # fmt: skip
+        assert view.page.input_value(field) == "clamping"
+        view.page.select_option(field, "back-calculation")
+        view.until("panel.state.changed['controller.anti_windup'] === 'back-calculation'")
+        assert "default clamping" in view.page.inner_text(f"{row} .mark")
+        view.page.click(f"{row} .mark")
+        view.until(f"document.querySelector('{field}').value === 'clamping'")
+
+
 def test_letters_typed_into_a_field_never_run_the_machine_and_escape_always_stops_it(
     browsers: Browsers, served: Served
 ) -> None:

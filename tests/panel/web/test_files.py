@@ -2,7 +2,7 @@
 
 import re
 
-from leadscrew.panel.names import is_capture_name
+from leadscrew.panel.downloads import is_capture_name
 from tests.panel.web.test_views import WEB, in_node
 
 ENTRY = """

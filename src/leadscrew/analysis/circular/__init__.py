@@ -2,16 +2,16 @@
 
 ==================================================  ====================================================================
 :mod:`leadscrew.analysis.circular.paths`            a measured or simulated turn, and the test that it belongs to
-:mod:`leadscrew.analysis.circular.fit`              the least-squares circle
+:mod:`leadscrew.analysis.circular.paths`              the least-squares circle
 :mod:`leadscrew.analysis.circular.quantities`       G, G(b), F, D, H, by edition of the standard
 :mod:`leadscrew.analysis.circular.reversals`        quadrant glitches: height, step and duration
 :mod:`leadscrew.analysis.circular.signatures`       what each fault of a machine draws
 :mod:`leadscrew.analysis.circular.diagnosis`        which faults a circle shows, and how much of each
-:mod:`leadscrew.analysis.circular.machine_errors`   circles with known faults
-:mod:`leadscrew.analysis.circular.instrument`       what a ball bar would read
-:mod:`leadscrew.analysis.circular.command`          a circle as the command of a loop
-:mod:`leadscrew.analysis.circular.machine`          what draws it: one loop of two axes, or two of one
-:mod:`leadscrew.analysis.circular.drawn`            a loop draws the circle
+:mod:`leadscrew.analysis.circular.synthetic`   circles with known faults
+:mod:`leadscrew.analysis.circular.synthetic`       what a ball bar would read
+:mod:`leadscrew.analysis.circular.simulation`          a circle as the command of a loop
+:mod:`leadscrew.analysis.circular.simulation`          what draws it: one loop of two axes, or two of one
+:mod:`leadscrew.analysis.circular.simulation`            a loop draws the circle
 :mod:`leadscrew.analysis.circular.file`             measured circles from a CSV file
 :mod:`leadscrew.analysis.circular.evaluation`       all of it for one test
 ==================================================  ====================================================================

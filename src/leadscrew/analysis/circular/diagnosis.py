@@ -24,18 +24,368 @@ feed.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from collections.abc import Callable, Sequence, Set
+from dataclasses import dataclass, field, replace
+from functools import cached_property, lru_cache
 from typing import Any
 
 import numpy as np
 
 from leadscrew.analysis.circular import signatures
-from leadscrew.analysis.circular.faults import Fault, faults_of
 from leadscrew.analysis.circular.paths import CircularTest, Floats
-from leadscrew.analysis.circular.search import Data, searched
-from leadscrew.analysis.circular.shapes import KINDS, Member, columns_of
-from leadscrew.kernel.errors import DataError
 from leadscrew.kernel.one_thread import one_thread
+from leadscrew.util.errors import DataError
+
+Shape = tuple[float, ...]
+FEWEST_LEADS = 1.5
+"""Fewer leads a radius look like scale and straightness."""
+
+
+@dataclass(frozen=True)
+class Kind:
+    """One kind of signature with a shape."""
+
+    name: str
+    columns: Callable[[Data, int, Sequence[float]], Floats]
+    grid: Callable[[float], list[Shape]]
+    """The shapes to try; given the most leads a radius that the points resolve."""
+    bounds: Callable[[float], list[tuple[float, float]]]
+    parts: tuple[str, ...]
+    """Names of the shape's values."""
+    first: float
+    """Factor of the first step of the search around the best of the grid."""
+    jagged: bool = False
+    """Whether the signature jumps, so that its slope says nothing."""
+
+
+@dataclass(frozen=True)
+class Member:
+    """A signature of a kind, on one axis, with one shape."""
+
+    kind: Kind
+    which: int
+    shape: Shape
+    fixed: bool = False
+
+    def columns(self, data: Data) -> Floats:
+        """Its columns at the points."""
+        return self.kind.columns(data, self.which, self.shape)
+
+    def with_shape(self, shape: Sequence[float]) -> Member:
+        """The same with another shape."""
+        return replace(self, shape=tuple(float(v) for v in shape))
+
+
+def columns_of(data: Data, members: Sequence[Member]) -> Floats:
+    """All columns: the base, then each member's."""
+    return np.column_stack((signatures.base(data.sign, *data.axes), *(m.columns(data) for m in members)))
+
+
+@lru_cache(maxsize=8)
+def _leads(most: float) -> list[Shape]:
+    return [(float(k),) for k in np.arange(FEWEST_LEADS, max(most, FEWEST_LEADS + 0.1), 0.15)]
+
+
+def _pairs(first: Sequence[float], second: Sequence[float]) -> list[Shape]:
+    return [(a, b) for a in first for b in second]
+
+
+KINDS = (
+    Kind(
+        "cyclic error",
+        lambda d, which, shape: signatures.cyclic(d.axes[which], shape[0]),
+        _leads,
+        lambda most: [(1.0, max(most, FEWEST_LEADS + 0.2))],
+        ("per_radius",),
+        1.01,
+    ),
+    Kind(
+        "stick motion",
+        lambda d, which, shape: signatures.stick(d.axes[which], shape[0], shape[1]),
+        lambda most: _pairs((0.2, 0.5, 1.0, 2.0, 4.0), (0.1, 0.3, 0.7, 1.5, 3.0, 6.0)),
+        lambda most: [(0.01, 12.0), (0.02, 20.0)],
+        ("rise_deg", "decay_deg"),
+        1.3,
+    ),
+    Kind(
+        "stick-slip",
+        lambda d, which, shape: signatures.slip(d.axes[which], shape[0], shape[1]),
+        lambda most: _pairs([float(v) for v in np.geomspace(0.6, 6.0, 80)], (4.0, 6.0, 9.0, 14.0, 20.0)),
+        lambda most: [(0.4, 8.0), (2.0, 30.0)],
+        ("period_deg", "zone_deg"),
+        1.1,
+        jagged=True,
+    ),
+)
+
+
+@dataclass(frozen=True)
+class Fault:
+    """One fault and its size."""
+
+    name: str
+    axis: str
+    """Axis, or both for what belongs to the pair."""
+    um: float | None
+    """Size as its signature defines it; None where the data cannot tell it from another fault."""
+    uncertainty_um: float | None
+    """Standard uncertainty of the fit alone."""
+    drawn_um: float
+    """Peak to peak of what it draws on this circle."""
+    more: dict[str, float] = field(default_factory=dict)
+    """Further values by name and unit: ``ppm``, ``urad``, ``ms``, ``lead_mm``, ``rise_deg``..."""
+
+
+def faults_of(
+    test: CircularTest, data: Data, members: Sequence[Member], design: Floats, sizes: Floats, uncertain: Floats,
+    hidden: Set[int],
+) -> list[Fault]:  # fmt: skip
+    """One fault for each signature; of cyclic error the amplitude."""
+    found = []
+    for i, name in enumerate(signatures.BASE):
+        shown = _named(name, test.axes)
+        if i in hidden:
+            found.append(Fault(shown, _axis(name, test.axes), None, None, 0.0))
+            continue
+        size = float(sizes[i])
+        drawn = float(np.ptp(design[:, i] * size))
+        found.append(Fault(shown, _axis(name, test.axes), size, float(uncertain[i]), drawn, _usual(name, size, test)))
+    at = len(signatures.BASE)
+    seen = {(m.kind.name, m.which): m for m in members}
+    for kind in ("cyclic error", "stick motion", "stick-slip"):
+        for which in (0, 1):
+            if (kind, which) not in seen:
+                axis = test.axes[which]
+                found.append(Fault(f"{kind} {axis}", axis, 0.0, None, 0.0))
+    for member in members:
+        width = member.columns(data).shape[1]
+        part, sure = sizes[at : at + width], uncertain[at : at + width]
+        size = float(np.linalg.norm(part)) if width == 2 else float(part[0])
+        unsure = float(np.linalg.norm(part * sure) / size) if width == 2 and size else float(sure[0])
+        axis = test.axes[member.which]
+        drawn = float(np.ptp(design[:, at : at + width] @ part))
+        more = dict(zip(member.kind.parts, member.shape, strict=True))
+        if "per_radius" in more:
+            more = {"lead_mm": test.radius_mm / more["per_radius"], "phase_rad": math.atan2(part[1], part[0])}
+        found.append(Fault(f"{member.kind.name} {axis}", axis, size, unsure, drawn, more))
+        at += width
+    return found
+
+
+def _named(name: str, axes: tuple[str, str]) -> str:
+    """The name with the axes of the test in place of X and Y."""
+    what, _, axis = name.rpartition(" ")
+    if axis[:1] in signatures.AXES and what:
+        return f"{what} {axes[signatures.AXES.index(axis[0])]}{axis[1:]}"
+    return name
+
+
+def _axis(name: str, axes: tuple[str, str]) -> str:
+    last = name.rsplit(" ", 1)[-1][:1]
+    return axes[signatures.AXES.index(last)] if last in signatures.AXES else "both"
+
+
+def _usual(name: str, size: float, test: CircularTest) -> dict[str, float]:
+    """The same in the unit in which the fault is usually given."""
+    if name.startswith("scale"):
+        return {"ppm": 1000.0 * size / test.radius_mm}
+    if name == "squareness":
+        return {"urad": 1000.0 * size / test.radius_mm}
+    if name == "servo mismatch" and test.feed_mm_min is not None:
+        return {"ms": 60.0 * size / test.feed_mm_min}
+    return {}
+
+
+LEAST_GAIN = 30.0
+"""Residual variances that a signature with a shape must explain to take part."""
+MOST_MEMBERS = 8
+
+
+@dataclass(frozen=True)
+class Data:
+    """The points of all turns below one another."""
+
+    phi: Floats
+    sign: Floats
+    um: Floats
+    radius_mm: float
+
+    @cached_property
+    def axes(self) -> tuple[signatures.Motions, signatures.Motions]:
+        """How each axis moves at the points."""
+        return signatures.motions(self.phi, self.sign, 0), signatures.motions(self.phi, self.sign, 1)
+
+    def without_reversals(self, angle: float) -> Data:
+        """Without the points within ``angle`` of a reversal: on which side of a step they lie is not known."""
+        kept = (np.abs(np.sin(self.phi)) > angle) & (np.abs(np.cos(self.phi)) > angle)
+        return Data(self.phi[kept], self.sign[kept], self.um[kept], self.radius_mm)
+
+
+def searched(data: Data, members: list[Member], most: float, floor: float) -> list[Member]:
+    """The members that explain what the base does not, with their shapes refined."""
+    for _ in range(MOST_MEMBERS):
+        design = columns_of(data, members)
+        basis = _independent(design)
+        left = _off(basis, data.um)
+        if float(np.ptp(left)) < floor:
+            break
+        taken = {(m.kind.name, m.which) for m in members}
+        best: tuple[float, Member] | None = None
+        for kind in KINDS:
+            for which in (0, 1):
+                if (kind.name, which) in taken:
+                    continue
+                gain, shape = _best_shape(data, kind, which, most, basis, left)
+                if best is None or gain > best[0]:
+                    best = (gain, Member(kind, which, shape))
+        if best is None:
+            break
+        new = best[1]
+        new = new.with_shape(_closer(data, new.kind, new.which, new.shape, most, basis, left)[1])
+        tried = _refined(data, [*members, new], most)
+        now = _residual(data, tried)
+        rest = float(now @ now) / max(now.size - design.shape[1] - 4, 1)
+        gained = float(left @ left - now @ now)
+        size = _drawn(data, tried)[-1]
+        if gained < LEAST_GAIN * rest or size < floor:
+            break
+        members = tried
+    return members
+
+
+def _best_shape(data: Data, kind: Kind, which: int, most: float, basis: Floats, left: Floats) -> tuple[float, Shape]:
+    """The shape of the kind's grid that explains most of ``left``, and the sum of squares that it explains."""
+    return _best_of(data, kind, which, kind.grid(most), basis, left)
+
+
+def _best_of(
+    data: Data, kind: Kind, which: int, shapes: Sequence[Shape], basis: Floats, left: Floats
+) -> tuple[float, Shape]:
+    best = (-1.0, shapes[0])
+    for at in range(0, len(shapes), 64):
+        some = shapes[at : at + 64]
+        columns = np.stack([kind.columns(data, which, shape) for shape in some], axis=-1)
+        before = np.einsum("nws,nws->ws", columns, columns)
+        columns = _off(basis, columns)
+        squares = np.einsum("nvs,nws->svw", columns, columns)
+        along = np.einsum("n,nws->sw", left, columns)
+        for i, shape in enumerate(some):
+            if np.all(np.diag(squares[i]) > 1e-6 * before[:, i]) and np.all(before[:, i] > 0.0):
+                gain = float(along[i] @ np.linalg.lstsq(squares[i], along[i], rcond=1e-9)[0])
+                best = max(best, (gain, shape))
+    return best
+
+
+def _gain(data: Data, kind: Kind, which: int, shape: Shape, basis: Floats, left: Floats) -> float:
+    columns = kind.columns(data, which, shape)
+    square = float(np.sum(columns**2))
+    columns = _off(basis, columns)
+    if float(np.sum(columns**2)) < 1e-6 * square or square == 0.0:
+        return -1.0
+    along = np.einsum("nw,n->w", columns, left)
+    return float(along @ np.linalg.lstsq(np.einsum("nv,nw->vw", columns, columns), along, rcond=1e-9)[0])
+
+
+def _closer(
+    data: Data, kind: Kind, which: int, shape: Shape, most: float, basis: Floats, left: Floats
+) -> tuple[float, Shape]:
+    """A shape near ``shape`` that explains more, by pattern search: it needs no slope, which a saw tooth has not."""
+    best, factor = _gain(data, kind, which, shape, basis, left), kind.first
+    while factor > 1.0 + 1e-5:
+        moved = False
+        for i, (low, high) in enumerate(kind.bounds(most)):
+            for by in (factor, 1.0 / factor):
+                trial = tuple(min(max(v * by, low), high) if j == i else v for j, v in enumerate(shape))
+                gain = _gain(data, kind, which, trial, basis, left)
+                if gain > best:
+                    best, shape, moved = gain, trial, True
+        if not moved:
+            factor = 1.0 + 0.5 * (factor - 1.0)
+    return best, shape
+
+
+def _refined(data: Data, members: list[Member], most: float) -> list[Member]:
+    """The members with all free shapes refined: smooth ones together, saw teeth by turns with them."""
+    for _ in range(3):
+        members = _together_refined(data, members, most)
+        jagged = [i for i, m in enumerate(members) if m.kind.jagged and not m.fixed]
+        if not jagged:
+            break
+        for i in jagged:
+            others = [m for j, m in enumerate(members) if j != i]
+            basis = _independent(columns_of(data, others))
+            left = _off(basis, data.um)
+            mine = members[i]
+            near = _best_of(data, mine.kind, mine.which, _around(mine, most), basis, left)[1]
+            members[i] = mine.with_shape(_closer(data, mine.kind, mine.which, near, most, basis, left)[1])
+    return members
+
+
+def _around(member: Member, most: float) -> list[Shape]:
+    """A fine grid around a member's shape, itself first."""
+    (low, high), (shortest, longest) = member.kind.bounds(most)
+    first, second = member.shape
+    firsts = np.clip(first * np.linspace(0.94, 1.06, 49), low, high)
+    seconds = np.clip(second * np.linspace(0.85, 1.15, 19), shortest, longest)
+    return [member.shape, *((float(a), float(b)) for a in firsts for b in seconds)]
+
+
+def _together_refined(data: Data, members: list[Member], most: float) -> list[Member]:
+    from scipy.optimize import least_squares
+
+    free = [i for i, m in enumerate(members) if not (m.fixed or m.kind.jagged)]
+    start = np.array([v for i in free for v in members[i].shape])
+    low, high = (np.array([b[end] for i in free for b in members[i].kind.bounds(most)]) for end in (0, 1))
+    if not start.size:
+        return list(members)
+
+    def put(values: Floats) -> list[Member]:
+        at, made = 0, list(members)
+        for i in free:
+            made[i] = made[i].with_shape([float(v) for v in values[at : at + len(made[i].shape)]])
+            at += len(made[i].shape)
+        return made
+
+    inside = np.clip(start, low + 1e-9 * (high - low), high - 1e-9 * (high - low))
+    found = least_squares(
+        lambda v: _residual(data, put(v)), inside, bounds=(low, high), x_scale=np.maximum(np.abs(inside), 0.1),
+        diff_step=1e-5, max_nfev=20, xtol=1e-9, ftol=1e-12,
+    )  # fmt: skip
+    return put(np.asarray(found.x))
+
+
+def _residual(data: Data, members: list[Member]) -> Floats:
+    basis = _independent(columns_of(data, members))
+    return _off(basis, data.um)
+
+
+def _off(basis: Floats, values: Floats) -> Floats:
+    """What of the values the basis does not hold. Not by BLAS: its threads cost more than such thin matrices give."""
+    return np.asarray(values - np.einsum("nk,k...->n...", basis, np.einsum("nk,n...->k...", basis, values)))
+
+
+def _independent(design: Floats) -> Floats:
+    """An orthonormal basis of what the columns span; directions that carry nothing are left out."""
+    unit = design / np.maximum(np.linalg.norm(design, axis=0), 1e-300)
+    squares, turned = np.linalg.eigh(np.einsum("ni,nj->ij", unit, unit))
+    kept = squares > 1e-10 * squares[-1]
+    return np.asarray(np.einsum("ni,ij->nj", unit, turned[:, kept] / np.sqrt(squares[kept])))
+
+
+def _sizes(data: Data, members: list[Member]) -> Floats:
+    return np.asarray(np.linalg.lstsq(columns_of(data, members), data.um, rcond=1e-10)[0])
+
+
+def _drawn(data: Data, members: list[Member]) -> list[float]:
+    """Peak to peak of what each member draws."""
+    sizes = _sizes(data, members)
+    at, found = len(signatures.BASE), []
+    for member in members:
+        columns = member.columns(data)
+        found.append(float(np.ptp(columns @ sizes[at : at + columns.shape[1]])))
+        at += columns.shape[1]
+    return found
+
 
 ON_REVERSAL = 0.75
 """Spacings of the points from a reversal within which a point takes no part."""

@@ -9,8 +9,8 @@ from leadscrew.analysis.circular.diagnosis import Diagnosis, diagnose
 from leadscrew.analysis.circular.paths import SOURCES, CircularTest
 from leadscrew.analysis.circular.quantities import EDITIONS, Named, Quantities, named, quantities
 from leadscrew.analysis.circular.reversals import Reversal, reversals
-from leadscrew.kernel.errors import ValueRefused
 from leadscrew.kernel.one_thread import one_thread
+from leadscrew.util.errors import ValueRefused
 
 
 @dataclass(frozen=True)

@@ -26,9 +26,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from leadscrew.analysis.circular.fit import Circle, least_squares_circle
-from leadscrew.analysis.circular.paths import TURN, CircularTest, Floats, Turn
-from leadscrew.kernel.errors import ValueRefused
+from leadscrew.analysis.circular.paths import TURN, Circle, CircularTest, Floats, Turn, least_squares_circle
+from leadscrew.util.errors import ValueRefused
 
 EDITIONS = ("1996", "2005", "2022")
 
@@ -169,3 +168,18 @@ def named(found: Quantities, edition: str, axes: tuple[str, str] = ("X", "Y")) -
             Named(f"radial {word}, {tag}, least-squares centre", f"F({tag})_{plane},min", way.smallest),
         ]
     return rows
+
+
+def about(turn: Turn, centre: Circle, radius_mm: float) -> tuple[Floats, Floats]:
+    """Angles in order of travel and deviations, um, about a centre."""
+    u, v = turn.x_mm - centre.x, turn.y_mm - centre.y
+    return np.unwrap(np.arctan2(v, u)), 1000.0 * (np.hypot(u, v) - radius_mm)
+
+
+def centred(test: CircularTest) -> dict[str, tuple[Floats, Floats]]:
+    """Angles and deviations of each direction of a test, see :func:`about`, about the centre of all its paths."""
+    q = quantities(test)
+    way = q.both or q.ccw or q.cw
+    assert way is not None
+    centre = Circle(1e-3 * way.centre_x, 1e-3 * way.centre_y, test.radius_mm)
+    return {t.direction: about(t, centre, test.radius_mm) for t in test.turns}

@@ -9,11 +9,17 @@ from typing import Any
 
 import numpy as np
 
-from leadscrew.analysis.harmonics.fft import Spectrum, Window, spectrum
-from leadscrew.analysis.harmonics.fundamental import Fundamental, fitted_fundamental
-from leadscrew.analysis.harmonics.lines import Harmonics, least_squares
+from leadscrew.analysis.harmonics.lines import (
+    Fundamental,
+    Harmonics,
+    Spectrum,
+    Window,
+    fitted_fundamental,
+    least_squares,
+    spectrum,
+)
 from leadscrew.analysis.harmonics.record import Array, Sampling, folded, sampling, values
-from leadscrew.kernel.errors import DataError, ValueRefused
+from leadscrew.util.errors import DataError, ValueRefused
 
 ROUNDS = 3
 """How often base and spindle are fitted, each with the other's lines in the model."""

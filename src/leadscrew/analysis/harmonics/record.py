@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from leadscrew.kernel.errors import DataError, ValueRefused
+from leadscrew.util.errors import DataError, ValueRefused
 
 EVEN = 1e-3
 """Deviation of a sample from its even place, in sample intervals, up to which the samples count as evenly spaced."""

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any, Literal
 
 from leadscrew.analysis.stability.linear import LinearLoop
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure
+    from leadscrew.figures.figure import Figure
 
 SCHEMA_VERSION = 1
 
@@ -42,7 +42,7 @@ class Certificate:
     warnings: list[str] = field(default_factory=list)
     data: Mapping[str, Any] = field(default_factory=dict, repr=False)
     """What the drawing needs, and further numbers of the criterion."""
-    draw: Callable[[Certificate], Figure] | None = field(default=None, repr=False)
+    drawing: str = field(default="", repr=False)
 
     @property
     def proved(self) -> bool:
@@ -84,15 +84,27 @@ class Certificate:
             )
         return "\n".join([*rows, *(f"  warning     {w}" for w in self.warnings)])
 
+    @property
+    def limit_text(self) -> str:
+        """The limit with four digits, or ``infinite``; empty where there is none."""
+        return "" if self.limit is None else number(self.limit)
+
+    @property
+    def sector_text(self) -> str:
+        """The sector that was asked for; empty where there is none."""
+        return "" if self.sector is None else interval(*self.sector)
+
     def figure(self) -> Figure:
         """The criterion's plot.
 
         Raises:
             ValueError: this criterion draws nothing.
         """
-        if self.draw is None:
+        if not self.drawing:
             raise ValueError(f"{self.criterion}: has nothing to draw")
-        return self.draw(self)
+        from leadscrew.figures.stability import DRAWINGS
+
+        return DRAWINGS[self.drawing](self)
 
 
 def of_loop(loop: LinearLoop) -> dict[str, Any]:

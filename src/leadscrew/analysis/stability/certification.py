@@ -1,7 +1,7 @@
 """A whole loop certified: taken apart, every criterion that applies asked, one verdict.
 
 1. The controller is taken apart (:mod:`leadscrew.analysis.stability.lure`); the linear loop is taken from the steps
-   that run and are exported (:mod:`leadscrew.analysis.stability.sampled`), with its delays as states.
+   that run and are exported (:mod:`leadscrew.analysis.stability.loop`), with its delays as states.
 2. Margins of the linear loop.
 3. Level 1, *autonomous*: left alone the loop returns to rest. Circle, Tsypkin, Jury-Lee, Zames-Falb on the sampled
    loop, Popov on its continuous model (which proves nothing of the sampled one and never counts), and the first of
@@ -9,28 +9,30 @@
 4. Level 2, *driven*: under load and on the move too. The circle criterion on the sector of the slope.
 5. What chatters, by the describing function, where the slope exceeds the Nyquist limit.
 
-:func:`leadscrew.analysis.stability.certifying.certify` does it. The verdict is about the level that was asked for. A
-linear controller has one level, the second: its loop is stable or not. A simulation that diverges overrules any proof:
-then something that runs is not in the proof.
+The verdict is about the level that was asked for. A linear controller has one level, the second: its loop is stable or
+not. A simulation that diverges overrules any proof: then something that runs is not in the proof.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
-from leadscrew.analysis.stability.certificate import Certificate, interval, loop_line, number
+from leadscrew.analysis.stability.certificate import Certificate, interval, loop_line, number, of_loop
 from leadscrew.analysis.stability.linear import LinearLoop
-from leadscrew.analysis.stability.lure import Lure
+from leadscrew.analysis.stability.lure import Lure, lure
+from leadscrew.util.errors import ValueRefused
 
 if TYPE_CHECKING:
     from leadscrew.analysis.stability.cycles import CyclePrediction
     from leadscrew.analysis.stability.margins import Margins
+    from leadscrew.kernel.loop import Loop
+
 
 Level = Literal["autonomous", "driven"]
 LEVELS: tuple[Level, ...] = ("autonomous", "driven")
@@ -261,3 +263,271 @@ def run_line(run: Mapping[str, Any], taken: Lure) -> str:
     if taken.nonlinear:
         said += f", where the gain is {run['gain']:.6g}"
     return f"{said}; output up to {run['largest_output']:.3g} {run['unit']}".rstrip()
+
+
+MOST_STATES = 100
+"""More take minutes: an exact proof costs the fourth power of their number."""
+LOWEST_RAD_S = 1e-4
+"""Where a grid of a given number of points begins."""
+WIDEST_TURN = math.pi / 4
+"""Largest turn of the loop's phase between two frequencies of a grid, where its gain still matters."""
+LOADS = 9
+"""Loads at which the describing function is asked, between those that hold the error where the slope is too large."""
+BEYOND = 2.5
+"""Up to this many times the error at which the map reaches its bound."""
+RAN_AWAY = 100.0
+"""An error this many times the largest command is one of a loop that diverges, by a limit of its drive more slowly."""
+IDLE = 0.01
+"""Part of the way from its smallest to its largest gain that a nonlinearity must go in a run, or it does nothing."""
+
+
+def certify(
+    loop: Loop,
+    *,
+    level: Level = "driven",
+    factor: float = 1.0,
+    proof: bool = False,
+    points: int | None = None,
+    seconds: float | None = None,
+    name: str = "",
+    model: bool = True,
+) -> Certification:
+    """Everything that the criteria say of a sampled loop.
+
+    Args:
+        loop: a built loop with a sampled controller.
+        level: what the verdict is about: ``autonomous`` or ``driven``.
+        factor: how many times the proved limit must exceed the sector's or the slope's upper bound.
+        proof: count matrix inequalities alone, not checks on a grid.
+        points: frequencies of the grid for the criteria that are checked on one, evenly spaced in their logarithm from
+            1e-4 rad/s to half the sampling rate; the loop's own grid unless given.
+        seconds: simulate the loop this long, to see whether the nonlinearity does anything at its errors.
+        name: what the loop is called in the sentences.
+        model: also ask Popov, of the continuous model; it takes longest and proves nothing of the sampled loop.
+
+    Raises:
+        ValueRefused: an option out of range, or a loop without a period or that cannot be taken apart; it says why.
+    """
+    from leadscrew.analysis.stability.loop import sampled_loop
+    from leadscrew.analysis.stability.margins import margins
+
+    if level not in LEVELS:
+        raise ValueRefused(f"level = {level!r}: there are {', '.join(LEVELS)}")
+    if not (math.isfinite(factor) and factor >= 1.0):
+        raise ValueRefused(f"factor = {factor!r}: a reserve is a factor from 1 on")
+    if points is not None and points < 3:
+        raise ValueRefused(f"points = {points!r}: a grid has at least 3")
+    block = loop.blocks["controller"]
+    assert block is not None
+    _check_size(loop)
+    taken = lure(block, loop.period)
+    whole = sampled_loop(with_controller(loop, taken.linear), name or loop.name)
+    linear = whole if taken.map.shared is None else around(loop, taken, name or loop.name)
+    grid = None if points is None else np.geomspace(LOWEST_RAD_S, linear.nyquist, points)
+    stable = whole.stable(1.0)
+    found: tuple[Certificate, ...] = ()
+    asked, pushed, cycle, gaps = None, None, None, None
+    if taken.nonlinear:
+        found = _autonomous(linear, taken, grid)
+        gaps = None if grid is None else _gaps(linear, grid)
+        if gaps is not None:
+            found = tuple(
+                replace(c, grade="refused", statement=gaps) if c.grade == "grid-checked" else c for c in found
+            )
+        asked = _popov(linear, taken) if model else None
+    if taken.slope_sector is not None:
+        from leadscrew.analysis.stability.driven import driven
+
+        pushed = driven(linear, taken.slope_sector)
+    if stable and taken.nonlinear and not taken.dependent and taken.map.shared is None:
+        cycle = _worst_cycle(linear, taken)
+    run = None if seconds is None else _run(loop, taken, seconds)
+    said = [] if gaps is None else [gaps]
+    warnings = [*said, *taken.notes, *linear.notes, *_remarks(taken, run, block.full_scale)]
+    return Certification(
+        of_loop(linear), taken, linear, level, factor, proof, margins(whole), stable,
+        found, asked, pushed, cycle, tuple(dict.fromkeys(warnings)), run,
+    )  # fmt: skip
+
+
+def _check_size(loop: Loop) -> None:
+    """Refuses a loop with more states than can be certified, before the work begins."""
+    from leadscrew.kernel.layout import Layout
+
+    block = loop.blocks["controller"]
+    assert block is not None
+    layout = Layout(loop.start_state(block))
+    states = len(layout.scalars) + layout.array_size + loop.sent // loop.substeps
+    if states > MOST_STATES:
+        raise ValueRefused(
+            f"{block.name} has {states} states with its delays, the memory of a repetitive controller for example; at "
+            f"most {MOST_STATES} can be certified: put a resonator for each line in place of the memory"
+        )
+
+
+def with_controller(loop: Loop, block: Any) -> Loop:
+    """The loop with another controller of the same signals."""
+    other = loop.using({})
+    other.blocks = {**loop.blocks, "controller": block}
+    for kept in ("sheet", "module", "signals", "program"):
+        other.__dict__.pop(kept, None)
+    return other
+
+
+def around(loop: Loop, taken: Lure, name: str) -> LinearLoop:
+    """The loop from the map's output to the position, the linear path beside the map closed: ``e = -G phi(e)``.
+
+    From the loops with ``phi(e) = s e`` at two values of ``s``: their states are the same, and what the error drives is
+    linear in ``s``.
+
+    Raises:
+        ValueRefused: the states of the two differ, so the map is no linear path beside another.
+    """
+    from leadscrew.analysis.stability.loop import sampled_loop
+
+    assert taken.map.shared is not None
+    low, high = (sampled_loop(with_controller(loop, taken.map.shared(s)), name) for s in (0.25, 0.75))
+    if low.a.shape != high.a.shape or not (np.array_equal(low.a, high.a) and np.array_equal(low.c, high.c)):
+        raise ValueRefused(f"{taken.block.name}: the states of its linear paths depend on how they share the error")
+    through = 2.0 * (high.b - low.b)
+    beside = low.b - 0.25 * through
+    return LinearLoop(
+        low.a - beside @ low.c, through, low.c, low.d, low.dt, name=name, notes=low.notes, from_blocks=True
+    )
+
+
+def _autonomous(linear: LinearLoop, taken: Lure, grid: Any) -> tuple[Certificate, ...]:
+    from leadscrew.analysis.stability.circle import circle
+    from leadscrew.analysis.stability.jury_lee import jury_lee
+    from leadscrew.analysis.stability.lmi import lmi_circle, lmi_tsypkin, lmi_zames_falb
+    from leadscrew.analysis.stability.tsypkin import tsypkin
+    from leadscrew.analysis.stability.zames_falb import zames_falb
+
+    k1, k2 = taken.sector
+    found = [circle(linear, nonlinearity=taken, grid=grid)]
+    if taken.dependent:
+        return (*found, lmi_circle(linear, k1, k2))
+    found += [tsypkin(linear, nonlinearity=taken, grid=grid), jury_lee(linear, nonlinearity=taken, grid=grid)]
+    if taken.odd:
+        found.append(zames_falb(linear, nonlinearity=taken, grid=grid))
+    first = lmi_circle(linear, k1, k2)
+    if first.grade == "certificate":
+        return (*found, first)
+    found.append(lmi_tsypkin(linear, k1, k2, slopes=taken.slope_sector))
+    if found[-1].grade == "certificate" or not taken.odd or taken.slope_sector is None or taken.slope_sector[0] < k1:
+        return tuple(found)
+    return (*found, lmi_zames_falb(linear, k1, k2, taken.slope_sector[1]))
+
+
+def _gaps(linear: LinearLoop, grid: np.ndarray) -> str | None:
+    """Where a grid is too coarse for the loop's phase, in a sentence; None where it will do."""
+    g = linear.response(grid)
+    turn = np.abs(np.angle(g[1:] / g[:-1]))
+    turn[np.minimum(np.abs(g[1:]), np.abs(g[:-1])) < 0.01] = 0.0
+    worst = int(np.argmax(turn))
+    if turn[worst] <= WIDEST_TURN:
+        return None
+    return (
+        f"The grid of {len(grid)} frequencies is too coarse: between {grid[worst]:.4g} and {grid[worst + 1]:.4g} rad/s "
+        f"the loop's phase turns by {math.degrees(turn[worst]):.0f} deg, so that the tightest frequency can be missed. "
+        f"At most {math.degrees(WIDEST_TURN):.0f} deg will do: more points, or none given for the loop's own grid."
+    )
+
+
+def _popov(linear: LinearLoop, taken: Lure) -> Certificate | None:
+    """Popov on the continuous model of the loop; None where there is none."""
+    if taken.dependent:
+        return None
+    from leadscrew.analysis.stability.popov import popov
+
+    try:
+        return popov(linear, nonlinearity=taken)
+    except ValueRefused:
+        return None
+
+
+def _worst_cycle(linear: LinearLoop, taken: Lure) -> CyclePrediction | None:
+    """The largest stable limit cycle over loads that hold the error where the slope exceeds the Nyquist limit."""
+    from leadscrew.analysis.stability.harmonic_balance import limit_cycles
+
+    limit = linear.gain_limit(taken.sector[0] if taken.sector[0] > 0.0 else 1.0)
+    slopes = taken.slope_sector
+    if slopes is None or not math.isfinite(limit) or slopes[1] < limit or not math.isfinite(taken.scale_mm):
+        return None
+    errors = taken.scale_mm * np.linspace(0.0, 3.0, 301)[1:]
+    steep = errors[taken.slope(errors) >= limit]
+    if not len(steep):
+        return None
+    least, most = 1e-3 * taken.scale_mm, 15.0 * taken.scale_mm
+    table = taken.scale_mm * np.sinh(np.linspace(-12.0, 12.0, 20001)) * 1e-3
+    values = taken.curve(table)
+    best: CyclePrediction | None = None
+    for at in np.linspace(steep[0], max(steep[-1], BEYOND * taken.scale_mm), LOADS):
+        load = float(taken.curve(at))
+        try:
+            here = limit_cycles(linear, lambda e: np.interp(e, table, values), load, amplitudes=(least, most))
+        except ValueRefused:  # a map that is flat there carries no such load
+            continue
+        size = max((c.amplitude for c in here.stable_cycles), default=0.0)
+        if size > max((c.amplitude for c in best.stable_cycles), default=0.0) if best is not None else size > 0.0:
+            best = here
+    return best
+
+
+def _run(loop: Loop, taken: Lure, seconds: float) -> dict[str, Any]:
+    """Largest error and output of a simulation."""
+    import warnings
+
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        done = loop.run(seconds, record=("true_error", "output", "command"))
+    error = _first(done, "true_error")
+    output = _first(done, "output")
+    largest = float(np.abs(error).max(initial=0.0))
+    block = loop.blocks["controller"]
+    assert block is not None
+    return {
+        "seconds": seconds,
+        "diverged": _diverged(done, error),
+        "largest_error_mm": largest,
+        "largest_output": float(np.abs(output).max(initial=0.0)),
+        "unit": block.unit,
+        "gain": float(taken.gain(largest)),
+        "slope": float(taken.slope(largest)),
+    }
+
+
+def _diverged(run: Any, error: np.ndarray) -> str | None:
+    """That the simulation diverged, in words: numbers beyond all bounds, or an error far beyond every command."""
+    if run.diverged is not None:
+        return str(run.diverged)
+    most, command = float(np.abs(error).max(initial=0.0)), float(np.abs(_first(run, "command")).max(initial=0.0))
+    if 0.0 < RAN_AWAY * command < most:
+        return f"the error ran away to {most:.3g} mm, at a command of at most {command:.3g} mm"
+    return None
+
+
+def _first(run: Any, name: str) -> np.ndarray:
+    return np.asarray(run.signals[next(k for k in run.signals if k == name or k.startswith(f"{name}."))])
+
+
+def _remarks(taken: Lure, run: Mapping[str, Any] | None, full_scale: float) -> list[str]:
+    """What the simulation says against the certificate's worth."""
+    if run is None or run["diverged"] is not None:
+        return []
+    said = []
+    low, high = taken.sector
+    gone = abs(run["gain"] - float(taken.gain(0.0)))
+    if taken.nonlinear and gone < IDLE * (high - low):
+        said.append(
+            f"K(e) never gets near its bound of {high:.4g} here: it reaches it at an error of {taken.scale_mm:.3g} mm, "
+            f"and the error of this scenario stays within {1e3 * run['largest_error_mm']:.3g} um, where K has moved by "
+            f"{gone:.2g}. The controller counts the error in {taken.error_unit}: whatever is proved is proved of a "
+            "controller that does what its linear part does. Was um meant?"
+        )
+    if full_scale > 0.0 and run["largest_output"] >= 0.999 * full_scale:
+        said.append(
+            f"the output reaches its full scale of {full_scale:g} {run['unit']} in this scenario; a saturated drive is "
+            "not in the proof"
+        )
+    return said

@@ -15,10 +15,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from leadscrew.analysis.stability.certificate import Certificate
-from leadscrew.analysis.stability.envelope import best
+from leadscrew.analysis.stability.criterion import ask, best, outcome
 from leadscrew.analysis.stability.linear import LinearLoop
-from leadscrew.analysis.stability.outcome import outcome
-from leadscrew.analysis.stability.question import ask
 
 if TYPE_CHECKING:
     from leadscrew.analysis.stability.lure import Lure
@@ -53,6 +51,4 @@ def circle(
     d = float(loop.d[0, 0])
     ends = () if loop.sampled else ((-d / (1.0 + asked.k1 * d), 0.0),)
     found = best(lines, asked.grid.w, 0.0, 0.0, 0.0, 1.0, ends)
-    from leadscrew.analysis.stability.plot import circle_plot
-
-    return outcome(asked, found, ", also one that varies with time", None, {"loop": loop}, circle_plot)
+    return outcome(asked, found, ", also one that varies with time", None, {"loop": loop}, "circle")

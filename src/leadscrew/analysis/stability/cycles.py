@@ -1,7 +1,7 @@
 """What a limit-cycle prediction returns: the cycles, the loop at rest, what to distrust, a report and a figure.
 
 A prediction is no proof: it says which oscillations a loop of a static nonlinearity sustains, up to the harmonics that
-were counted. See :mod:`leadscrew.analysis.stability.describing` and
+were counted. See :mod:`leadscrew.analysis.stability.harmonic_balance` and
 :mod:`leadscrew.analysis.stability.harmonic_balance`.
 """
 
@@ -138,6 +138,11 @@ class CyclePrediction:
         beyond = f" by more than about {factor * kick[-1].amplitude:.3g} {unit}" if kick else ""
         return f"The loop stays at rest, but once disturbed{beyond} it chatters, {said}."
 
+    @property
+    def shown_in(self) -> tuple[float, str]:
+        """The factor and the unit in which its errors are written."""
+        return shown(self.unit)
+
     def as_dict(self) -> dict[str, Any]:
         """For JSON."""
         return {
@@ -171,32 +176,6 @@ class CyclePrediction:
 
     def figure(self) -> Any:
         """Nyquist curve with the locus ``-1 / N(A)``, and ``N`` against amplitude with the gain of each crossing."""
-        from matplotlib.figure import Figure
+        from leadscrew.figures.stability import cycles_figure
 
-        from leadscrew.report.style import BLACK, BLUE, GREEN, VERMILION
-
-        figure = Figure(figsize=(9.2, 4.2), layout="constrained")
-        plane, curve = figure.subplots(1, 2)
-        factor, unit = shown(self.unit)
-        locus = self.locus
-        if locus is not None:
-            plane.plot(locus.response.real, locus.response.imag, color=BLUE, label="G")
-            edge = -1.0 / locus.gain
-            plane.plot(edge, np.zeros_like(edge), color=VERMILION, linewidth=4.0, alpha=0.5, label="-1/N(A)")
-            curve.semilogx(2.0 * factor * locus.amplitude, locus.gain, color=BLUE, label="N(A)")
-        for hertz, gain in self.crossings:
-            if locus is not None and gain <= 2.0 * float(locus.gain.max()):
-                curve.axhline(gain, color=BLACK, linestyle=":", label=f"-1/G at {hertz:.4g} Hz")
-        for c in self.cycles:
-            mark = {"marker": "o" if c.stable else "x", "color": GREEN if c.stable else VERMILION, "linestyle": ""}
-            name = "stable cycle" if c.stable else "unstable cycle"
-            plane.plot([-1.0 / c.gain], [0.0], **mark)
-            curve.plot([2.0 * factor * c.amplitude], [c.gain], label=name, **mark)
-        plane.set(xlabel="Re G", ylabel="Im G")
-        plane.set_xlim(-1.2, 0.2)
-        plane.set_ylim(-0.8, 0.6)
-        plane.grid(alpha=0.3)
-        plane.legend(frameon=False, loc="lower left")
-        curve.set(xlabel=f"peak to peak of the fundamental ({unit})", ylabel="gain N (1)")
-        curve.legend(frameon=False)
-        return figure
+        return cycles_figure(self)

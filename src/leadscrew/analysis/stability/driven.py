@@ -20,18 +20,15 @@ Criteria with a multiplier (Popov, Tsypkin, Jury-Lee) do not give this: they spe
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 from leadscrew.analysis.stability.certificate import Certificate, Grade, interval, of_loop
-from leadscrew.analysis.stability.grid import own_grid
-from leadscrew.analysis.stability.kyp import ROUNDING, inequality, solve
-from leadscrew.analysis.stability.linear import LinearLoop
-from leadscrew.analysis.stability.lmi import grid_limit, largest_proved, refusal
-from leadscrew.kernel.errors import ValueRefused
+from leadscrew.analysis.stability.linear import LinearLoop, own_grid
+from leadscrew.analysis.stability.lmi import ROUNDING, grid_limit, inequality, largest_proved, refusal, solve
+from leadscrew.util.errors import ValueRefused
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure
+    pass
 
 KEPT = "every two motions of it under the same command and load converge, so no constant load makes a limit cycle"
 
@@ -111,35 +108,5 @@ def _certificate(
     margin = None if limit is None or slopes[1] <= 0.0 else limit / slopes[1]
     return Certificate(
         "driven (incremental circle)", grade, said, of_loop(loop), slopes, limit, margin, None, grid,
-        [*loop.notes, *(warnings or [])], numbers, _draw(loop, slopes),
+        [*loop.notes, *(warnings or [])], numbers | {"loop": loop}, "slopes",
     )  # fmt: skip
-
-
-def _draw(loop: LinearLoop, slopes: tuple[float, float]) -> Callable[[Certificate], Figure]:
-    """The Nyquist curve and the disc that it must stay out of."""
-
-    def figure(certificate: Certificate) -> Figure:
-        from matplotlib.figure import Figure
-        from matplotlib.patches import Circle
-
-        w = own_grid(loop).w
-        g = loop.response(w)
-        drawn = Figure(figsize=(6.0, 5.0), layout="constrained")
-        axes = drawn.subplots()
-        axes.plot(g.real, g.imag, color="#0072B2", label="G")
-        s1, s2 = slopes
-        if 0.0 < s1 < s2:
-            centre, radius = -0.5 * (1.0 / s1 + 1.0 / s2), 0.5 * (1.0 / s1 - 1.0 / s2)
-            axes.add_patch(
-                Circle((centre, 0.0), radius, color="#D55E00", alpha=0.4, label=f"disc of slopes {interval(s1, s2)}")
-            )
-        axes.plot([-1.0], [0.0], "k+", ms=10)
-        near = max(2.0 / s1 if s1 > 0.0 else 2.0, 1.5)
-        axes.set(xlim=(-near, 0.5 * near), ylim=(-near, near), xlabel="Re G", ylabel="Im G",
-                 title=f"{certificate.loop['name']}: {certificate.grade}")  # fmt: skip
-        axes.set_aspect("equal")
-        axes.grid(alpha=0.3)
-        axes.legend(loc="lower right")
-        return drawn
-
-    return figure

@@ -20,19 +20,297 @@ amplitude is shifted, and the equations are solved for the rate at which it then
 Source: A. I. Mees, *Dynamics of Feedback Systems*, Wiley 1981, chapter 5, for the balance; on the continuous phase of a
 sampled loop it is ours. Against the largest Lyapunov exponents of the loop linearised along the cycle the rate is right
 to 20 % (a test compares them), its sign in all cases tried.
+
+Describing function of a static nonlinearity, and the limit cycles that it predicts in a loop.
+
+For ``e = b + A cos theta`` the curve ``phi`` answers with a mean and a fundamental,
+
+    F0 = mean of phi(b + A cos theta),      N = 2 / A mean of phi(b + A cos theta) cos theta        over one turn
+
+``N`` is the describing function, with a mean error ``b`` the dual-input one. Around the loop ``e = -G phi(e)`` an
+oscillation is sustained where
+
+    1 + N(A, b) G = 0        and        F0(A, b) + b / G0 = load
+
+A curve without hysteresis has a real ``N``, so it oscillates at phase crossovers, where ``-1 / G`` is real, and at no
+other frequency. The second equation says that the mean of the curve carries the load: ``load`` is ``phi(e)`` at rest, a
+constant force divided by the controller's proportional gain, or what a following error asks for; ``G0``,
+``static_gain``, is the loop's gain for slow things, infinite under integral action.
+
+In a sampled loop the phase advances by ``w T`` from sample to sample and so comes to lie everywhere; the means above
+are over the continuous phase, ``G`` is that of the samples, and nothing of the delay is approximated. At half the
+sampling frequency only two phases exist; there ``N = (phi(b + A) - phi(b - A)) / (2 A)``, which is exact.
+
+A cycle is stable where a larger amplitude dies away: Loeb's rule, ``ds/dA = -(dN/dA / N) / (dG/ds / G)`` with a
+negative real part, and every other pole of the loop closed with ``N`` stable. The mean error is taken to
+follow the amplitude without delay.
+
+Source: A. Gelb, W. E. Vander Velde, *Multiple-Input Describing Functions and Nonlinear System Design*, McGraw-Hill
+1968, chapters 2, 3 and 6.
 """
 
 from __future__ import annotations
 
 import math
-from typing import Any
+from collections.abc import Callable
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from leadscrew.analysis.stability.balance_task import Task
-from leadscrew.analysis.stability.cycles import CyclePrediction, LimitCycle
-from leadscrew.analysis.stability.linear import LinearLoop
-from leadscrew.kernel.errors import ValueRefused
+from leadscrew.analysis.stability.cycles import CyclePrediction, LimitCycle, Locus, shown
+from leadscrew.analysis.stability.linear import LinearLoop, phase_crossings
+from leadscrew.util.errors import ValueRefused
+
+Curve = Callable[[Any], Any]
+"""``phi``: error in mm to error in mm, element by element on arrays."""
+
+POINTS = 4096
+"""Phases over half a turn."""
+SCAN_POINTS = 192
+SCAN_AMPLITUDES = 320
+BISECTED = 1e-12
+HALVINGS = 60
+LARGE_HARMONIC = 0.25
+"""Part of the fundamental above which a harmonic that was left out is worth a warning."""
+
+
+class Described(NamedTuple):
+    """What a curve gives for ``bias + amplitude cos theta``."""
+
+    mean: np.ndarray
+    gain: np.ndarray
+    """``N``: the fundamental over the amplitude."""
+
+
+def half_turn(points: int) -> np.ndarray:
+    """``cos theta`` at the middles of ``points`` equal parts of half a turn."""
+    return np.cos(np.pi * (np.arange(points) + 0.5) / points)
+
+
+ALTERNATING = np.array([1.0, -1.0])
+"""The two phases of an oscillation at half the sampling frequency."""
+
+
+def described_by(phi: Curve, size: np.ndarray, bias: np.ndarray, cosines: np.ndarray) -> Described:
+    """Mean and fundamental for arrays of amplitudes and biases, over the phases with these cosines."""
+    seen = np.asarray(phi(bias[..., None] + size[..., None] * cosines), dtype=float)
+    if not np.isfinite(seen).all():
+        raise ValueRefused("describing_function: the curve gives a value that is not finite")
+    return Described(seen.mean(-1), (seen @ cosines) / (size * (cosines @ cosines)))
+
+
+def curve_function(curve: Any, reach: float | None = None) -> Curve:
+    """A function of arrays; a Lure works point by point, and is tabulated where ``reach`` says how far it is asked."""
+    law = getattr(curve, "curve", None)
+    if law is None:
+        if not callable(curve):
+            raise ValueRefused(f"curve = {curve!r}: a function of the error in mm, or what lure() gives, is wanted")
+        return on_arrays(curve)
+    if getattr(curve, "dependent", False):
+        raise ValueRefused(
+            f"{curve.block.name}: its gain stands behind the linear part and multiplies all of it; a describing "
+            "function is of a static map of the error in front of it. Simulate this one"
+        )
+    if reach is None:
+        return law
+    scale = curve.scale_mm if math.isfinite(curve.scale_mm) else reach
+    x = np.arcsinh(1e3 * reach / scale) * np.linspace(-1.0, 1.0, 40001)
+    errors = scale * np.sinh(x) / 1e3
+    values = np.asarray(law(errors))
+    return lambda e: np.interp(e, errors, values)
+
+
+def on_arrays(curve: Curve) -> Curve:
+    """The curve itself, or one that calls it point by point where it only takes numbers."""
+    try:
+        if np.shape(curve(np.array([0.5, 1.0]))) == (2,):
+            return curve
+    except (TypeError, ValueError):
+        pass
+    return np.vectorize(curve, otypes=[float])
+
+
+class Task:
+    """One loop, one curve, one load: what both predictions start from."""
+
+    def __init__(
+        self,
+        loop: LinearLoop,
+        curve: Any,
+        load: float,
+        static_gain: float,
+        amplitudes: tuple[float, float],
+        unit: str = "mm",
+    ) -> None:
+        self.unit = unit
+        self.shown = shown(unit)
+        self.least, self.most = (float(a) for a in amplitudes)
+        if not 0.0 < self.least < self.most < math.inf:
+            raise ValueRefused(
+                f"amplitudes = {amplitudes!r}: smallest and largest in {unit} are wanted, 0 < small < large"
+            )
+        if not static_gain > 0.0 or not math.isfinite(load):
+            raise ValueRefused(f"load = {load!r}, static_gain = {static_gain!r}: a finite load and a gain above 0")
+        self.loop, self.load, self.slack = loop, float(load), 1.0 / static_gain
+        self.phi = curve_function(curve, 4.0 * self.most + 4.0 * abs(load))
+        self.crossings = [(c.w, -1.0 / c.value) for c in phase_crossings(loop) if c.w > 0.0]
+        self.rest = float(self._bias(np.array([0.0]), np.array([1.0]))[0])
+        step = 1e-6 * max(self.least, abs(self.rest))
+        self.slope = float(
+            np.diff(np.asarray(self.phi(np.array([self.rest - step, self.rest + step]))))[0] / 2.0 / step
+        )
+        self.sizes = np.geomspace(self.least, self.most, SCAN_AMPLITUDES)
+        self._scan: dict[bool, np.ndarray] = {}
+
+    def _phases(self, w: float, points: int) -> np.ndarray:
+        return ALTERNATING if w >= self.loop.nyquist * (1.0 - 1e-9) else half_turn(points)
+
+    def _bias(self, sizes: np.ndarray, cosines: np.ndarray) -> np.ndarray:
+        """The mean error under the load for each amplitude: bisection of a rising function."""
+
+        def left(b: np.ndarray) -> np.ndarray:
+            inputs = b[..., None] + sizes[..., None] * cosines
+            return np.asarray(self.phi(inputs)).mean(-1) + self.slack * b - self.load
+
+        reach = abs(self.load) + float(sizes.max()) + self.least
+        low, high = np.full(sizes.shape, -reach), np.full(sizes.shape, reach)
+        for _ in range(40):
+            if (left(low) <= 0.0).all() and (left(high) >= 0.0).all():
+                break
+            low, high = 2.0 * low, 2.0 * high
+        else:
+            far = float(high.flat[0])
+            given = float(np.asarray(self.phi(np.array([far])))[0])
+            raise ValueRefused(
+                f"load = {self.load!r} {self.unit}: the curve cannot carry it; at {far:.3g} {self.unit} it gives "
+                f"{given:.4g} {self.unit}"
+            )
+        below, above = left(low), left(high)
+        for k in range(HALVINGS):
+            # false position, every third step a halving: no kink or plateau of the curve can hold it up
+            width = np.where(above > below, above - below, 1.0)
+            middle = np.where(k % 3 == 2, 0.5 * (low + high), low - below * (high - low) / width)
+            middle = np.clip(middle, low, high)
+            value = left(middle)
+            up = value < 0.0
+            low, below = np.where(up, middle, low), np.where(up, value, below)
+            high, above = np.where(up, high, middle), np.where(up, above, value)
+            if (np.minimum(high - low, np.minimum(abs(below), abs(above))) <= BISECTED * reach).all():
+                break
+        return np.where(abs(below) < abs(above), low, high)
+
+    def described(self, w: float, sizes: np.ndarray, points: int) -> tuple[np.ndarray, np.ndarray]:
+        """Mean error and ``N`` for each amplitude, the load carried."""
+        cosines = self._phases(w, points)
+        bias = self._bias(sizes, cosines)
+        return bias, described_by(self.phi, sizes, bias, cosines).gain
+
+    def gains(self, w: float) -> np.ndarray:
+        """``N`` on the scanned amplitudes."""
+        two = len(self._phases(w, SCAN_POINTS)) == 2
+        if two not in self._scan:
+            self._scan[two] = self.described(w, self.sizes, SCAN_POINTS)[1]
+        return self._scan[two]
+
+    def one(self, w: float, size: float) -> tuple[float, float]:
+        """Mean error and ``N`` at one amplitude, with all phases."""
+        bias, gain = self.described(w, np.array([size]), POINTS)
+        return float(bias[0]), float(gain[0])
+
+    def amplitudes_of_gain(self, w: float, limit: float) -> list[float]:
+        """Every amplitude with ``N = limit``."""
+        from scipy.optimize import brentq
+
+        over = self.gains(w) - limit
+        found = []
+        for i in np.nonzero(np.sign(over[:-1]) * np.sign(over[1:]) < 0)[0]:
+            low, high = math.log(self.sizes[i]), math.log(self.sizes[i + 1])
+
+            def left(x: float) -> float:
+                return self.one(w, math.exp(x))[1] - limit
+
+            if left(low) * left(high) < 0.0:
+                found.append(math.exp(brentq(left, low, high, xtol=1e-10)))
+        return found
+
+    def cycle(self, w: float, limit: float, size: float) -> LimitCycle:
+        """The cycle at a crossing, with its stability."""
+        bias, gain = self.one(w, size)
+        step = 1e-3 * size
+        steeper = (self.one(w, size + step)[1] - self.one(w, size - step)[1]) / (2.0 * step)
+        growth = self.growth(w, gain, steeper * size)
+        turn = 2.0 * np.pi * np.arange(1024) / 1024
+        seen = np.asarray(self.phi(bias + size * np.cos(turn)))
+        orders = np.arange(2, 8)
+        parts = 2.0 * np.fft.rfft(seen)[orders] / len(turn)
+        two = w >= self.loop.nyquist * (1.0 - 1e-9)
+        left_out = 0.0 if two else float(np.abs(self.loop.response(orders * w) * parts).max() / size)
+        stable = growth < 0.0 and self.others_stable(w, gain)
+        return LimitCycle(w / (2.0 * np.pi), (complex(bias), complex(size)), gain, stable, growth, left_out)
+
+    def slope_of_response(self, w: Any) -> np.ndarray:
+        """``dG/ds`` on the boundary, by central difference; 1/(rad/s)."""
+        w = np.asarray(w, dtype=float)
+        step = 1e-5 * w
+        return np.asarray((self.loop.response(w + step) - self.loop.response(w - step)) / (2j * step))
+
+    def growth(self, w: float, gain: float, change: float) -> float:
+        """Loeb: rate of a small deviation, ``A ds/dA``; ``change`` is ``A dN/dA``."""
+        response = complex(self.loop.response(np.array([w]))[0])
+        slope = complex(self.slope_of_response(np.array([w]))[0])
+        return float((-(change / gain) / (slope / response)).real)
+
+    def others_stable(self, w: float, gain: float) -> bool:
+        """Whether every pole but the oscillating pair is inside, in the loop closed with ``gain``."""
+        poles = self.loop.closed_poles(gain)
+        if self.loop.dt is not None:
+            own = np.exp(1j * w * self.loop.dt)
+            others = poles[np.minimum(abs(poles - own), abs(poles - own.conjugate())) > 1e-4]
+            return bool((np.abs(others) < 1.0).all())
+        others = poles[np.minimum(abs(poles - 1j * w), abs(poles + 1j * w)) > 1e-3 * w]
+        return bool((others.real < 0.0).all())
+
+    def warnings(self, cycles: list[LimitCycle]) -> list[str]:
+        """What a user should know before trusting the cycles."""
+        found = []
+        spread = np.linspace(-1.0, 1.0, 2001) * 2.0 * max([c.amplitude + abs(c.bias) for c in cycles] or [self.least])
+        if (np.diff(np.asarray(self.phi(self.rest + spread))) < -1e-12 * self.most).any():
+            found.append(
+                "the curve falls somewhere: for each amplitude one mean error was looked at, there may be more"
+            )
+        factor, unit = self.shown
+        for c in cycles:
+            size = f"cycle of {factor * c.peak_to_peak:.3g} {unit}"
+            if c.left_out > LARGE_HARMONIC:
+                found.append(
+                    f"{size}: a harmonic of {100.0 * c.left_out:.0f} % of the fundamental was left out; use "
+                    "harmonic_balance"
+                )
+            if self.loop.dt is not None and 2.0 * c.frequency_hz * self.loop.dt > 1.0 / 2.5:
+                found.append(f"{size}: fewer than 5 samples a period; it may lock to a multiple of the sampling period")
+        for w, limit in self.crossings:
+            at_most = self.gains(w)[-1]
+            if at_most > limit:
+                found.append(
+                    f"at {factor * self.most:g} {unit}, the largest amplitude searched, N = {at_most:.3g} is still "
+                    f"above {limit:.3g}: a large oscillation grows further, until something else limits it"
+                )
+                break
+        return found
+
+    def prediction(self, criterion: str, cycles: tuple[LimitCycle, ...], warnings: list[str]) -> CyclePrediction:
+        """All of it."""
+        loop = self.loop
+        at = [w for w, _ in self.crossings] or [1.0]
+        top = min(loop.nyquist, 30.0 * max(at))
+        w = np.geomspace(0.1 * min(at), top, 2000)
+        gain = self.gains(at[0])
+        return CyclePrediction(
+            criterion, loop.name, loop.dt, loop.dead_time, self.load, self.rest, self.slope,
+            tuple((x / (2.0 * np.pi), k) for x, k in self.crossings), loop.stable(self.slope), cycles, warnings,
+            Locus(self.sizes, gain, loop.response(w)), unit=self.unit,
+        )  # fmt: skip
+
 
 HARMONICS = 30
 """In a sampled loop those that fold to low frequencies count, where ``G`` is large: 10, 20, 30 at 10 samples a turn."""
@@ -229,3 +507,61 @@ class Balance:
         left_out = float(np.abs(self.task.loop.response(above * x[2]) * lines[above]).max() / x[1])
         stable = growth < 0.0 and self.task.others_stable(w, limit)
         return LimitCycle(x[2] / (2.0 * np.pi), (complex(x[0]), *harmonics.tolist()), gain, stable, growth, left_out)
+
+
+def describing_function(curve: Any, amplitude: Any, bias: Any = 0.0, points: int = POINTS) -> Described:
+    """Mean and describing function of a static, single-valued curve; for arrays of amplitudes and biases.
+
+    Args:
+        curve: ``phi``, a function of arrays, or a :class:`~leadscrew.analysis.stability.lure.Lure`.
+        amplitude: of the fundamental, above 0.
+        bias: mean of the input.
+        points: phases over half a turn, midpoint rule: error of the order ``points**-2`` for a curve with kinks,
+            ``1 / points`` where the curve jumps away from the zero of a bias.
+
+    Raises:
+        ValueRefused: an amplitude that is not positive, or a curve that does not give finite numbers.
+    """
+    size, b = np.broadcast_arrays(np.asarray(amplitude, dtype=float), np.asarray(bias, dtype=float))
+    if not (np.isfinite(size).all() and (size > 0.0).all()):
+        raise ValueRefused(f"describing_function: amplitude = {amplitude!r}; allowed are finite values above 0")
+    return described_by(curve_function(curve), size, b, half_turn(points))
+
+
+def limit_cycles(
+    loop: LinearLoop,
+    curve: Any,
+    load: float = 0.0,
+    *,
+    static_gain: float = math.inf,
+    amplitudes: tuple[float, float] = (1e-5, 1.0),
+    unit: str = "mm",
+) -> CyclePrediction:
+    """Every limit cycle that the describing function predicts: amplitude and mean error together, frequency, stability.
+
+    Args:
+        loop: the linear part, cut at the error; sampled or continuous with dead time.
+        curve: ``phi`` in mm, rising, a function of arrays or what ``lure(controller)`` gives.
+        load: mean that the curve has to give, mm: ``phi(e)`` at rest.
+        static_gain: ``G0``, gain of the loop for slow changes; infinite for a loop with integral action.
+        amplitudes: smallest and largest amplitude searched, mm.
+        unit: of the curve's argument, where that is not the error in mm: V for a loop cut at the drive's voltage, say.
+
+    Raises:
+        ValueRefused: a load that the curve cannot carry, a range of amplitudes that is none, a curve that is no static
+            map.
+    """
+    task = Task(loop, curve, load, static_gain, amplitudes, unit)
+    cycles: list[LimitCycle] = []
+    warnings: list[str] = []
+    for w, limit in task.crossings:
+        for size in task.amplitudes_of_gain(w, limit):
+            cycles.append(task.cycle(w, limit, size))
+    cycles.sort(key=lambda c: c.amplitude)
+    warnings += task.warnings(cycles)
+    return task.prediction("describing function", tuple(cycles), warnings)
+
+
+def biggest(prediction: CyclePrediction) -> LimitCycle | None:
+    """The largest stable cycle, or ``None``."""
+    return max(prediction.stable_cycles, key=lambda c: c.amplitude, default=None)

@@ -16,11 +16,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from leadscrew.analysis.stability.certificate import Certificate
+from leadscrew.analysis.stability.criterion import Question, ask, limit_of, outcome
 from leadscrew.analysis.stability.linear import LinearLoop
-from leadscrew.analysis.stability.outcome import limit_of, outcome
-from leadscrew.analysis.stability.question import Question, ask
 from leadscrew.analysis.stability.tsypkin import sided
-from leadscrew.kernel.errors import ValueRefused
+from leadscrew.util.errors import ValueRefused
 
 if TYPE_CHECKING:
     from leadscrew.analysis.stability.lure import Lure
@@ -65,11 +64,9 @@ def jury_lee(
         return asked.refused()
     bound = slope if slope is not None else _widest(asked, q)
     found, signed = sided(asked, q, _with(bound))
-    from leadscrew.analysis.stability.plot import condition_plot
-
     sign = 1.0 if signed >= 0.0 else -1.0
     data = {"loop": loop, "slope": bound, "lines": (lambda w: _with(bound)(asked, w, sign)), "size": abs(signed)}
-    return outcome(asked, found, f", time-invariant, with a slope of at most {bound:.4g}", signed, data, condition_plot)
+    return outcome(asked, found, f", time-invariant, with a slope of at most {bound:.4g}", signed, data, "condition")
 
 
 def _with(slope: float) -> Any:

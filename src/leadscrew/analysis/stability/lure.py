@@ -7,11 +7,11 @@ every secant between two of its points has a slope from ``s1`` to ``s2``. The ab
 first, a proof for a loop under load or on the move for the second (H. K. Khalil, *Nonlinear Systems*, 3rd ed.,
 Prentice Hall 2002, section 7.1; C. A. Desoer, M. Vidyasagar, *Feedback Systems*, Academic Press 1975, chapter 6).
 
-:func:`lure` knows the maps of :mod:`leadscrew.analysis.stability.lure_maps`, also inside a wrapper that adds a
+:func:`lure` knows the maps of the library's controllers (below), also inside a wrapper that adds a
 feed-forward, and takes a controller that answers linearly as one with ``phi(e) = e``. It does not take anybody's word:
 the block's own step is run on random errors, and so is the linear part behind the map; both must answer the same. Under
 a command that moves, the answer to an error must be the one at rest, beside what the command alone makes
-(:mod:`leadscrew.analysis.stability.lure_trials`): a controller that schedules on the command, or adapts to it, is
+(:func:`moved_by_command`): a controller that schedules on the command, or adapts to it, is
 refused. For a controller of your own, declare the map::
 
     @declare(MyParams)
@@ -21,20 +21,154 @@ refused. For a controller of your own, declare the map::
         )
 
 where ``linear`` names the parameters, with their values, that make ``phi(e) = e``.
+
+Trials of a controller by its own step: its answer to errors at rest, and whether a command changes it.
+
+A controller is a part of a Lur'e loop where its output is what the command alone makes, plus what the error makes:
+
+    u(r, r - e) - u(r, r) = u(0, -e) - u(0, 0)            for every command r and every row of errors e
+
+A feed-forward, the weights of a 2-DOF controller and a look-ahead add what the command makes and pass. A gain that is
+scheduled on the command, and shares that are learned from the error times the command, do not.
+
+The maps of the library's nonlinear controllers:
+
+===========  ================================================  =============================
+npid         ``K = cosh(alpha min(|e|, e_max))``, clip or not  slope up to cosh x + x sinh x
+npid_slope   ``1 + (k - 1)(1 - es/|e| atan(|e|/es))``          slope up to ``k``
+npid_after   ``K`` of npid, behind the PID                     no static map
+npid_split   ``large = e - es atan(e / es)``, a path of its    slope in [0, 1]
+             own beside the PID of the small errors
+===========  ================================================  =============================
 """
 
 from __future__ import annotations
 
+import copy
 import math
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from leadscrew.analysis.stability.lure_trials import ALIKE, LENGTH, answer, moved_by_command
-from leadscrew.kernel.block import Block
-from leadscrew.kernel.errors import LeadscrewError, ValueRefused
+from leadscrew.controllers import _npid as npid
+from leadscrew.controllers import _npid_after as npid_after
+from leadscrew.controllers import _npid_slope as npid_slope
+from leadscrew.controllers import _npid_split as npid_split
+from leadscrew.controllers._npid_split import NPIDSplitParams, NPIDSplitState, paths
+from leadscrew.kernel.block import Block, make
+from leadscrew.util.errors import LeadscrewError, ValueRefused
+
+LENGTH = 60
+"""Periods of each trial of a controller's answer."""
+
+LONG = 2000
+"""Periods of the one long trial under a command: 1 s at 2 kHz."""
+
+ALIKE = 1e-8
+"""Two answers are the same up to this, relative to the largest value: rounding of unlike orders of computation."""
+
+ROUNDING = 1e-13
+"""What rounding leaves of a known output, relative to it."""
+
+MOVES = (
+    (0.0, 0.008, 5.0),
+    (0.0, 1.0, 0.7),
+    (-10.0, 3.0, 12.0),
+    (2.0, -0.2, 60.0),
+    (-200.0, 300.0, 1.0),
+    (15.0, 0.0, 0.0),
+)
+"""Commands: offset in mm, amplitude in mm, frequency in Hz. From 8 um to 0.3 m, up to 1.9 m/s, of both signs."""
+
+LONG_MOVE = (1.0, 1.0, 2.1)
+"""The command of the long trial."""
+
+
+def moved_by_command(block: Block, sizes: tuple[float, ...], rng: np.random.Generator, period: float) -> str | None:
+    """The first command under which the block answers an error otherwise than at rest, in words; None where none is.
+
+    ``sizes`` of the errors in mm.
+    """
+    trials = [(move, LENGTH, sizes) for move in MOVES]
+    for move, length, each in (*trials, (LONG_MOVE, LONG, sizes[-1:])):
+        r = moving(move, length, period)
+        alone = answer(block, np.zeros(length), period, r)
+        known = answer(block, np.zeros(length), period)
+        for size in each:
+            errors = size * rng.normal(size=length)
+            at_rest = answer(block, errors, period) - known
+            whole = float(np.abs(at_rest).max())
+            if not math.isfinite(whole):  # an unstable controller runs away by itself in the long trial
+                continue
+            under = answer(block, errors, period, r) - alone
+            rounding = ROUNDING * float(np.abs(alone).max() + np.abs(known).max())
+            if not float(np.abs(under - at_rest).max()) <= ALIKE * whole + rounding:
+                return words(move)
+    return None
+
+
+def words(move: tuple[float, float, float]) -> str:
+    """A command for a sentence."""
+    offset, amplitude, hz = move
+    if not hz:
+        return f"a command that stands at {offset:g} mm"
+    around = f" around {offset:g} mm" if offset else ""
+    return f"a command that moves by {abs(amplitude):g} mm at {hz:g} Hz{around}"
+
+
+def moving(move: tuple[float, float, float], length: int, period: float) -> np.ndarray:
+    """Position, velocity and acceleration of a command, a row for each period."""
+    offset, amplitude, hz = move
+    w = 2.0 * math.pi * hz
+    t = period * np.arange(length)
+    wave, turned = amplitude * np.sin(w * t), amplitude * np.cos(w * t)
+    return np.column_stack([offset + wave, w * turned, -w * w * wave])
+
+
+def answer(block: Block, errors: np.ndarray, period: float, commands: np.ndarray | None = None) -> np.ndarray:
+    """Outputs of a block at rest to a row of errors, by its own step; NaN where the step has no number.
+
+    ``commands``: a row of position, velocity and acceleration for each error; a controller of a number gets the
+    position. At rest without.
+
+    Raises:
+        ValueRefused: a controller of several axes.
+    """
+    plan = block.params if block.prepare is None else block.prepare(block.params, period)
+    state = block.state if block.initial is None else block.initial(block.params)
+    moves = np.zeros((len(errors), 3)) if commands is None else commands
+    for given in _as_numbers(moves), _as_motions(moves):
+        s, out = copy.deepcopy(state), []
+        try:
+            for k, (command, error) in enumerate(zip(given, errors, strict=True)):
+                now = {
+                    "command": command, "feedback": float(moves[k, 0] - error), "t": k * period, "dt": period
+                }  # fmt: skip
+                done = block.step(*(x for x in (plan, s) if x is not None), *(now[name] for name in block.signals))
+                s, u = done if block.state is not None else (None, done)
+                out.append(float(u))
+        except (AttributeError, TypeError):
+            continue
+        except (ArithmeticError, ValueError):
+            return np.full(len(errors), np.nan)
+        return np.array(out)
+    raise ValueRefused(
+        f"{block.name} takes or gives several numbers where a loop of one axis has one position, one feedback and one "
+        "output; take apart one axis of it"
+    )
+
+
+def _as_numbers(moves: np.ndarray) -> Iterator[float]:
+    return (float(row[0]) for row in moves)
+
+
+def _as_motions(moves: np.ndarray) -> Iterator[object]:
+    from leadscrew.references._motion import Motion
+
+    return (Motion(*(float(x) for x in row)) for row in moves)
+
 
 SIZES_MM = (1e-5, 1e-3, 1e-1, 10.0)
 """Errors for which an undeclared controller must answer in proportion to be taken as linear, mm: 10 nm to 10 mm."""
@@ -250,8 +384,6 @@ def _undeclared(block: Block) -> str:
 # ---- the maps of the library
 def _maps() -> dict[type, Callable[[Any], ErrorMap]]:
     if not _library:
-        from leadscrew.analysis.stability.lure_maps import known
-
         _library.update(known())
     return {**_library, **_declared}
 
@@ -325,7 +457,7 @@ def _at(params: Any, key: str) -> Any:
 
 def _with(block: Block, changes: Mapping[str, Any]) -> Block:
     """The block with parameters changed by dotted key."""
-    from leadscrew.kernel.sheet import checked_replace
+    from leadscrew.kernel.parameters import checked_replace
 
     if not changes:
         return block
@@ -340,3 +472,101 @@ def _each(function: Callable[[float], float], e_mm: Any) -> Any:
         return float(function(float(e_mm)))
     values = np.asarray(e_mm, dtype=float)
     return np.array([function(float(e)) for e in values.ravel()]).reshape(values.shape)
+
+
+LARGEST = 100.0
+"""Of ``alpha e_max``: the gain is 1e43 there."""
+
+
+def known() -> dict[type, Callable[[Any], ErrorMap]]:
+    """The maps by the type of the controller's parameters."""
+
+    def cosh(p: Any) -> ErrorMap:
+        x = p.alpha * p.e_max
+        if x > LARGEST:
+            raise ValueRefused(
+                f"alpha e_max = {x:g} (npid): cosh of it has no number; at most {LARGEST:g}. Is e_max in the unit of "
+                "the error inside the gain?"
+            )
+        top, steepest = math.cosh(x), math.cosh(x) + x * math.sinh(x)
+        clipped = bool(p.clip_error)
+        note = (
+            "the error itself is clipped: phi stays where it is beyond e_max, so the lower bound of the sector is 0, "
+            "and a table that falls behind by more than e_max is pulled back with a constant effort only"
+        )
+        return ErrorMap(
+            lambda e: npid.curve(p, e) / e if e else 1.0,
+            lambda e: npid.slope(p, e),
+            (0.0 if clipped else 1.0, top),
+            (0.0 if clipped else 1.0, steepest),
+            {"alpha": 0.0, "clip_error": False},
+            p.e_max / p.error_unit_per_mm,
+            p.error_unit_per_mm,
+            notes=(note,) if clipped else (),
+        )
+
+    def limited(p: Any) -> ErrorMap:
+        return ErrorMap(
+            lambda e: npid_slope.curve(p, e) / e if e else 1.0,
+            lambda e: npid_slope.slope(p, e),
+            (1.0, p.k),
+            (1.0, p.k),
+            {"k": 1.0},
+            p.es_um * npid_slope.MM_PER_UM,
+            1.0 / npid_slope.MM_PER_UM,
+        )
+
+    def behind(p: Any) -> ErrorMap:
+        note = (
+            "the gain stands behind the PID: it is taken as a gain that varies in time between its bounds, for which "
+            "the circle criterion holds, and Popov, Tsypkin and Jury-Lee do not; under a load or a following error "
+            "nothing is proved beyond that the loop stays bounded"
+        )
+        return ErrorMap(
+            lambda e: npid_after.gain(p, e),
+            lambda e: npid_after.slope(p, e),
+            (1.0, math.cosh(p.alpha * p.e_max)),
+            None if p.alpha > 0.0 else (1.0, 1.0),
+            {"alpha": 0.0},
+            p.e_max / p.error_unit_per_mm,
+            p.error_unit_per_mm,
+            dependent=True,
+            notes=(note,),
+        )
+
+    def parted(p: Any) -> ErrorMap:
+        knee = p.es_um * npid_split.MM_PER_UM
+        return ErrorMap(
+            lambda e: 1.0 - npid_split.parted(p, e) / e if e else 0.0,
+            lambda e: (e / knee) ** 2 / (1.0 + (e / knee) ** 2),
+            (0.0, 1.0),
+            (0.0, 1.0),
+            scale_mm=knee,
+            error_unit_per_mm=1.0 / npid_split.MM_PER_UM,
+            notes=("the map is the part of the error that goes to the firm path; the quiet path is closed beside it",),
+            shared=lambda share: _shared(p, share),
+        )
+
+    return {
+        npid.NPIDParams: cosh,
+        npid_slope.NPIDSlopeParams: limited,
+        npid_after.NPIDAfterParams: behind,
+        npid_split.NPIDSplitParams: parted,
+    }
+
+
+class Shared(NamedTuple):
+    """Both paths, and which part of the error the firm one gets."""
+
+    law: NPIDSplitParams
+    share: float
+
+
+def _shared(p: Any, share: float) -> Block:
+    """The two paths of ``npid_split`` with a fixed share of the error for the firm one."""
+
+    def shared(p, s, command, feedback, dt):
+        error = command - feedback
+        return paths(p.law, s, (1.0 - p.share) * error, p.share * error, dt)
+
+    return make("controller", shared, Shared(p, share), NPIDSplitState(), name="npid_split with fixed shares")

@@ -2,6 +2,7 @@
 
     GM = 1 / abs(G) where G crosses the negative real axis        PM, delay margin PM / w where abs(G) = 1
     Ms = max abs(1 / (1 + G))                                     Mt = max abs(G / (1 + G))
+    disk margin = 2 / max abs((1 - G) / (1 + G)), balanced (skew 0)
 
 Every crossing is refined to the last digits, the dead time is exact. Of several crossings the one with the least margin
 counts. The delay margin of a sampled loop is that of its response between the samples taken as continuous; extra delay
@@ -12,19 +13,24 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 
 from leadscrew.analysis.stability.certificate import Certificate, number, of_loop
-from leadscrew.analysis.stability.crossings import Crossing, gain_crossings, phase_crossings
-from leadscrew.analysis.stability.envelope import highest
-from leadscrew.analysis.stability.grid import given_grid, own_grid
-from leadscrew.analysis.stability.linear import LinearLoop
-from leadscrew.analysis.stability.question import worst_pole
+from leadscrew.analysis.stability.criterion import highest, worst_pole
+from leadscrew.analysis.stability.linear import (
+    Crossing,
+    LinearLoop,
+    gain_crossings,
+    given_grid,
+    own_grid,
+    phase_crossings,
+)
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Margins(Certificate):
     """The margins as a certificate (of the linear loop alone), with the numbers by name."""
 
@@ -48,6 +54,28 @@ class Margins(Certificate):
     """Frequency of the sensitivity's peak, rad/s."""
     phase: tuple[Crossing, ...] = ()
     gain: tuple[Crossing, ...] = ()
+
+    @cached_property
+    def disk(self) -> float:
+        """Disk margin, 0 to 2: gain and phase may change at once, the gain alone by ``(2 + disk) / (2 - disk)``."""
+        if not self.proved:
+            return math.nan
+        loop, gain = self.data["loop"], self.data["gain"]
+
+        def unbalanced(w: np.ndarray) -> np.ndarray:
+            g = gain * loop.response(w)
+            return np.abs((1.0 - g) / (1.0 + g))
+
+        return 2.0 / highest(unbalanced, own_grid(loop).w)[0]
+
+    def __repr__(self) -> str:
+        if not self.proved:
+            return f"<Margins {self.loop['name']}: {self.statement}>"
+        gain = (
+            f"gain {number(self.gm)} at {self.w_pc:.4g} rad/s, phase {number(self.pm_deg)} deg at {self.w_gc:.4g} rad/s"
+        )
+        peaks = f"delay {number(1e3 * self.delay_s)} ms, Ms {self.ms:.4g}, Mt {self.mt:.4g}, disk {self.disk:.4g}"
+        return f"<Margins {self.loop['name']}: {gain}, {peaks}>"
 
 
 def margins(loop: LinearLoop, gain: float = 1.0, grid: Any = None) -> Margins:
@@ -86,13 +114,11 @@ def margins(loop: LinearLoop, gain: float = 1.0, grid: Any = None) -> Margins:
         )
     else:
         statement = f"The linear loop{with_gain} is unstable ({worst_pole(loop, gain)}): it has no margins."
-    from leadscrew.analysis.stability.plot import nyquist_plot
-
     good = stable and not wrong
     return Margins(
         "margins", "grid-checked" if good else "refused", statement, of_loop(loop), None, gain * gm if good else None,
         gm if good else None, None, own.as_dict(), [*loop.notes, *wrong],
-        {"gm": gm, "pm_deg": pm, "ms": ms, "mt": mt, "gain": gain, "loop": loop}, nyquist_plot,
+        {"gm": gm, "pm_deg": pm, "ms": ms, "mt": mt, "gain": gain, "loop": loop}, "nyquist",
         gm if good else math.nan, 0.0 if down is None else -1.0 / down.value, pm if good else math.nan,
         (math.inf if late is None else late.value / late.w) if good else math.nan,
         ms if good else math.nan, mt if good else math.nan,

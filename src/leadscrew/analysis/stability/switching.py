@@ -15,7 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from leadscrew.analysis.stability.linear import LinearLoop
-from leadscrew.kernel.errors import ValueRefused
+from leadscrew.util.errors import ValueRefused
 
 STEPS = 24
 HALVINGS = 30

@@ -18,14 +18,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from leadscrew.analysis.stability.certificate import Certificate
-from leadscrew.analysis.stability.envelope import ROUNDS, best
+from leadscrew.analysis.stability.criterion import ROUNDS, Question, ask, best, limit_of, outcome
 from leadscrew.analysis.stability.linear import LinearLoop
-from leadscrew.analysis.stability.outcome import limit_of, outcome
-from leadscrew.analysis.stability.question import Question, ask
-from leadscrew.kernel.errors import ValueRefused
+from leadscrew.util.errors import ValueRefused
 
 if TYPE_CHECKING:
-    from leadscrew.analysis.stability.envelope import Best
+    from leadscrew.analysis.stability.criterion import Best
     from leadscrew.analysis.stability.lure import Lure
 
 
@@ -61,11 +59,9 @@ def tsypkin(
     if asked.refusal:
         return asked.refused()
     found, signed = sided(asked, q, _lines)
-    from leadscrew.analysis.stability.plot import condition_plot
-
     data = {"loop": loop, "lines": (lambda w: _lines(asked, w, 1.0 if signed >= 0.0 else -1.0)), "size": abs(signed)}
     which = f", time-invariant, with a slope nowhere below {asked.k1:g}"
-    return outcome(asked, found, which, signed, data, condition_plot)
+    return outcome(asked, found, which, signed, data, "condition")
 
 
 def _lines(asked: Question, w: np.ndarray, sign: float) -> tuple[np.ndarray, np.ndarray]:

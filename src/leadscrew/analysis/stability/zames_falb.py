@@ -24,11 +24,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from leadscrew.analysis.stability.certificate import Certificate
-from leadscrew.analysis.stability.envelope import best
+from leadscrew.analysis.stability.criterion import Question, ask, best, limit_of, outcome
 from leadscrew.analysis.stability.linear import LinearLoop
-from leadscrew.analysis.stability.outcome import limit_of, outcome
-from leadscrew.analysis.stability.question import Question, ask
-from leadscrew.kernel.errors import ValueRefused
+from leadscrew.util.errors import ValueRefused
 
 if TYPE_CHECKING:
     from leadscrew.analysis.stability.lure import Lure
@@ -105,12 +103,10 @@ def zames_falb(
     found = best(lines, asked.grid.w, 0.0, 0.0, 0.0, 1.0)
     if steepest > slope and limit_of(asked.k1, found.m) > steepest:
         found = replace(found, m=1.0 / (steepest - asked.k1))
-    from leadscrew.analysis.stability.plot import condition_plot
-
     bound = "" if math.isinf(slope) else f" and at most {steepest if asked.k2 is None else slope:.4g}"
     which = f", time-invariant and odd, with a slope of at least {asked.k1:g}{bound}"
     data = {"loop": loop, "lines": lines, "size": 0.0, "taps": taps, "weights": weights, "slope": steepest}
-    return outcome(asked, found, which, None, data, condition_plot)
+    return outcome(asked, found, which, None, data, "condition")
 
 
 def _steepest(asked: Question, slope: float, taps: int) -> float:

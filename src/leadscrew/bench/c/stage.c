@@ -1,5 +1,5 @@
 /* The ball-screw stage under the benchmark's soft controller, by hand: five ways to step it through a hold.
-   Equations: leadscrew/bench/stage_schemes.py. */
+   Equations: leadscrew/bench/stage.py. */
 #include <complex.h>
 #include <math.h>
 

@@ -6,7 +6,7 @@ from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from leadscrew import escape
+from leadscrew.util import escape
 
 if TYPE_CHECKING:
     import jinja2

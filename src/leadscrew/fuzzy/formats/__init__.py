@@ -12,13 +12,12 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+from leadscrew.fuzzy.formats import fcl, fis, fld, fll, fml
+from leadscrew.fuzzy.formats.place import load
 from leadscrew.fuzzy.system import System
-from leadscrew.kernel.errors import DataError, NameUnknown, ValueRefused
-from leadscrew.kernel.sheet import nearest
-from leadscrew.newfile import save
-
-from . import fcl, fis, fld, fll, fml
-from .place import load
+from leadscrew.kernel.parameters import nearest
+from leadscrew.util.atomic import atomic_write
+from leadscrew.util.errors import DataError, NameUnknown, ValueRefused, entry_point
 
 __all__ = ["READ", "WRITTEN", "dumps", "fld", "loads", "read", "write"]
 
@@ -35,6 +34,7 @@ _BEGINNINGS = {
 }
 
 
+@entry_point
 def read(path: str | Path, leave_out_unknown: bool = False) -> System:
     """The system in a file; its format follows from the suffix, and from its beginning where the suffix is another.
 
@@ -63,6 +63,7 @@ def loads(text: str, format: str, name: str = "text", **options: Any) -> System:
     return READ[format](text, name, **options)
 
 
+@entry_point
 def write(system: System, path: str | Path) -> tuple[str, ...]:
     """Writes a system to a file, whose suffix is the format; gives sentences on what could not be said and changes no
     output.
@@ -75,7 +76,7 @@ def write(system: System, path: str | Path) -> tuple[str, ...]:
     if suffix.removeprefix(".") not in WRITTEN:
         raise ValueRefused(f"{path}: {suffix or 'no suffix'}: systems are written as .{', .'.join(WRITTEN)}")
     notes: list[str] = []
-    save(dumps(system, suffix.removeprefix("."), notes), path)
+    atomic_write(dumps(system, suffix.removeprefix("."), notes), path)
     return tuple(notes)
 
 

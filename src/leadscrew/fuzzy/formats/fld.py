@@ -7,11 +7,10 @@ import math
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 
+from leadscrew.fuzzy.formats.place import plain
 from leadscrew.fuzzy.system import System
-from leadscrew.kernel.errors import ValueRefused
-from leadscrew.newfile import save
-
-from .place import plain
+from leadscrew.util.atomic import atomic_write
+from leadscrew.util.errors import ValueRefused
 
 __all__ = ["dumps", "grid", "write"]
 
@@ -70,7 +69,7 @@ def write(system: System, path: str | Path, evaluate: Evaluate, values: int = 10
         ValueRefused: see :func:`dumps`.
         DataError: the file cannot be written.
     """
-    save(dumps(system, evaluate, values, each), path)
+    atomic_write(dumps(system, evaluate, values, each), path)
 
 
 def _root(values: int, inputs: int) -> int:

@@ -7,9 +7,13 @@ set falls. ``right_rises`` decides where that guess is wrong; what was taken sta
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field
 from typing import Any, NoReturn
+from xml.parsers import expat
 
+from leadscrew.fuzzy.formats.extent import extent, hull
+from leadscrew.fuzzy.formats.place import Source
 from leadscrew.fuzzy.rules_text import Names, read_number
 from leadscrew.fuzzy.system import (
     HEDGES,
@@ -25,14 +29,131 @@ from leadscrew.fuzzy.system import (
     Term,
     Variable,
 )
-from leadscrew.kernel.sheet import nearest
+from leadscrew.kernel.parameters import nearest
+from leadscrew.util.errors import ValueRefused
 
-from .extent import extent, hull
-from .fml_terms import SHAPES, term_of
-from .fml_tree import Element, tree
-from .place import Source
+SHAPES = {
+    "rightlinearshape": 2,
+    "leftlinearshape": 2,
+    "pishape": 2,
+    "triangularshape": 3,
+    "gaussianshape": 2,
+    "rightgaussianshape": 2,
+    "leftgaussianshape": 2,
+    "trapezoidshape": 4,
+    "trapezoidalshape": 4,
+    "singletonshape": 1,
+    "rectangularshape": 2,
+    "zshape": 2,
+    "sshape": 2,
+    "pointsetshape": 0,
+    "pointsetmonotonicshape": 0,
+}
+"""Names of elements in small letters, and how many parameters each has."""
+_SAME = {
+    "triangularshape": "triangle",
+    "gaussianshape": "gaussian",
+    "trapezoidshape": "trapezoid",
+    "trapezoidalshape": "trapezoid",
+    "singletonshape": "singleton",
+    "rectangularshape": "rectangle",
+    "zshape": "z_shape",
+    "sshape": "s_shape",
+    "pointsetshape": "discrete",
+    "pointsetmonotonicshape": "discrete",
+}
 
-__all__ = ["loads"]
+
+def term_of(name: str, key: str, numbers: list[float], right_rises: bool) -> tuple[Term, str]:
+    """A term, and a sentence where programs do not agree on what is meant.
+
+    Raises:
+        ValueRefused: the numbers do not fit; or it is a piShape of the older FML.
+    """
+    if key in _SAME:
+        return Term(name, _SAME[key], tuple(numbers)), ""
+    a, b = numbers
+    if key == "pishape":
+        if not right_rises:
+            raise ValueRefused(f"term {name}: programs do not agree on what the two numbers of a piShape are")
+        return (
+            Term(name, "pi_shape", (a, b, b, b + abs(b - a))),
+            "a piShape rises from its first number to its second and falls as it rose (as JFML does it)",
+        )
+    rises = key.startswith("right") == right_rises
+    note = (
+        "left and right: a right set is one at the right (IEEE 1855 as JFML does it)"
+        if right_rises
+        else "left and right name the flank: a right set falls (FML before the standard)"
+    )
+    if key.endswith("linearshape"):
+        return Term(name, "ramp", (a, b) if rises else (b, a)), note
+    ends = (a, b, math.inf, b) if rises else (-math.inf, b, a, b)
+    return Term(name, "gaussian_product", ends), note
+
+
+DEEPEST = 50
+STANDARD = "http://www.ieee1855.org"
+
+
+@dataclass(eq=False)
+class Element:
+    """An element: its name as written, its attributes by their names in small letters, its text and its children."""
+
+    tag: str
+    line: int
+    column: int
+    attributes: dict[str, str]
+    children: list[Element] = field(default_factory=list)
+    text: str = ""
+
+    @property
+    def key(self) -> str:
+        """The name in small letters."""
+        return self.tag.casefold()
+
+
+def tree(source: Source) -> tuple[Element, bool]:
+    """The root of an XML text, and whether it is in the standard's name space.
+
+    Raises:
+        DataError: it is no XML, is nested too deep, or has a document type (whose entities could grow without end).
+    """
+    parser = expat.ParserCreate("utf-8", " ")  # as the text is encoded below, whatever it declares
+    parser.buffer_text = True
+    top = Element("", 1, 1, {})
+    path = [top]
+    spaces: set[str] = set()
+
+    def place() -> tuple[int, int]:
+        return parser.CurrentLineNumber, parser.CurrentColumnNumber + 1
+
+    def refuse(*_: object) -> NoReturn:
+        source.fail(*place(), "expected XML without a document type")
+
+    def start(tag: str, attributes: dict[str, str]) -> None:
+        if len(path) > DEEPEST:
+            source.fail(*place(), f"more than {DEEPEST} elements inside each other")
+        space, _, name = tag.rpartition(" ")
+        spaces.add(space)
+        element = Element(name, *place(), {key.rpartition(" ")[2].casefold(): v for key, v in attributes.items()})
+        path[-1].children.append(element)
+        path.append(element)
+
+    def end(_: str) -> None:
+        path.pop()
+
+    def text(data: str) -> None:
+        path[-1].text += data
+
+    parser.StartElementHandler, parser.EndElementHandler, parser.CharacterDataHandler = start, end, text
+    parser.StartDoctypeDeclHandler = refuse
+    try:
+        parser.Parse(source.text.encode("utf-8", "replace"), True)
+    except expat.ExpatError as error:
+        source.fail(error.lineno, error.offset + 1, f"expected XML: {expat.ErrorString(error.code)}")
+    return top.children[0], STANDARD in spaces
+
 
 _T_NORMS = {
     "MIN": "minimum",

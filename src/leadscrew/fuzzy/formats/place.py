@@ -8,8 +8,8 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import NoReturn
 
-from leadscrew import reading
-from leadscrew.kernel.errors import DataError, NameUnknown, ValueRefused
+from leadscrew.util import reading
+from leadscrew.util.errors import DataError, NameUnknown, ValueRefused
 
 LARGEST, LINES = 2_000_000, 50_000
 """Longer texts are refused: no fuzzy system is that long."""

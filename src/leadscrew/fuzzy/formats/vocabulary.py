@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
+from leadscrew.fuzzy.formats.place import plain
 from leadscrew.fuzzy.system import ACTIVATIONS, DEFUZZIFIERS, S_NORMS, SHAPES, T_NORMS, Term
-from leadscrew.kernel.errors import ValueRefused
-from leadscrew.kernel.sheet import nearest
-
-from .place import plain
+from leadscrew.kernel.parameters import nearest
+from leadscrew.util.errors import ValueRefused
 
 
 def class_name(name: str) -> str:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
-from leadscrew.identify.axis.assemble import NO_OFFSET, WEIGHT
+from leadscrew.identify.axis.parameters import NO_OFFSET, WEIGHT
 from leadscrew.identify.axis.result import Parameter
 
 ORDER = (

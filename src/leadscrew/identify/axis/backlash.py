@@ -1,7 +1,7 @@
 """Lost motion of an axis from the reversals in its log.
 
 Behind a play of ``b`` in all the table follows the drive's side by ``table = drive - s b / 2``, ``s`` the direction of
-the last motion (:mod:`leadscrew.plants.backlash`). What tells ``b`` depends on what was logged:
+the last motion (:mod:`leadscrew.plants._backlash`). What tells ``b`` depends on what was logged:
 
 - *two positions*, :func:`lost_motion`: the table's lag changes by ``b`` at each reversal. Least squares over sliding,
   ``table - drive = c + k drive - s b / 2``.
@@ -17,7 +17,7 @@ the last motion (:mod:`leadscrew.plants.backlash`). What tells ``b`` depends on 
   (:mod:`leadscrew.identify.axis.refine` with ``backlash`` fitted). Only as good as the model of friction at rest.
 - one encoder on the motor and none on the table tells nothing: the table has no say in what is logged.
 
-Intervals are robust to correlation within a stroke (:mod:`refine_errors`). ISO 230-1 calls what is measured here the
+Intervals are robust to correlation within a stroke (``clustered``). ISO 230-1 calls what is measured here the
 reversal value of an axis.
 """
 
@@ -28,8 +28,8 @@ from typing import TYPE_CHECKING, Literal, NamedTuple
 
 import numpy as np
 
-from leadscrew.identify.axis.refine_errors import clustered
-from leadscrew.kernel.errors import DataError
+from leadscrew.identify.axis.refine import clustered
+from leadscrew.util.errors import DataError
 
 if TYPE_CHECKING:
     from leadscrew.identify.axis.cascade import Cascade

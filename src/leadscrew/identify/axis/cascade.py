@@ -19,12 +19,12 @@ from typing import TYPE_CHECKING, Annotated, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from leadscrew.identify.axis.refine_replay import LOST, Held, late_axis, lengthened
-from leadscrew.kernel import door
+from leadscrew.identify.axis.replay import LOST, Held, late_axis, lengthened
+from leadscrew.kernel import validate
 from leadscrew.kernel.block import controller, reference
-from leadscrew.kernel.errors import DataError, ValueRefused
 from leadscrew.kernel.loop import Loop
-from leadscrew.kernel.sheet import Doc, Ge, Unit
+from leadscrew.kernel.parameters import Doc, Ge, Unit
+from leadscrew.util.errors import DataError, ValueRefused
 
 if TYPE_CHECKING:
     from leadscrew.logs import AxisLog
@@ -52,15 +52,15 @@ class Cascade:
 
     def __post_init__(self) -> None:
         for name, unit in (("kp", "1/s"), ("kv", ""), ("max_drive", "")):
-            value = door.number(f"cascade.{name}", getattr(self, name), unit)
+            value = validate.number(f"cascade.{name}", getattr(self, name), unit)
             if name == "kv" and value < 0.0:
                 continue
             if not value > 0.0:
                 beside = " (or below, where a positive drive moves the axis backwards)" if name == "kv" else ""
                 raise ValueRefused(f"cascade.{name} = {value:g}: must be above 0{beside}")
-        if not door.number("cascade.ki", self.ki, "1/s") >= 0.0:
+        if not validate.number("cascade.ki", self.ki, "1/s") >= 0.0:
             raise ValueRefused(f"cascade.ki = {self.ki:g}: must be 0 or more")
-        door.whole("cascade.over", self.over, 1, LONGEST)
+        validate.whole("cascade.over", self.over, 1, LONGEST)
 
 
 class Obeyed(NamedTuple):

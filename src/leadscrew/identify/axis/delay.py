@@ -1,6 +1,6 @@
 """How late the drive acts: the delay with which force and motion agree best, with its interval.
 
-The force, taken ``tau`` periods late (any number, :func:`leadscrew.identify.axis.filters.held`), is explained by the
+The force, taken ``tau`` periods late (any number, :func:`leadscrew.identify.axis.record.held`), is explained by the
 terms of the model; the delay is that with the least residual. First whole periods are tried; then the straight line is
 extended by the slope of the force against the delay,
 
@@ -17,10 +17,8 @@ from typing import NamedTuple
 import numpy as np
 from scipy.special import stdtrit
 
-from leadscrew.identify.axis.filters import held, length_of, smoothed
-from leadscrew.identify.axis.inverse_dynamics import APART, blocks, huber, jackknife, refuse_few, rows_of
-from leadscrew.identify.axis.record import Record
-from leadscrew.identify.axis.terms import Terms
+from leadscrew.identify.axis.inverse_dynamics import APART, Terms, blocks, huber, jackknife, refuse_few, rows_of
+from leadscrew.identify.axis.record import Record, held, length_of, smoothed
 
 EARLIEST, LONGEST_S = -6, 0.05
 """Delays that are tried, in periods and in seconds."""

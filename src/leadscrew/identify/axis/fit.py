@@ -2,11 +2,11 @@
 
 1. The log is cut in time: the first part trains, the rest (half, unless told) is kept unseen.
 2. Linear stage: delay (:mod:`delay`), then inverse-dynamics least squares (:mod:`inverse_dynamics`) of four models of
-   friction; the simplest that cross-validation inside the training part does not speak against (:mod:`candidates`).
+   friction; the simplest that cross-validation inside the training part does not speak against (:mod:`linear_stage`).
 3. Refinement by simulation of the plant itself over windows of the training part (:mod:`refine`); where these leave far
-   more than the sensor's noise, by what serves best between halves of the training part (:mod:`validation`).
-4. Bristles and a play, where the log shows them (:mod:`rest`).
-5. The model is simulated over both parts from their measured first state and compared (:mod:`judge`).
+   more than the sensor's noise, by what serves best between halves of the training part (:mod:`refinement`).
+4. Bristles and a play, where the log shows them (:mod:`static_friction`).
+5. The model is simulated over both parts from their measured first state and compared (:mod:`verdict`).
 
 Parameters and every choice come from the training part alone: the hold-out is looked at once, to judge the model that
 is handed on. With ``holdout=0`` everything trains.
@@ -20,23 +20,17 @@ from typing import TYPE_CHECKING, Literal, cast
 import numpy as np
 
 from leadscrew.identify.axis import advice as words
-from leadscrew.identify.axis.assemble import delay_parameter, parameters
-from leadscrew.identify.axis.candidates import Candidate, Model, Setting, choose, fitted, gauge_of, models
 from leadscrew.identify.axis.delay import Delay, find_delay
-from leadscrew.identify.axis.filters import corner_of
-from leadscrew.identify.axis.intervals import Estimates, units
-from leadscrew.identify.axis.intervals import given as given_parameter
+from leadscrew.identify.axis.inverse_dynamics import Terms
 from leadscrew.identify.axis.job import Job, Progress, prepared, ways
-from leadscrew.identify.axis.judge import extent
-from leadscrew.identify.axis.known import terms_known
-from leadscrew.identify.axis.lack_of_fit import bins, sentence
-from leadscrew.identify.axis.refining import refined
-from leadscrew.identify.axis.rest import at_rest, bends, play
+from leadscrew.identify.axis.linear_stage import Candidate, Line, Model, Setting, choose, fitted, gauge_of, models
+from leadscrew.identify.axis.parameters import Estimates, delay_parameter, parameters, terms_known, units
+from leadscrew.identify.axis.parameters import given as given_parameter
+from leadscrew.identify.axis.record import corner_of
+from leadscrew.identify.axis.refinement import refined
 from leadscrew.identify.axis.result import AxisFit, Judged, Parameter
-from leadscrew.identify.axis.stage import Line
-from leadscrew.identify.axis.stretches import all_judged, cascade_left
-from leadscrew.identify.axis.terms import Terms
-from leadscrew.identify.axis.worth import faults
+from leadscrew.identify.axis.static_friction import at_rest, bends, play
+from leadscrew.identify.axis.verdict import all_judged, bins, cascade_left, extent, faults, sentence
 from leadscrew.kernel.one_thread import one_thread
 
 if TYPE_CHECKING:
@@ -75,7 +69,7 @@ def identify_axis(
         model: ``coulomb``, ``stribeck``, ``lugre``, or ``auto``: decided by cross-validation.
         holdout: share of the log, at its end, that is kept unseen, 0 to 0.8.
         delay: s, from a logged drive to its act; found unless given.
-        given: values that are known, by key of :mod:`leadscrew.plants.servo_axis`; they are not fitted.
+        given: values that are known, by key of :obj:`leadscrew.plants.servo_axis`; they are not fitted.
         refine: ``none``: the linear stage alone; ``windows`` (``auto``), ``open``, ``closed``: see
             :mod:`leadscrew.identify.axis.refine`.
         cascade: the loop that was active; the closed loop is then judged too.

@@ -2,7 +2,7 @@
 
     minimise  sum_r w_r (u_r - sum_j theta_j phi_jr)^2
 
-over rows ``r``: force and terms under one window of :mod:`leadscrew.identify.axis.filters`, a quarter of its length
+over rows ``r``: force and terms under one window of :mod:`leadscrew.identify.axis.record`, a quarter of its length
 apart. Huber's weights (1 up to 1.345 standard deviations, then falling with the distance) keep jolts from deciding.
 
 Covariance: what filters leave is coloured, and what the model lacks (a ripple of the screw) is no noise at all. The
@@ -13,19 +13,91 @@ scatter of these fits is the covariance,
 
 (delete-a-group jackknife; P. Huber, *Robust Statistics*, 1981, for the weights; B. Efron, *The Jackknife*, 1982.)
 It asks of the residual only that blocks are nearly independent.
+
+The terms of an axis that are linear in what is sought, sample by sample.
+
+    u = M a + offset + C sgn v + B v + (S - C) sgn v exp(-(v / v_s)^2)
+
+``C``, ``B`` and ``S - C`` once for both directions, or once for each. By direction there is no offset beside them: a
+constant force pushes like a Coulomb friction that is larger one way and smaller the other, at rest as in motion, and no
+log of drive and motion can tell the two apart. It is then counted as friction, unless it is given.
+
+The one parameter of the friction's form that force is not linear in: the speed of the Stribeck fall.
+
+For each of a row of speeds the other parameters follow by least squares; the fit is best where the residual is least
+(a separable problem: G. Golub and V. Pereyra, 1973). At the best speed the line is extended by the slope of the term
+against the logarithm of the speed, so the covariance holds all parameters together. The speed is common to both
+directions.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from typing import NamedTuple
 
 import numpy as np
 
-from leadscrew.identify.axis.filters import held, length_of, smoothed, touched
-from leadscrew.identify.axis.record import Record
-from leadscrew.identify.axis.terms import Terms, columns
-from leadscrew.kernel.errors import DataError
+from leadscrew.identify.axis.record import Record, Samples, held, length_of, smoothed, touched
+from leadscrew.util.errors import DataError
+
+SIDES = ("forward", "backward")
+
+
+def friction_key(side: str, name: str) -> str:
+    """Dotted key of a friction parameter."""
+    return f"friction.{side}.{name}"
+
+
+@dataclass(frozen=True)
+class Terms:
+    """Which terms a model has, and which of them are known."""
+
+    symmetric: bool = True
+    stribeck_speed: tuple[float, float] | None = None
+    """Of both directions; None: no Stribeck term."""
+    known: Mapping[str, float] = field(default_factory=dict)
+    """Values that are not sought, by key; ``friction.*.excess`` stands for static less Coulomb friction."""
+    without: frozenset[str] = frozenset()
+    """Keys that the log cannot tell: left out, which is 0."""
+
+    @property
+    def keys(self) -> tuple[str, ...]:
+        """All terms of the model, known ones too; symmetric friction has the keys of ``forward``."""
+        sides = SIDES[:1] if self.symmetric else SIDES
+        names = ["coulomb", "viscous"] + (["excess"] if self.stribeck_speed else [])
+        found = ["mass", *(friction_key(s, n) for n in names for s in sides), "offset"]
+        if not self.symmetric and "offset" not in self.known:
+            found.remove("offset")
+        return tuple(key for key in found if key not in self.without)
+
+    @property
+    def sought(self) -> tuple[str, ...]:
+        """The terms that a fit finds."""
+        return tuple(key for key in self.keys if key not in self.known)
+
+
+def columns(samples: Samples, terms: Terms, keys: Sequence[str]) -> np.ndarray:
+    """What one unit of each key makes of force, shape (samples, keys)."""
+    return np.column_stack([_column(samples, terms, key) for key in keys])
+
+
+def _column(s: Samples, terms: Terms, key: str) -> np.ndarray:
+    if key == "mass":
+        return s.acceleration
+    if key == "offset":
+        return np.ones_like(s.speed)
+    _, side, name = key.split(".")
+    share = np.ones_like(s.sign) if terms.symmetric else 0.5 * (1.0 + (1.0 if side == "forward" else -1.0) * s.sign)
+    way = s.sign if terms.symmetric else share * (1.0 if side == "forward" else -1.0)
+    if name == "coulomb":
+        return way
+    if name == "viscous":
+        return share * s.speed
+    assert terms.stribeck_speed is not None
+    fall = terms.stribeck_speed[0 if side == "forward" else 1]
+    return np.asarray(way * np.exp(-((s.smooth / fall) ** 2)))
+
 
 HUBER = 1.345
 ROUNDS = 8
@@ -206,3 +278,81 @@ def jackknife(z: np.ndarray, b: np.ndarray, weights: np.ndarray, block: np.ndarr
         return 1, np.full((p, p), np.inf)
     apart = table - table.mean(axis=0)
     return min(count, len(table)) - 1, (len(table) - 1) / len(table) * apart.T @ apart
+
+
+TRIED = 16
+"""Stribeck speeds of the first search, from the slowest sure speed to :data:`FASTEST` of the top speed."""
+FASTEST = 0.3
+KEY = "friction.forward.stribeck_speed"
+
+
+def stribeck_fit(record: Record, terms: Terms, corner_hz: float, delay: float = 0.0) -> LinearFit:
+    """The best line with a Stribeck term; its keys end with the Stribeck speed, unless ``terms.known`` has it.
+
+    Raises:
+        DataError: too few rows.
+    """
+    length = length_of(corner_hz, record.period)
+    s = record.samples
+    base = rows_of(record, replace(terms, stribeck_speed=None), length, delay)
+    if KEY in terms.known:
+        fall = float(terms.known[KEY])
+        known = replace(terms, stribeck_speed=(fall, fall))
+        return fit_rows(rows_of(record, known, length, delay), known, length, delay)
+    lowest, highest = np.log(s.slow_speed), np.log(max(FASTEST * float(np.max(np.abs(s.smooth))), 4.0 * s.slow_speed))
+    step = max(1, length // APART)
+
+    plain, _ = np.linalg.qr(_scaled(base.matrix[base.used]))
+    force = _beside(plain, base.force[base.used])
+
+    def left(log_fall: float) -> float:
+        extra = _scaled(_beside(plain, smoothed(_fall_columns(s, terms, log_fall), length, step)[base.used]))
+        q, _ = np.linalg.qr(extra)
+        return float(force @ force - np.sum((q.T @ force) ** 2))
+
+    tried = np.linspace(lowest, highest, TRIED)
+    best = float(tried[int(np.argmin([left(t) for t in tried]))])
+    width = float(tried[1] - tried[0])
+    from scipy.optimize import minimize_scalar
+
+    found = minimize_scalar(left, bounds=(best - width, best + width), method="bounded", options={"xatol": 1e-4})
+    fall = float(np.exp(found.x))
+    full = replace(terms, stribeck_speed=(fall, fall))
+    fit = fit_rows(rows_of(record, full, length, delay), full, length, delay)
+    slope = (_fall_columns(s, terms, found.x + 1e-3) - _fall_columns(s, terms, found.x - 1e-3)) / 2e-3
+    excess = [fit.values.get(k, 0.0) for k in _excess_keys(full)]
+    return _extended(fit, smoothed(slope, length, step) @ np.array(excess), fall)
+
+
+def _excess_keys(terms: Terms) -> list[str]:
+    sides = ("forward",) if terms.symmetric else ("forward", "backward")
+    return [f"friction.{side}.excess" for side in sides]
+
+
+def _fall_columns(s: Samples, terms: Terms, log_fall: float) -> np.ndarray:
+    fall = float(np.exp(log_fall))
+    return columns(s, replace(terms, stribeck_speed=(fall, fall)), _excess_keys(terms))
+
+
+def _beside(plain: np.ndarray, columns: np.ndarray) -> np.ndarray:
+    """What orthonormal columns leave of others."""
+    return np.asarray(columns - plain @ (plain.T @ columns))
+
+
+def _scaled(columns: np.ndarray) -> np.ndarray:
+    """Columns of the length of one; a column of zeros stays one."""
+    size = np.sqrt(np.sum(columns * columns, axis=0))
+    return np.asarray(columns / np.where(size > 0.0, size, 1.0))
+
+
+def _extended(fit: LinearFit, slope: np.ndarray, fall: float) -> LinearFit:
+    """The fit with the Stribeck speed as its last key, linearised; ``slope`` is against the speed's logarithm."""
+    size = float(np.sqrt(np.mean(slope[fit.rows.used] ** 2)))
+    if not size > 0.0:
+        return fit
+    rows = fit.rows._replace(matrix=np.column_stack([fit.rows.matrix, slope / fall]))
+    keys = (*fit.keys, KEY)
+    wide = fit_rows(rows, fit.terms, fit.length, fit.delay, keys)
+    return replace(
+        wide, values=fit.values | {KEY: fall}, residual=fit.residual, rms=fit.rms, rows=rows, condition=fit.condition
+    )

@@ -9,13 +9,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from leadscrew.identify.axis.filters import choose_length
-from leadscrew.identify.axis.known import checked, unlike
-from leadscrew.identify.axis.record import Record, record_of
-from leadscrew.identify.axis.stage import SHARE, two_ways
-from leadscrew.kernel import door
-from leadscrew.kernel.errors import ValueRefused
+from leadscrew.identify.axis.linear_stage import SHARE, two_ways
+from leadscrew.identify.axis.parameters import checked, unlike
+from leadscrew.identify.axis.record import Record, choose_length, record_of
+from leadscrew.kernel import validate
 from leadscrew.logs.arrays import unlike as unlike_units
+from leadscrew.util.errors import ValueRefused
 
 if TYPE_CHECKING:
     from leadscrew.identify.axis.backlash import Backlash
@@ -79,11 +78,11 @@ def prepared(
     Raises:
         ValueRefused, NameUnknown, DataError: as :func:`leadscrew.identify.axis.fit.identify_axis`.
     """
-    door.one_of("model", model, list(MODELS))
-    door.one_of("refine", refine, list(REFINE))
+    validate.one_of("model", model, list(MODELS))
+    validate.one_of("refine", refine, list(REFINE))
     if refine == "closed" and cascade is None:
         raise ValueRefused("refine = 'closed': give the cascade that was active while the log was made")
-    share = door.number("holdout", holdout, "")
+    share = validate.number("holdout", holdout, "")
     if not 0.0 <= share <= 0.8:
         raise ValueRefused(f"holdout = {share:g}: must lie from 0 to 0.8")
     known = checked(given)
@@ -96,7 +95,7 @@ def prepared(
     if "force_per_drive" not in known and (missing := unlike_units(log.unit)):
         raise ValueRefused(f"{log.source}: {missing}")
     if delay is not None:
-        known["delay_s"] = door.number("delay", delay, "s")
+        known["delay_s"] = validate.number("delay", delay, "s")
         if known["delay_s"] < 0.0:
             raise ValueRefused(f"delay = {delay:g} s: a drive cannot act before it is given")
     force = known.get("force_per_drive", 1.0)

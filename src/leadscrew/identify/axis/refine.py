@@ -1,10 +1,10 @@
 """Refinement of an axis model by simulation: the parameters with which the plant itself comes nearest to the log.
 
-    minimise  sum_k (x_k(theta) - y_k)^2        x: leadscrew.plants.servo_axis under the logged drive
+    minimise  sum_k (x_k(theta) - y_k)^2        x: leadscrew.plants._servo_axis under the logged drive
 
 by trust-region least squares (SciPy) in scaled variables; all simulations of an iteration are one ``Loop.batch``.
 
-- ``windows``: pieces of 0.7 s, each with a free start position and speed (:mod:`refine_windows`): multiple shooting.
+- ``windows``: pieces of 0.7 s, each with a free start position and speed (:class:`Windows`): multiple shooting.
   The logged drive acted exactly as it is in the log, so with noise of the sensor alone this is maximum likelihood, in
   closed loop too. A force that the model does not know is forgotten at the next window.
 - ``open``: the whole log in one, its start speed free, and its start position too where nothing but the sensor's noise
@@ -12,30 +12,502 @@ by trust-region least squares (SciPy) in scaled variables; all simulations of an
 - ``closed``: the known cascade closes the loop on the model under the logged command. What is left is small, and tells
   of the parameters only as much as the controller lets them show.
 
-Covariances hold where residuals are correlated, :mod:`refine_errors`; ``at_bound`` names a parameter on its bound.
+Covariances hold where residuals are correlated, :func:`clustered`; ``at_bound`` names a parameter on its bound.
 H. G. Bock, *Recent advances in parameter identification techniques for ODE*, 1983, for multiple shooting; L. Ljung,
 *System Identification* (2nd ed., 1999), section 7.4 for the output-error method.
+
+Windows of a log, each with a start position and speed of its own, which are solved for inside (variable projection).
+
+With ``x_w(theta, p_w, v_w)`` the model's position in window ``w`` and ``y`` the measured one,
+
+    r_w(theta) = min over p_w, v_w of  x_w(theta, p_w, v_w) - y_w
+
+The start position shifts the whole window, so it takes the mean out. In sliding the start speed acts linearly: one step
+of Gauss and Newton finds it; where the axis stops within the window a second step is taken from there. A window that
+begins at rest begins with speed 0. Windows begin where the axis moves fastest nearby, since there a start speed is what
+it seems; the derivative is that of L. Kaufman, *A variable projection method*, BIT 15 (1975) 49.
+
+Covariance of a least-squares fit whose residuals are correlated within windows, with small-sample corrections.
+
+With the rows ``X_g, r_g`` of window ``g``, ``M = (X'X)^-1`` and ``A_g = (I - X_g M X_g')^(-1/2)``
+
+    V = M sum_g (X_g' A_g r_g)(X_g' A_g r_g)' M        ("CR2")
+
+It is unbiased where the residuals are white, and consistent whatever their correlation within a window and their size
+from window to window. The interval takes the quantile of Student's t with the degrees of freedom of Bell and McCaffrey,
+by parameter: few where few windows tell it. R. Bell, D. McCaffrey, *Bias reduction in standard errors for linear
+regression with multi-stage samples*, Survey Methodology 28 (2002) 169; J. Pustejovsky, E. Tipton, J. Business &
+Economic Statistics 36 (2018) 672.
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Literal, NamedTuple
 
 import numpy as np
 
-from leadscrew.identify.axis.refine_closed import BLOCK_S, Closed
-from leadscrew.identify.axis.refine_errors import Spread, by_force, clustered
-from leadscrew.identify.axis.refine_replay import LOST
-from leadscrew.identify.axis.refine_scales import Scales, scales
-from leadscrew.identify.axis.refine_windows import Windows, cut, whole
-from leadscrew.kernel import door
-from leadscrew.kernel.errors import DataError, ValueRefused
+from leadscrew.identify.axis.cascade import closed_loop, play_closed
+from leadscrew.identify.axis.record import Record, record_of
+from leadscrew.identify.axis.replay import LOST, Starts, play, played
+from leadscrew.identify.axis.simulation import NO_STRIBECK, START_S, plant_values, start_state
+from leadscrew.kernel import validate
+from leadscrew.util.errors import DataError, NameUnknown, ValueRefused
 
 if TYPE_CHECKING:
     from leadscrew.identify.axis.cascade import Cascade
     from leadscrew.logs import AxisLog
+
+
+LOGARITHMS = ("mass", "force_per_drive", "stribeck_speed")
+"""Fitted as logarithms; all others as multiples of their own size, so that they may come down to zero."""
+FACTOR = 100.0
+"""A logarithm stays within this factor of where it starts."""
+LONGEST_DELAY = 7.0
+"""Periods."""
+
+
+@dataclass(frozen=True)
+class Scales:
+    """Fitted keys, and how each becomes a variable."""
+
+    keys: tuple[str, ...]
+    base: dict[str, float]
+    """All values at the start."""
+    symmetric: bool
+    size: np.ndarray
+    """Value of one unit of each variable, for those that are not logarithms."""
+    logs: np.ndarray
+    origin: np.ndarray
+    low: np.ndarray
+    high: np.ndarray
+    force_per_drive: float | None
+    delay_s: float
+
+    def values(self, x: np.ndarray) -> dict[str, float]:
+        """All values at a point, both directions."""
+        found = dict(self.base)
+        for key, at, size, log in zip(self.keys, x, self.size, self.logs, strict=True):
+            found[key] = float(size * math.exp(at) if log else size * at)
+        return {k: v for k, v in found.items() if not (self.symmetric and k.startswith("friction.backward."))}
+
+    def point(self, x: np.ndarray) -> dict[str, float]:
+        """The plant's values at a point."""
+        return plant_values(self.values(x), self.force_per_drive)
+
+    def delay(self, x: np.ndarray) -> float:
+        """Seconds from a logged drive to its act."""
+        return float(x[self.keys.index("delay_s")] * self.size[self.keys.index("delay_s")]) if (
+            "delay_s" in self.keys
+        ) else self.delay_s  # fmt: skip
+
+    def per_variable(self, x: np.ndarray) -> np.ndarray:
+        """Change of each value for a change of its variable."""
+        return np.where(self.logs, self.size * np.exp(np.where(self.logs, x, 0.0)), self.size)
+
+
+def scales(log: AxisLog, start: Mapping[str, float], fitted: Sequence[str], symmetric: bool, delay_s: float) -> Scales:
+    """The variables of a fit.
+
+    Raises:
+        NameUnknown: a fitted key that no axis has.
+        ValueRefused: nothing to fit; a key twice; a backward key of a symmetric model; a drive's force and all that is
+            in its unit together, which no log can tell; a start that is not positive where it must be.
+    """
+    keys = tuple(fitted)
+    if not keys or len(set(keys)) != len(keys):
+        raise ValueRefused(f"fitted = {list(keys)}: expected one or more keys, each once")
+    if symmetric and any(k.startswith("friction.backward.") for k in keys):
+        raise ValueRefused("fitted: a symmetric model has no backward friction of its own; leave out its keys")
+    if {"mass", "force_per_drive"} <= set(keys):
+        raise ValueRefused("fitted: mass and force_per_drive cannot both be told by a log; give one of them")
+    if not symmetric and {"offset", "friction.forward.coulomb", "friction.backward.coulomb"} <= set(keys):
+        raise ValueRefused(
+            "fitted: offset and Coulomb friction of both directions together; no log tells them apart, since what is "
+            "added to one may be taken from the others: leave out offset"
+        )
+    base = _tied({k: float(v) for k, v in start.items()}, keys, symmetric)
+    full = plant_values(base, log.force_per_drive) | {"delay_s": delay_s}
+    for key in keys:
+        if key not in full:
+            raise NameUnknown(f"fitted: {key!r} is not what a refinement fits; it fits {', '.join(sorted(full))}")
+    top = float(np.max(np.abs(np.gradient(log.position, log.period))))
+    force = max(full["friction.forward.coulomb"], 0.02 * float(np.std(log.drive)) * abs(full["force_per_drive"]))
+    sizes = {"offset": force, "coulomb": force, "static": force, "viscous": force / max(top, 1e-12)}
+    sizes |= {"delay_s": log.period, "backlash": 1e-4 * float(np.ptp(log.position))}
+    size, logs, origin, low, high = [], [], [], [], []
+    for key in keys:
+        name = key.rsplit(".", 1)[-1]
+        log_like = name in LOGARITHMS
+        if log_like and full[key] == 0.0:
+            raise ValueRefused(f"start: {key} = 0; its fit needs a start that is not 0")
+        unit = full[key] if log_like else max(sizes[name], abs(full[key]) if name != "offset" else 0.0)
+        size.append(unit)
+        logs.append(log_like)
+        origin.append(0.0 if log_like else full[key] / unit)
+        low.append(-math.log(FACTOR) if log_like else -np.inf if name == "offset" else 0.0)
+        high.append(math.log(FACTOR) if log_like else LONGEST_DELAY if name == "delay_s" else np.inf)
+    return Scales(
+        keys, base, symmetric, np.array(size), np.array(logs), np.array(origin), np.array(low), np.array(high),
+        log.force_per_drive, delay_s,
+    )  # fmt: skip
+
+
+def _tied(base: dict[str, float], keys: Sequence[str], symmetric: bool) -> dict[str, float]:
+    """Without what follows another value: static friction that is Coulomb friction, backward that is forward."""
+    found = dict(base)
+    found.pop("delay_s", None)
+    for way in ("forward", "backward"):
+        static, coulomb = f"friction.{way}.static", f"friction.{way}.coulomb"
+        same = found.get(static) == found.get(coulomb, found.get("friction.forward.coulomb"))
+        if static not in keys and same:
+            found.pop(static, None)
+        speed = f"friction.{way}.stribeck_speed"
+        if speed in keys and not found.get(speed, NO_STRIBECK) > 0.0:
+            raise ValueRefused(f"start: {speed} = {found[speed]:g}: must be above 0")
+    if symmetric:
+        found = {k: v for k, v in found.items() if not k.startswith("friction.backward.")}
+    return found
+
+
+STEP = 1e-3
+"""Difference of a scaled variable for a derivative; also of a start speed, as a share of the top speed."""
+SPEED_STEPS = 2
+"""Steps of Gauss and Newton by which start speeds are solved for."""
+NEARBY = 0.3
+"""Share of a window by which its start may move to where the axis is faster."""
+LEAST, SHORT = 40, 24
+"""Samples of a window, at least; and of one that an unstable motion cuts short."""
+CALM, WILD = 3.0, 6.0
+"""Growth of an error within a window, as a logarithm: where a window ends, and beyond which it is left out."""
+FAR = 8.0
+"""Windows whose residual is more than so many times the median are left out: the model sticks there, or slides, where
+the axis does not."""
+TOGETHER_S = 0.3
+"""Windows that begin within so long of each other count as one piece of evidence."""
+WINDOW_S, LEAST_WINDOWS = 0.7, 12
+"""Length of a window; shorter where the log has fewer than so many."""
+
+
+class Cut(NamedTuple):
+    """Windows of a log: first samples and lengths."""
+
+    first: np.ndarray
+    length: np.ndarray
+
+
+def whole(log: AxisLog) -> Cut:
+    """One window."""
+    return Cut(np.array([0]), np.array([len(log.position)]))
+
+
+def cut(log: AxisLog, point: Mapping[str, float], window_s: float | None = None) -> Cut:
+    """Windows of the log, for a model near the values ``point`` of the plant.
+
+    Where friction falls with speed an error of the speed grows, at the rate ``-(dF/dv) / M``: a window ends before it
+    has grown by ``e^3``, and one in which it grows by ``e^6`` within the shortest window says nothing and is left out.
+    """
+    n, dt = len(log.position), log.period
+    aim = max(LEAST, round((window_s if window_s is not None else min(WINDOW_S, n * dt / LEAST_WINDOWS)) / dt))
+    speed = _speed(log)
+    grown = np.concatenate([[0.0], np.cumsum(_growth(point, speed) * dt)])
+    reach, least = int(NEARBY * aim), min(LEAST, SHORT)
+    found, at = [], 0
+    while at + least <= n:
+        end = min(n, at + aim)
+        if grown[end] - grown[at] > CALM:
+            end = min(n, max(at + least, int(np.searchsorted(grown, grown[at] + CALM))))
+        elif end + LEAST > n:
+            end = n
+        elif reach > 0:
+            low, high = end - reach, min(n - LEAST, end + reach)
+            end = low + int(np.argmax(np.abs(speed[low : high + 1]))) if high > low else end
+        if grown[end] - grown[at] < WILD:
+            found.append((at, end - at))
+        at = end
+    if not found:
+        return whole(log)
+    return Cut(*np.array(found).T)
+
+
+def _speed(log: AxisLog) -> np.ndarray:
+    n, side = len(log.position), max(2, round(START_S / log.period))
+    speed = np.zeros(n)
+    if n > 2 * side:
+        speed[side:-side] = (log.position[2 * side :] - log.position[: -2 * side]) / (2 * side * log.period)
+    return speed
+
+
+def _growth(point: Mapping[str, float], speed: np.ndarray) -> np.ndarray:
+    """Rate at which an error of the speed grows, 1/s, at least 0."""
+    rate = np.zeros(len(speed))
+    for way, here in (("forward", speed > 0.0), ("backward", speed < 0.0)):
+        c, s, vs, b = (point[f"friction.{way}.{n}"] for n in ("coulomb", "static", "stribeck_speed", "viscous"))
+        v = np.abs(speed) / vs
+        fall = (s - c) * 2.0 * v / vs * np.exp(-np.minimum(v * v, 500.0)) - b
+        rate = np.where(here, np.maximum(fall, 0.0) / point["mass"], rate)
+    return rate
+
+
+class Windows:
+    """Residuals of all windows at once; ``x`` are the variables of :class:`Scales`."""
+
+    def __init__(self, log: AxisLog, scale: Scales, pieces: Cut, held: bool = False) -> None:
+        self.held = held
+        """Start positions are the measured ones."""
+        self.log, self.scale, self.loop = log, scale, played(log)
+        self.pieces, self.first, self.length = pieces, pieces.first, pieces.length
+        self.longest = int(self.length.max())
+        rows = np.minimum(self.first[:, None] + np.arange(self.longest), len(log.position) - 1)
+        short = self.length <= self.longest // 4
+        self.groups = [g for g in (np.flatnonzero(short), np.flatnonzero(~short)) if len(g)]
+        self.inside = np.arange(self.longest) < self.length[:, None]
+        self.used, self.counted = np.ones(len(self.first), dtype=bool), self.inside
+        self.measured = log.position[rows]
+        record = record_of(log)
+        begins = [start_state(log, int(k), record.noise) for k in self.first]
+        self.position = np.array([b[0] for b in begins])
+        self.speed = np.array([b[1] for b in begins])
+        self.top = float(np.max(np.abs(self.speed))) or 1.0
+        self.noise = record.noise
+        self.moves = np.array([not _rests(record, int(k)) for k in self.first])
+        self.speed[~self.moves] = 0.0
+        self.seen = self.speed.copy()
+        self.runs = 0
+        self._known: tuple[bytes, np.ndarray, np.ndarray, np.ndarray] | None = None
+
+    def simulate(self, points: list[np.ndarray], speeds: list[np.ndarray]) -> np.ndarray:
+        """``[point, window, sample]``, model less measured; short windows do not wait for long ones."""
+        table = np.zeros((len(points), len(self.first), self.longest))
+        values, delays = [self.scale.point(x) for x in points], [self.scale.delay(x) for x in points]
+        for group in self.groups:
+            w, most = len(group), int(self.length[group].max())
+            starts = Starts(
+                np.tile(self.first[group], len(points)), np.tile(self.position[group], len(points)),
+                np.concatenate([v[group] for v in speeds]),
+            )  # fmt: skip
+            runs = [p for p in values for _ in range(w)]
+            self.runs += len(runs)
+            rows = play(self.loop, runs, starts, most, np.repeat(delays, w).tolist())
+            table[:, group, :most] = rows.reshape(len(points), w, most)
+        return np.where(self.inside, table - self.measured, 0.0)
+
+    def _centred(self, rows: np.ndarray) -> np.ndarray:
+        if self.held:
+            return rows
+        mean = rows.sum(axis=-1, keepdims=True) / self.length[:, None]
+        return np.where(self.inside, rows - mean, 0.0)
+
+    def _without(self, rows: np.ndarray, by_speed: np.ndarray) -> np.ndarray:
+        """Less what a start position and speed can make."""
+        rows = self._centred(rows)
+        size = np.sum(by_speed * by_speed, axis=-1)
+        share = np.sum(rows * by_speed, axis=-1) / np.where(size > 0.0, size, 1.0)
+        return np.asarray(rows - share[..., None] * by_speed)
+
+    def solve(self, x: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Residuals ``[window, sample]``, their derivative by the start speeds, and those speeds.
+
+        A step that does not bring a window nearer to the log is not taken: where the axis sticks, it may lead astray.
+        """
+        if self._known is not None and self._known[0] == x.tobytes():
+            return self._known[1:]
+        others = [self.seen] if self._known is None else []
+        for _ in range(SPEED_STEPS if others else 1):
+            speed, left, by_speed = self._nearest(x, [self.speed, *others])
+            self.speed, others = speed, [speed - self._share(left, by_speed)]
+        speed, left, by_speed = self._nearest(x, [self.speed, *others])
+        self.speed = speed
+        self._known = (x.tobytes(), left, by_speed, speed)
+        return left, by_speed, speed
+
+    def _nearest(self, x: np.ndarray, tries: list[np.ndarray]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """The best of some start speeds, window by window: speed, residual and its derivative by the speed."""
+        step, n = STEP * self.top, len(tries)
+        found = self._centred(self.simulate([x] * (2 * n), [*tries, *(v + step for v in tries)]))
+        best, every = np.argmin(np.sum(found[:n] ** 2, axis=2), axis=0), np.arange(len(self.first))
+        left, more = found[best, every], found[n + best, every]
+        by_speed = np.where(self.moves[:, None], (more - left) / step, 0.0)
+        return np.array(tries)[best, every], left, by_speed
+
+    def _share(self, left: np.ndarray, by_speed: np.ndarray) -> np.ndarray:
+        size = np.sum(by_speed * by_speed, axis=1)
+        change = np.sum(left * by_speed, axis=1) / np.where(size > 0.0, size, 1.0)
+        return np.clip(change, -0.2 * self.top, 0.2 * self.top)
+
+    def residuals(self, x: np.ndarray) -> np.ndarray:
+        """All windows in one row."""
+        return np.asarray(self.solve(x)[0][self.counted])
+
+    def choose(self, x: np.ndarray) -> bool:
+        """Leaves out windows that the model misses by far more than the others; whether that changes anything."""
+        size = np.sqrt(np.sum(self.solve(x)[0] ** 2, axis=1) / self.length)
+        used = size <= FAR * float(np.median(size))
+        changed = bool((used != self.used).any())
+        self.used, self.counted = used, self.inside & used[:, None]
+        return changed
+
+    def jacobian(self, x: np.ndarray, central: bool = False) -> np.ndarray:
+        """``[sample, variable]``; one-sided differences, or to both sides."""
+        _, by_speed, speed = self.solve(x)
+        ups = [x + STEP * row for row in np.eye(len(x))]
+        downs = [np.maximum(x - STEP * row, self.scale.low) for row in np.eye(len(x))] if central else [x]
+        found = self.simulate([*ups, *downs], [speed] * (len(ups) + len(downs)))
+        columns = []
+        for i, up in enumerate(ups):
+            down = downs[i if central else 0]
+            change = (found[i] - found[len(ups) + (i if central else 0)]) / (up[i] - down[i])
+            columns.append(self._without(change, by_speed)[self.counted])
+        return np.column_stack(columns)
+
+    @property
+    def cluster(self) -> np.ndarray:
+        """Window of each entry of :meth:`residuals`; short windows side by side count as one."""
+        block = max(1, round(TOGETHER_S / self.log.period))
+        _, index = np.unique(self.first // block, return_inverse=True)
+        return np.asarray(np.repeat(index[self.used], self.length[self.used]))
+
+    def begin(self, x: np.ndarray) -> tuple[float, float]:
+        """Position and speed with which the first window fits best."""
+        speed = self.solve(x)[2]
+        raw = self.simulate([x], [speed])[0][0]
+        shift = 0.0 if self.held else float(raw[: self.length[0]].mean())
+        return float(self.position[0]) - shift, float(speed[0])
+
+
+def _rests(record: Record, first: int) -> bool:
+    """Whether nothing moves around a sample beyond what the scale's noise makes."""
+    side = max(2, round(START_S / record.period))
+    near = record.position[max(0, first - side) : first + side + 1]
+    half = len(near) // 2
+    way = abs(float(near[-half:].mean() - near[:half].mean()))
+    return way <= max(1.5 * record.count, 4.0 * record.noise)
+
+
+BLOCK_S = 0.5
+"""Blocks of time that count as independent where there are no windows."""
+
+
+class Closed:
+    """The log's whole command played on the closed loop."""
+
+    def __init__(self, log: AxisLog, scale: Scales, cascade: Cascade) -> None:
+        self.log, self.scale, self.loop, self.runs = log, scale, closed_loop(log, cascade), 0
+        self.start = start_state(log)
+
+    def simulate(self, points: list[np.ndarray]) -> np.ndarray:
+        """``[point, sample]``, model less measured."""
+        self.runs += len(points)
+        values, delays = [self.scale.point(x) for x in points], [self.scale.delay(x) for x in points]
+        return play_closed(self.loop, values, self.start, len(self.log.time), delays) - self.log.position
+
+    def residuals(self, x: np.ndarray) -> np.ndarray:
+        """All samples."""
+        return self.simulate([x])[0]
+
+    def jacobian(self, x: np.ndarray, central: bool = False) -> np.ndarray:
+        """``[sample, variable]``; one-sided differences, or to both sides."""
+        ups = [x + STEP * row for row in np.eye(len(x))]
+        downs = [np.maximum(x - STEP * row, self.scale.low) for row in np.eye(len(x))] if central else [x]
+        found = self.simulate([*ups, *downs])
+        other = [len(ups) + (i if central else 0) for i in range(len(ups))]
+        apart = [(up - downs[i if central else 0])[i] for i, up in enumerate(ups)]
+        return np.column_stack([(found[i] - found[other[i]]) / apart[i] for i in range(len(ups))])
+
+    @property
+    def cluster(self) -> np.ndarray:
+        """Block of time of each sample."""
+        return np.arange(len(self.log.time)) // max(1, round(BLOCK_S / self.log.period))
+
+    def begin(self, x: np.ndarray) -> tuple[float, float]:
+        """As measured."""
+        return self.start
+
+
+WEAK = 1e-12
+"""Share of the largest singular value below which a direction counts as not told at all."""
+SHORT_S = 0.02
+"""Over which a force is averaged for a look at what disturbs."""
+LEVERAGE = 1e-3
+"""A window's own weight in its fit is taken to be at most one less this."""
+
+
+class Spread(NamedTuple):
+    """How far to trust the variables of a fit."""
+
+    covariance: np.ndarray
+    degrees: np.ndarray
+    """Of freedom of Student's t, by variable."""
+    condition: float
+    """Largest over smallest singular value, columns scaled to the same length."""
+
+
+def clustered(jacobian: np.ndarray, left: np.ndarray, cluster: np.ndarray) -> Spread:
+    """CR2 covariance by window; a direction that is not told has infinite variance."""
+    inverse, condition = _inverse(jacobian)
+    values, vectors = np.linalg.eigh(inverse)
+    root = vectors * np.sqrt(np.maximum(values, 0.0))
+    edges = np.flatnonzero(np.diff(cluster)) + 1
+    scores, sizes, crosses = [], [], []
+    for rows, r in zip(np.split(jacobian, edges), np.split(left, edges), strict=True):
+        u, s, _ = np.linalg.svd(rows @ root, full_matrices=False)
+        gain = 1.0 / np.sqrt(np.maximum(1.0 - s * s, LEVERAGE)) - 1.0
+        scores.append(rows.T @ (r + u @ (gain * (u.T @ r))))
+        own = rows @ inverse
+        own = own + u @ (gain[:, None] * (u.T @ own))
+        sizes.append(np.sum(own * own, axis=0))
+        crosses.append(rows.T @ own)
+    score = np.array(scores)
+    covariance = inverse @ (score.T @ score) @ inverse
+    return Spread(covariance, _degrees(np.array(sizes), np.array(crosses), inverse), condition)
+
+
+def _degrees(sizes: np.ndarray, crosses: np.ndarray, inverse: np.ndarray) -> np.ndarray:
+    """Bell and McCaffrey's, for white residuals."""
+    found = []
+    for i in range(sizes.shape[1]):
+        b = crosses[:, :, i]
+        gram = np.diag(sizes[:, i]) - b @ inverse @ b.T
+        found.append(float(np.trace(gram)) ** 2 / max(float(np.sum(gram * gram)), 1e-300))
+    return np.maximum(np.array(found), 1.0)
+
+
+def by_force(jacobian: np.ndarray, left: np.ndarray, period: float, rate: float, block_s: float) -> Spread:
+    """Covariance of an open-loop fit, whose residual is a disturbing force integrated twice.
+
+    ``rate`` is viscous friction over mass. The residual is taken back to the force that makes it, ``left = G w`` with
+    ``G`` the mass under viscous friction, so that ``X' left = (G' X)' w``: what adds up are blocks of time in ``w``,
+    which are independent where those of ``left`` are not.
+    """
+    from scipy.signal import lfilter
+
+    inverse, condition = _inverse(jacobian)
+    kept = float(np.exp(-rate * period))
+    a = np.array([1.0, -1.0 - kept, kept])
+    force, turned = lfilter(a, [1.0], left), lfilter(a, [1.0], jacobian, axis=0)
+    # what the fit itself is off by is in the force too, and would be counted as noise: least squares takes it out
+    some = np.arange(0, len(left), max(1, round(SHORT_S / period)))
+    off, *_ = np.linalg.lstsq(np.add.reduceat(turned, some, axis=0), np.add.reduceat(force, some), rcond=None)
+    force = force - turned @ off
+    adjoint = lfilter([1.0], a, jacobian[::-1], axis=0)[::-1]
+    block = max(1, round(block_s / period))
+    score = np.add.reduceat(adjoint * force[:, None], np.arange(0, len(left), block), axis=0)
+    spare = max(1.0, len(score) - jacobian.shape[1] - 2.0)
+    covariance = inverse @ (score.T @ score) @ inverse * len(score) / spare
+    return Spread(covariance, np.full(jacobian.shape[1], spare), condition)
+
+
+def _inverse(jacobian: np.ndarray) -> tuple[np.ndarray, float]:
+    size = np.linalg.norm(jacobian, axis=0)
+    safe = np.where(size > 0.0, size, 1.0)
+    _, s, v = np.linalg.svd(jacobian / safe, full_matrices=False)
+    usable = np.maximum(s, WEAK * s[0])
+    inverse = (v.T / usable**2) @ v / np.outer(safe, safe)
+    condition = float(s[0] / s[-1]) if s[-1] > 0.0 else float("inf")
+    return inverse, condition
+
 
 Mode = Literal["open", "windows", "closed"]
 
@@ -121,7 +593,7 @@ def refine(
         NameUnknown, ValueRefused: an unknown key, mode or value; ``closed`` without a cascade.
         DataError: the simulation diverges at the start; the log is too short; no command for ``closed``.
     """
-    door.one_of("mode", mode, ["open", "windows", "closed"])
+    validate.one_of("mode", mode, ["open", "windows", "closed"])
     scale = scales(log, start, fitted, symmetric, delay_s)
     problem = _problem(log, scale, mode, cascade, window_s)
     found = _descend(log, scale, problem, mode, progress)
@@ -177,7 +649,7 @@ def _problem(
             raise ValueRefused("mode = 'closed': give the cascade that was active while the log was made")
         return Closed(log, scale, cascade)
     if window_s is not None:
-        door.positive("window_s", window_s, "s")
+        validate.positive("window_s", window_s, "s")
     if mode == "open":
         return Windows(log, scale, whole(log), held=True)
     return Windows(log, scale, cut(log, scale.point(scale.origin), window_s))

@@ -1,6 +1,6 @@
 """What ``identify axis`` found: parameters with intervals, errors on data it saw and on data it did not, and advice.
 
-Keys are those of the plant :mod:`leadscrew.plants.servo_axis`, and ``delay_s``. Units are SI; where the force of a unit
+Keys are those of the plant :obj:`leadscrew.plants.servo_axis`, and ``delay_s``. Units are SI; where the force of a unit
 of the drive is not known, the drive's own unit stands for the newton.
 """
 

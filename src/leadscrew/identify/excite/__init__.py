@@ -1,16 +1,5 @@
 """Test moves: what an axis must do so that its log tells mass, friction, delay and lost motion, inside safe limits."""
 
-from leadscrew.lazy import doors
+from leadscrew.util.lazy_exports import exports
 
-__getattr__, __dir__ = doors(
-    globals(),
-    {
-        "limits": "Limits",
-        "move": "Move Sampled Stroke check sampled path_of",
-        "belief": "Belief belief_of",
-        "information": "Information information",
-        "blocks": "candidates",
-        "design": "Predicted Proposal propose",
-        "files": "write",
-    },
-)
+__getattr__, __dir__, __all__ = exports(__name__, __file__)

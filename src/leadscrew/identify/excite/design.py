@@ -5,6 +5,14 @@ experiments with a cost in seconds (V. V. Fedorov, *Theory of Optimal Experiment
 is the one that lowers the sum of ``ln(interval / target)`` over all intervals not yet met the most, by second. A part
 of each kind is run whatever the numbers say. The whole is run twice: a fitter that keeps the second half of a log
 unseen then meets in both halves the same motions. Predictions are for the first.
+
+Parts that a test move is made of; each starts and ends at rest in the middle of the travel.
+
+- *sliding*: the whole travel both ways at one speed: Coulomb and viscous friction;
+- *speeding up*: short strokes at the full acceleration: mass, delay;
+- *creeping*: both ways at speeds around the Stribeck speed: static friction and its fall;
+- *pre-sliding*: strokes shorter than the bristles give way: stiffness, and damping in the quick ones;
+- *lost motion*: short strokes each way with a rest behind: backlash.
 """
 
 from __future__ import annotations
@@ -18,14 +26,174 @@ from typing import Any, Literal, NamedTuple
 import numpy as np
 
 from leadscrew.identify.excite import belief as beliefs
-from leadscrew.identify.excite import limits as bounds
-from leadscrew.identify.excite.belief import Belief
-from leadscrew.identify.excite.blocks import Part, candidates
+from leadscrew.identify.excite import move as bounds
+from leadscrew.identify.excite.belief import Belief, level
 from leadscrew.identify.excite.information import Z95, Information, columns_of, information, nothing
-from leadscrew.identify.excite.limits import Limits
-from leadscrew.identify.excite.move import START_REST, Move, Sampled, Stroke, check, sampled
-from leadscrew.identify.excite.why import why_not
-from leadscrew.kernel.errors import ValueRefused
+from leadscrew.identify.excite.move import (
+    SHARE,
+    START_REST,
+    Limits,
+    Move,
+    Sampled,
+    Stroke,
+    check,
+    sampled,
+    there_and_back,
+)
+from leadscrew.util.errors import ValueRefused
+
+RISE = 0.05
+"""Share of the rise of friction towards rest above which the force that no model explains hides it, not the sensor."""
+
+
+def why_not(key: str, belief: Belief, half: float, target: float, limits: Limits, duration: float) -> str:
+    """A sentence: what limits the interval of a key, and how much more of what would meet the target."""
+    name, unit = key.rsplit(".", 1)[-1], belief.unit
+    level = max(belief.side("coulomb", True), belief.side("coulomb", False))
+    if not math.isfinite(half):
+        return "no part of a test inside these limits tells it"
+    more = half / target if target > 0.0 else math.inf
+    longer = f"; a test of about {_round(duration * more**2)} s would" if more < 6.0 else ""
+    if name == "viscous":
+        force = belief.of(key) * SHARE * limits.speed
+        return (
+            f"at the top speed of {_shown(limits.speed, unit)}/s it is {force:.3g} of {level + force:.3g} "
+            f"{belief.force_unit}{longer}; a higher top speed tells it better in proportion"
+        )
+    if name == "coulomb":
+        force = belief.of(key.replace("coulomb", "viscous")) * SHARE * limits.speed
+        return (
+            f"it trades with viscous friction, which reaches {force:.3g} {belief.force_unit} at the top speed"
+            f"{longer}; a higher top speed or a longer test tells them apart"
+        )
+    if name == "mass":
+        force = belief.of(key) * SHARE * limits.acceleration
+        return (
+            f"at the top acceleration of {_shown(limits.acceleration, unit)}/s^2 it takes {force:.3g} "
+            f"{belief.force_unit} beside {level:.3g} of friction{longer}; a higher acceleration tells it better"
+        )
+    if name in ("static", "stribeck_speed"):
+        slow = belief.side("stribeck_speed", True)
+        rise = max(belief.side("static", ahead) - belief.side("coulomb", ahead) for ahead in (True, False))
+        if belief.force_noise > RISE * rise:
+            return (
+                f"friction rises by {rise:.3g} {belief.force_unit} from sliding to rest, and no model explains a force "
+                f"of {belief.force_noise:.3g}{longer}"
+            )
+        return (
+            f"creeping at {_shown(slow, unit)}/s moves the axis by {slow * belief.period / belief.noise:.2g} times the "
+            f"sensor's noise in a period{longer}; a finer sensor tells it"
+        )
+    if name in ("stiffness", "damping"):
+        bend = max(belief.side("static", True), level) / max(belief.of("friction.stiffness"), 1e-300)
+        return f"the bristles bend by {_shown(bend, unit)}, the sensor's noise is {_shown(belief.noise, unit)}{longer}"
+    if name == "backlash":
+        return f"the gap is {_shown(belief.of(key), unit)}, the sensor's noise {_shown(belief.noise, unit)}{longer}"
+    return f"the sensor's noise is {_shown(belief.noise, unit)}{longer or '; a longer test or a finer sensor tells it'}"
+
+
+def _round(seconds: float) -> str:
+    return f"{seconds:.2g}" if seconds < 100.0 else f"{round(seconds, -1):.0f}"
+
+
+def _shown(value: float, unit: str) -> str:
+    """In mm or um where the unit is m."""
+    if unit != "m":
+        return f"{value:.3g} {unit}"
+    return f"{1e3 * value:.3g} mm" if abs(value) >= 1e-4 else f"{1e6 * value:.3g} um"
+
+
+SLIDES = (1.0, 0.5, 0.2, 0.08)
+"""Of the top speed."""
+SHAKES = (1.0, 0.5, 0.2)
+"""Of the top speed, as peak of a stroke that only speeds up and slows down."""
+CREEPS = (0.3, 0.7, 1.5, 4.0)
+"""Of the Stribeck speed."""
+LONGEST_S = 1.2
+"""Of a stroke at an even speed, from one end to the other."""
+REST_S = 0.15
+GRID = 1e-9
+"""Ends are whole nanometres (or nanoradians), so that samples and program agree."""
+
+
+class Part(NamedTuple):
+    """A block of strokes that may be run several times."""
+
+    name: str
+    purpose: str
+    move: Move
+    always: bool = False
+    """Run once whatever the numbers say: a fit is to be judged at several speeds, not only to be narrow."""
+
+
+def candidates(limits: Limits, belief: Belief) -> list[Part]:
+    """All parts that the limits allow and that tell something that is wanted."""
+    wanted = " ".join(belief.wanted)
+    found = [_slide(limits, share * SHARE * limits.speed)._replace(always=True) for share in SLIDES]
+    found += [_shake(limits, share * SHARE * limits.speed) for share in SHAKES]
+    found[len(SLIDES)] = found[len(SLIDES)]._replace(always=True)
+    if "stribeck" in wanted or "static" in wanted:
+        scale = max(belief.side("stribeck_speed", True), belief.side("stribeck_speed", False))
+        speeds = {min(c * scale, SHARE * limits.speed) for c in CREEPS}
+        found += [_creep(limits, speed)._replace(always=True) for speed in sorted(speeds)]
+    if "stiffness" in wanted or "damping" in wanted:
+        found += [part._replace(always=True) for part in _bristles(limits, belief)]
+    if "backlash" in wanted:
+        found.append(_reverse(limits, belief)._replace(always=True))
+    return _different(found)
+
+
+def _different(parts: list[Part]) -> list[Part]:
+    """Without those that limits made equal."""
+    found: dict[tuple[Stroke, ...], Part] = {}
+    for part in parts:
+        found.setdefault(part.move.strokes, part)
+    return list(found.values())
+
+
+def _part(limits: Limits, name: str, purpose: str, half: float, speed: float, rest: float, times: int) -> Part:
+    """Strokes from the middle to ``half`` on both sides in turn."""
+    low, high = limits.reach
+    half = min(half, 0.5 * (high - low))
+    middle = round(limits.middle / GRID) * GRID
+    half = max(round(half / GRID), 1) * GRID
+    ends = (middle + half, middle - half)
+    return Part(name, purpose, Move(middle, there_and_back(middle, ends, speed, rest, purpose, times), limits))
+
+
+def _slide(limits: Limits, speed: float) -> Part:
+    return _part(limits, f"slide {speed:g}", "sliding", 0.5 * speed * LONGEST_S, speed, REST_S, 1)
+
+
+def _shake(limits: Limits, speed: float) -> Part:
+    return _part(limits, f"shake {speed:g}", "speeding up", 0.5 * _ramp(limits, speed), speed, REST_S, 3)
+
+
+def _ramp(limits: Limits, speed: float) -> float:
+    """Length of a stroke that reaches a speed and slows down again."""
+    a, j = SHARE * limits.acceleration, SHARE * limits.jerk
+    if not j:
+        return speed**2 / a
+    return speed * (speed / a + a / j) if speed * j >= a * a else 2.0 * speed * (speed / j) ** 0.5
+
+
+def _creep(limits: Limits, speed: float) -> Part:
+    return _part(limits, f"creep {speed:g}", "creeping", 0.5 * speed * LONGEST_S, speed, REST_S, 1)
+
+
+def _bristles(limits: Limits, belief: Belief) -> list[Part]:
+    bend = 0.7 * level(belief) / belief.of("friction.stiffness")
+    slow, quick = 2.0 * bend / 0.5, min(2.0 * bend / 0.02, SHARE * limits.speed)
+    return [
+        _part(limits, "bend", "pre-sliding", bend, slow, REST_S, 2),
+        _part(limits, "shiver", "pre-sliding", bend, quick, 0.02, 10),
+    ]
+
+
+def _reverse(limits: Limits, belief: Belief) -> Part:
+    half = max(5.0 * belief.of("backlash"), 100.0 * belief.noise)
+    return _part(limits, "reverse", "lost motion", half, min(2.0 * half / 0.5, 0.2 * limits.speed), 0.3, 3)
+
 
 TARGETS = {"mass": 5.0, "coulomb": 5.0, "viscous": 10.0, "static": 10.0, "stribeck_speed": 30.0, "stiffness": 10.0,
            "damping": 30.0, "backlash": 20.0}  # fmt: skip

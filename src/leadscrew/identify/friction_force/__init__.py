@@ -5,15 +5,6 @@ Force against position and speed; the motion is an input, not something to be si
 friction, the Stribeck map, Dahl, LuGre and Maxwell slip to its first part and judges each on the rest.
 """
 
-from leadscrew.lazy import doors
+from leadscrew.util.lazy_exports import exports
 
-__getattr__, __dir__ = doors(
-    globals(),
-    {
-        "record": "ForceRecord force_record",
-        "file": "read_force_record",
-        "fit": "identify_friction_force",
-        "result": "FrictionForceFit ModelFit Bin",
-        "block": "settings set_table",
-    },
-)
+__getattr__, __dir__, __all__ = exports(__name__, __file__)

@@ -6,20 +6,127 @@ Signs as everywhere in Leadscrew: a positive force resists a positive speed. Fri
 A position that flickers by a count of its encoder would bend bristles that do not move. So up to two counts against
 the last direction are no reversal; three are. The speed is the slope over a few samples, so many that one count is 2 %
 of the usual speed.
+
+What is odd about the signals of a friction log, by the checks of :mod:`leadscrew.logs`.
+
+Of an axis a top speed above 20 m/s, a travel above 100 m or a period above 0.5 s is refused as a wrong unit. A
+tribometer may do that, so here it is said, with the option that mends it.
 """
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
+from pathlib import Path
 from typing import Literal
 
 import numpy as np
 
-from leadscrew.identify.friction_force.checks import check_motion, check_time
-from leadscrew.kernel.errors import DataError, ValueRefused
+from leadscrew.kernel.validate import positive
+from leadscrew.logs import Table, read_table
 from leadscrew.logs.finding import Finding
-from leadscrew.logs.jumps import jumps
+from leadscrew.logs.header import bare
+from leadscrew.logs.measure import Motion, motion
+from leadscrew.logs.plausible import check_drive, check_units
+from leadscrew.logs.sampling import Place, clock
+from leadscrew.logs.signals import jumps
+from leadscrew.logs.units import drive_in, length_in, speed_in
+from leadscrew.util.errors import DataError, ValueRefused
+
+GAP = 1.5
+"""Times the usual period that make a gap."""
+INERTIA = 0.3
+"""Share of the force's variance that a mass must explain for it to be said."""
+GAPS = 0.05
+"""Share of steps above which uneven times are the way of the log, not gaps."""
+
+
+def check_time(t: np.ndarray, source: str, place: Place) -> list[Finding]:
+    """Passes where times rise; says gaps, and a period that looks like another unit.
+
+    Raises:
+        DataError: a time that does not rise.
+    """
+    steps = np.diff(t)
+    seen = clock(t, place)
+    back = np.flatnonzero(steps <= 0.0)
+    if len(back):
+        faults = [f.sentence for f in seen.findings if f.severity == "refused"]
+        k = int(back[0])
+        plain = f"{place(k + 1)}: the time {t[k + 1]:g} s does not rise above {t[k]:g} s"
+        raise DataError(f"{source}: {faults[0] if faults else plain}")
+    found = [f._replace(severity="warning") for f in seen.findings if f.kind == "unit"]
+    usual = float(np.median(steps))
+    gaps = np.flatnonzero(steps > GAP * usual)
+    # an adaptive step differs from sample to sample; a gap is an exception
+    if not len(gaps) or len(gaps) > GAPS * len(steps):
+        return found
+    first, last = int(gaps[0]), int(gaps[-1])
+    many = "1 step of time is" if len(gaps) == 1 else f"{len(gaps)} steps of time are"
+    return [*found, Finding(
+        "gap", "note",
+        f"{many} longer than {GAP:g} periods of {usual:g} s (between {t[first]:g} and {t[last + 1]:g} s, the longest "
+        f"{steps.max():g} s); every sample is taken with its own step",
+    )]  # fmt: skip
+
+
+def check_motion(
+    t: np.ndarray, force: np.ndarray, position: np.ndarray, speed: np.ndarray, unit: str, source: str
+) -> list[Finding]:
+    """Says speeds and travels that look like another unit.
+
+    Raises:
+        DataError: force and position are swapped.
+    """
+    period = float(np.median(np.diff(t)))
+    arrays = {"drive": force, "position": position}
+    if any(f.kind == "swapped" for f in check_drive(arrays, motion(position, period), period, unit, None)):
+        raise DataError(
+            f"{source}: the position looks like a force and the force like a position: the two columns are swapped; "
+            "name them with --force NAME --position NAME"
+        )
+    # Times may be uneven, so the speed is the record's own; its acceleration is not looked at.
+    moves = Motion(speed, np.zeros(len(speed)), 0)
+    found = [f for f in check_units(position, moves, period, unit) if f.severity == "refused"]
+    return [*(f._replace(severity="warning") for f in found), *_mass(t, force, position, period, unit)]
+
+
+def _mass(t: np.ndarray, force: np.ndarray, position: np.ndarray, period: float, unit: str) -> list[Finding]:
+    """A force that is mostly a mass times its acceleration is that of a drive, not of friction."""
+    steps = np.diff(t)
+    if float(np.ptp(steps)) > 0.1 * period:
+        return []
+    moves = motion(position, period)
+    kept = slice(moves.margin, len(force) - moves.margin or None)
+    speed, acceleration = moves.speed[kept], moves.acceleration[kept]
+    size = float(np.std(acceleration)) or 1.0
+    terms = np.column_stack([np.ones(len(speed)), np.sign(speed), speed / (np.std(speed) or 1.0), acceleration / size])
+    spread = float(np.var(force[kept]))
+    shares = []
+    for count in (3, 4):
+        values, *_ = np.linalg.lstsq(terms[:, :count], force[kept], rcond=1e-10)
+        shares.append(1.0 - float(np.var(force[kept] - terms[:, :count] @ values)) / spread if spread else 0.0)
+    if shares[1] < 0.9 or shares[1] - shares[0] < INERTIA:
+        return []
+    mass = abs(float(values[3])) / size
+    kind = "kg" if unit == "m" else "kg m^2"
+    said = (
+        f"{100.0 * (shares[1] - shares[0]):.0f} % of the force is that of {mass:.3g} {kind} speeding up: it looks like "
+        "the force of a drive, not of friction; leadscrew identify axis takes mass and friction apart"
+    )
+    return [Finding("mass", "warning", said)]
+
+
+def doubles(notes: Sequence[str], used: Sequence[str]) -> list[Finding]:
+    """What the file says of two columns of one name, where one of them is used."""
+    return [
+        Finding("columns", "warning", f"{note}; {name!r} was taken")
+        for note in notes
+        for name in used
+        if f"second {name!r}" in note or f"called {name!r}" in note
+    ]
+
 
 LEAST = 50
 """Samples below which nothing is fitted."""
@@ -225,3 +332,135 @@ def slopes(t: np.ndarray, x: np.ndarray, step: float) -> np.ndarray:
     k = np.arange(len(x))
     a, b = np.maximum(k - half, 0), np.minimum(k + half, len(x) - 1)
     return (x[b] - x[a]) / (t[b] - t[a])
+
+
+NAMES = {
+    "time": ("time", "t", "timestamp", "elapsed"),
+    "force": ("friction", "friction force", "friction_force", "tangential", "tangential force", "force", "f"),
+    "position": ("position", "pos", "x", "displacement", "travel", "stroke"),
+    "velocity": ("velocity", "speed", "v"),
+    "normal": ("normal", "normal force", "normal_force", "load", "fn", "n"),
+}
+"""What the columns are usually called, the likeliest first; case does not matter."""
+NEEDED = ("time", "force")
+
+
+def read_force_record(
+    path: str | Path, *, columns: Mapping[str, str] | None = None, units: Mapping[str, str] | None = None,
+    sign: Literal["auto", 1, -1] = "auto", start: float | None = None, end: float | None = None,
+    period: float | None = None,
+) -> ForceRecord:  # fmt: skip
+    """A friction force and its motion from a file.
+
+    Args:
+        path: CSV, TSV, white space, Parquet, MATLAB, or a folder of ``leadscrew simulate --out``.
+        columns: header by role (``time``, ``force``, ``position``, ``velocity``, ``normal``), where it is not a usual
+            name.
+        units: unit by role, where the header says none; SI unless said.
+        sign: see :func:`force_record`.
+        start: s; earlier samples are left out.
+        end: s; later samples are left out.
+        period: s from row to row, for a file without times.
+
+    Raises:
+        DataError: what is wrong with the file, in one sentence.
+        ValueRefused: no such role or unit.
+        NameUnknown: no such column.
+    """
+    columns, units = dict(columns or {}), dict(units or {})
+    for given in (columns, units):
+        for role in given:
+            if role not in NAMES:
+                raise ValueRefused(f"{role} = {given[role]!r}: allowed are {', '.join(NAMES)}")
+    table = read_table(path)
+    if period is not None:
+        positive("period", period, "s")
+        if "time" in columns:
+            raise ValueRefused(f"period = {period:g} s, and a column of times, {columns['time']!r}: give one of them")
+    timed = period is None
+    names = {role: _column(table, role, columns.get(role)) for role in NAMES if timed or role != "time"}
+    if names["position"] is None and names["velocity"] is None:
+        raise DataError(
+            f"{table.source}: no column is the position or the velocity (there are {_there(table)}); name one with "
+            "--position or --velocity"
+        )
+    said = {role: units.get(role) or table.units.get(name, "") for role, name in names.items() if name is not None}
+    unit = _unit(table.source, said, names)
+    read = {role: table.numbers(name) for role, name in names.items() if name is not None}
+    t = table.evenly(period) if period is not None else table.seconds(names["time"] or "", units.get("time"))
+    kept = np.ones(len(t), dtype=bool)
+    if start is not None:
+        kept &= t >= start
+    if end is not None:
+        kept &= t <= end
+    if not kept.any():
+        raise DataError(
+            f"{table.source}: runs from {t[0]:g} to {t[-1]:g} s; nothing of it lies from "
+            f"{t[0] if start is None else start:g} to {t[-1] if end is None else end:g} s"
+        )
+    size = _sizes(said, unit)
+    made = {role: values[kept] * size[role] for role, values in read.items() if role != "time"}
+    record = force_record(
+        t[kept], made["force"], position=made.get("position"), velocity=made.get("velocity"),
+        normal=made.get("normal"), unit=unit, sign=sign, source=table.source,
+    )  # fmt: skip
+    shown = ", ".join(f"{role} {name!r} in {said[role] or _SI[role][unit]}" for role, name in names.items() if name)
+    record.findings[:0] = [Finding("columns", "note", shown), *doubles(table.notes, [n for n in names.values() if n])]
+    return record
+
+
+_SI = {
+    "time": {"m": "s", "rad": "s"}, "force": {"m": "N", "rad": "N m"}, "position": {"m": "m", "rad": "rad"},
+    "velocity": {"m": "m/s", "rad": "rad/s"}, "normal": {"m": "N", "rad": "N"},
+}  # fmt: skip
+
+
+def _column(table: Table, role: str, asked: str | None) -> str | None:
+    if asked is not None:
+        return table.name(asked)
+    plain = {bare(name).casefold(): name for name in reversed(list(table.columns))}
+    found = next((plain[word] for word in NAMES[role] if word in plain), None)
+    if found is None and role in NEEDED:
+        raise DataError(
+            f"{table.source}: no column is the {role} (there are {_there(table)}); name it with --{role} COLUMN"
+            + (", or say how far apart the rows are with --period SECONDS" if role == "time" else "")
+        )
+    return found
+
+
+def _there(table: Table) -> str:
+    return ", ".join(map(repr, table.columns))
+
+
+def _unit(source: str, said: Mapping[str, str], names: Mapping[str, str | None]) -> Literal["m", "rad"]:
+    """Metres or radians, from whatever names a unit."""
+    kinds: dict[str, str] = {}
+    if said.get("position"):
+        kinds["position"] = length_in(said["position"])[0]
+    if said.get("velocity"):
+        kinds["velocity"] = speed_in(said["velocity"])[0]
+    if said["force"]:
+        kept = drive_in(said["force"])[0]
+        if kept not in ("N", "N m"):
+            raise ValueRefused(
+                f"{source}: the column {names['force']!r} is in {said['force']}; a friction force is in N or N m"
+            )
+        kinds["force"] = "m" if kept == "N" else "rad"
+    if len(set(kinds.values())) > 1:
+        shown = ", ".join(f"{role} in {said[role]}" for role in kinds)
+        raise ValueRefused(f"{source}: {shown} do not go together; a force in N needs lengths, a torque in N m angles")
+    return "rad" if "rad" in kinds.values() else "m"
+
+
+def _sizes(said: Mapping[str, str], unit: Literal["m", "rad"]) -> dict[str, float]:
+    size = {"force": drive_in(said["force"])[1] if said["force"] else 1.0}
+    if "position" in said:
+        size["position"] = length_in(said["position"])[1] if said["position"] else 1.0
+    if "velocity" in said:
+        size["velocity"] = speed_in(said["velocity"])[1] if said["velocity"] else 1.0
+    if "normal" in said:
+        kept, factor = drive_in(said["normal"] or "N")
+        if kept != "N":
+            raise ValueRefused(f"the normal force is in {said['normal']}; expected N, mN, uN or kN")
+        size["normal"] = factor
+    return size

@@ -3,15 +3,6 @@
 :func:`identify_linear` takes arrays, :func:`read_linear` makes them from two columns of a log.
 """
 
-from leadscrew.lazy import doors
+from leadscrew.util.lazy_exports import exports
 
-__getattr__, __dir__ = doors(
-    globals(),
-    {
-        "record": "LinearRecord linear_record read_linear",
-        "fit": "identify_linear",
-        "result": "LinearFit Candidate Interval Stretch",
-        "handover": "machine machine_values block",
-        "servo_gain": "servo_gain read_moves",
-    },
-)
+__getattr__, __dir__, __all__ = exports(__name__, __file__)

@@ -15,13 +15,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from leadscrew.identify.linear.model import Model
-from leadscrew.identify.linear.projection import Problem, Solved
+from leadscrew.identify.linear.model import Known, Model, Problem, Solved, Structure, forced, free, starts
 from leadscrew.identify.linear.record import LinearRecord
-from leadscrew.identify.linear.response import forced, free
 from leadscrew.identify.linear.result import Candidate
-from leadscrew.identify.linear.start import Known, starts
-from leadscrew.identify.linear.structure import Structure
 
 MOST_ROWS = 2000
 """Samples at which candidates are compared; all are simulated, and the chosen one is fitted to all."""

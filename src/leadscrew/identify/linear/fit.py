@@ -2,30 +2,114 @@
 
     Y(s) / U(s) = (b_m s^m + ... + b_0) / (s^n + ... + a_q s^q) * exp(-delay s)
 
-The input is held from sample to sample and simulated exactly (:mod:`leadscrew.identify.linear.response`). Poles and
+The input is held from sample to sample and simulated exactly (:mod:`leadscrew.identify.linear.model`). Poles and
 delay are searched from instrumental-variable starts and a grid, the rest is linear
-(:mod:`leadscrew.identify.linear.projection`); the criterion is the error of simulation (output error). With the command
-of a closed loop the last step uses it as instrument (:mod:`leadscrew.identify.linear.closed_loop`).
+(:mod:`leadscrew.identify.linear.model`); the criterion is the error of simulation (output error). With the command
+of a closed loop the last step uses it as instrument (:func:`from_command`).
+
+Inside a closed loop the input answers the output's noise; what the command alone made of it does not.
+
+The controller turns noise of the output into input, so noise and input go together, and output error is biased where
+the noise is not white. The refined estimate solves, instead of ``J' e = 0``,
+
+    Z' e(theta) = 0,    e = y - y_simulated(u; theta),    Z = d y_simulated(u_r; theta) / d theta
+
+``u_r`` is the part of the input that the command explains: least squares on means of the command over windows that
+reach back ever further. It need not be exact: whatever is made of the command is free of the noise (Young, Garnier,
+Gilson, *Systems and Control Letters*, 2008; Soderstrom and Stoica, *System Identification*, 1989, chapter 8).
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import Any
+from itertools import pairwise
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from leadscrew.identify.linear import advice, signs
+from leadscrew.identify.linear import advice
 from leadscrew.identify.linear.choose import Fitted, Task, alone, choose, fitted, held_out
-from leadscrew.identify.linear.estimate import Estimate, estimate
-from leadscrew.identify.linear.intervals import whiteness
-from leadscrew.identify.linear.projection import Problem, Solved
+from leadscrew.identify.linear.model import Model, Problem, Solved, Structure, candidates
 from leadscrew.identify.linear.record import LEAST, LinearRecord
 from leadscrew.identify.linear.result import Candidate, LinearFit, Stretch
-from leadscrew.identify.linear.structure import Structure, candidates
-from leadscrew.kernel.door import number, whole
-from leadscrew.kernel.errors import DataError, ValueRefused
+from leadscrew.identify.linear.uncertainty import Sure, condition, covariance, sure, whiteness, within
 from leadscrew.kernel.one_thread import one_thread
+from leadscrew.kernel.validate import number, whole
+from leadscrew.util.errors import DataError, ValueRefused
+
+FINE = 16
+"""Windows of one sample each; the later ones grow."""
+GROWTH = 1.35
+BACK = 0.25
+"""Share of the record up to which the windows reach back."""
+AGREES = 0.5
+"""Correlation of the input and its part from the command below which the command is no instrument."""
+
+
+def from_command(u: np.ndarray, command: np.ndarray) -> tuple[np.ndarray, float]:
+    """The input as the command explains it, and its correlation with the input; 0 where it is no instrument."""
+    r = command - command[0]
+    edges = list(range(FINE + 1))
+    while edges[-1] < BACK * len(u):
+        edges.append(int(np.ceil(GROWTH * edges[-1])))
+    summed = np.concatenate([np.zeros(edges[-1] + 1), np.cumsum(r)])
+    at = np.arange(len(u)) + edges[-1] + 1
+    columns = [(summed[at - a] - summed[at - b]) / (b - a) for a, b in pairwise(edges)]
+    rows = np.stack([*columns, np.ones(len(u))], axis=1)
+    made = rows @ np.linalg.lstsq(rows, u, rcond=1e-9)[0]
+    together = float(np.corrcoef(made, u)[0, 1]) if np.ptp(made) > 0.0 else 0.0
+    return (made, together) if together > AGREES else (np.zeros_like(u), 0.0)
+
+
+BAND = 160
+"""Frequencies of the Bode band."""
+
+
+class Estimate(NamedTuple):
+    """Unknowns, what they leave of the training part, and intervals."""
+
+    theta: np.ndarray
+    solved: Solved
+    method: str
+    closed: bool
+    """Whether the command was the instrument."""
+    condition: float
+    found: Sure
+    excited_hz: tuple[float, float]
+
+    @property
+    def tells(self) -> bool:
+        """Whether the log tells one of its numbers; a delay that was given is none."""
+        return any(p.told and p.low < p.high for p in self.found.parameters.values())
+
+
+def estimate(task: Task, best: Fitted) -> Estimate:
+    """The numbers of one candidate."""
+    r, problem = task.record, task.problem(best.structure)
+    model = Model(problem)
+    phi, method = model.phi(best.theta, best.solved), "output error"
+    tools, closed = None, False
+    if r.command is not None:
+        clean, together = from_command(problem.u, r.command[: task.train])
+        if together > 0.0:
+            refined, rests = model.refined(phi, clean)
+            if rests:
+                phi, closed = refined, True
+                tools = model.jacobian(phi, clean)
+                method = (
+                    f"instruments from the command, which makes {100.0 * together**2:.0f} % of the input's variance"
+                )
+    residual = problem.y[problem.rows] - model.simulate(phi, problem.u)
+    change = model.jacobian(phi, problem.u)
+    hz = np.geomspace(0.5 / (r.period * len(r.time)), 0.499 / r.period, BAND)
+    found = sure(model, phi, covariance(change, residual, tools), (r.input_unit, r.output_unit), hz)
+    spoken = advice.excited(problem.u[problem.rows], residual, r.period, (hz, found.bode.response))
+    b, theta = model.split(phi)
+    denominator, delay_s, _ = problem.system(theta)
+    solved = Solved(denominator, delay_s, b[::-1].copy(), phi[model.kept : -1], float(phi[-1]), residual)
+    size = condition(change[:, : model.kept])
+    return Estimate(theta, solved, method, closed, size, within(found, spoken[1]), spoken)
+
 
 LONGEST = 20.0
 """Sample periods up to which the delay is searched."""
@@ -83,7 +167,7 @@ def _told(task: Task, best: Fitted, its: Estimate, table: list[Candidate], margi
     solved, found = its.solved, its.found
     white, rho = whiteness(solved.residual)
     stretches = _stretches(task, problem, its.theta, solved)
-    missed, feedback = signs.correlations(solved.residual, problem.u[problem.rows])
+    missed, feedback = advice.correlations(solved.residual, problem.u[problem.rows])
     fit = LinearFit(
         source=r.source, structure=best.structure, numerator=solved.numerator, denominator=solved.denominator,
         delay_s=solved.delay_s, offset=found.offset, input_name=r.input_name, output_name=r.output_name,
@@ -91,7 +175,7 @@ def _told(task: Task, best: Fitted, its: Estimate, table: list[Candidate], margi
         parameters=found.parameters, covariance=found.covariance, condition=its.condition, stretches=stretches,
         candidates=table, margin=margin, method=its.method, closed_loop=its.closed, whiteness=white,
         autocorrelation=rho, missed=missed, feedback=feedback, excited_hz=its.excited_hz, bode=found.bode,
-        limits=_limits(r, stretches), measured=signs.measured_response(r, best.structure.integrators),
+        limits=_limits(r, stretches), measured=advice.measured_response(r, best.structure.integrators),
         resolution=r.resolution, noise=min(r.noise, stretches[0].rms), notes=list(r.notes),
     )  # fmt: skip
     fit.notes.extend(advice.notes(fit, r, task, asked))

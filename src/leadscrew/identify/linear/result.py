@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from leadscrew.identify.linear.intervals import Interval
-from leadscrew.identify.linear.structure import Structure
+from leadscrew.identify.linear.model import Structure
+from leadscrew.identify.linear.uncertainty import Bode, Interval
+from leadscrew.util.errors import DataError
 
 if TYPE_CHECKING:
     from leadscrew.analysis.frequency_response import FrequencyResponse
+    from leadscrew.kernel.block import Block
+    from leadscrew.machine.file import MachineFile
+
 
 __all__ = ["Candidate", "Interval", "LinearFit", "Stretch", "Structure"]
 
@@ -45,18 +49,6 @@ class Stretch(NamedTuple):
     time: np.ndarray
     measured: np.ndarray
     simulated: np.ndarray
-
-
-class Bode(NamedTuple):
-    """The model's response at rising frequencies, from sample to sample (the hold included), with 95 % bands."""
-
-    frequency_hz: np.ndarray
-    response: np.ndarray
-    """Complex, output over input."""
-    gain_share: np.ndarray
-    """Half width of the band of the gain, as a share of it."""
-    phase_half_width: np.ndarray
-    """rad."""
 
 
 @dataclass(frozen=True)
@@ -158,3 +150,61 @@ class LinearFit:
             "excited_hz": list(self.excited_hz), "limits": self.limits, "resolution": self.resolution,
             "noise": self.noise, "notes": self.notes, "advice": self.advice,
         }  # fmt: skip
+
+
+def machine_values(fit: LinearFit) -> dict[str, Any]:
+    """Of a machine file: kind, coefficients from the highest power, delay and period in s, units of the log.
+
+    ``resolution`` and ``noise`` are those of the measured output. The controllers of machines drive forwards with a
+    positive output: where the log has it the other way round, the numerator is turned and ``drive_turned`` is true.
+    """
+    turned = turns(fit)
+    return {
+        "kind": "linear", "numerator": (-fit.numerator if turned else fit.numerator).tolist(),
+        "denominator": fit.denominator.tolist(), "delay_s": fit.delay_s, "position_unit": fit.output_unit,
+        "drive_unit": fit.input_unit, "period": fit.period, "resolution": fit.resolution, "noise": fit.noise,
+        "drive_turned": turned,
+    }  # fmt: skip
+
+
+def turns(fit: LinearFit) -> bool:
+    """Whether a positive input moves the output backwards."""
+    return bool(fit.numerator[-1] < 0.0)
+
+
+def limits(fit: LinearFit) -> dict[str, Any]:
+    """Of a machine file: largest drive, speed and acceleration, and the travel, as the log has shown them."""
+    return dict(fit.limits)
+
+
+def machine(fit: LinearFit, name: str) -> MachineFile:
+    """The machine of a fit.
+
+    Raises:
+        DataError: the input moves the output by less than what the model leaves, at every frequency.
+    """
+    from leadscrew.machine.from_fit import from_linear
+
+    if fit.excited_hz[1] == 0.0:
+        raise DataError(
+            f"{fit.source}: {fit.input_name} moves {fit.output_name} by less than what the model leaves, at every "
+            "frequency: there is no model of it, and so no machine; log a move that the input makes"
+        )
+    told = machine_values(fit)
+    made = from_linear(told, name, limits(fit), fit.source)
+    errors = {
+        s.what.replace("-", "_"): {"rms": s.rms, "nrmse_percent": s.nrmse_percent, "fit_percent": s.fit_percent}
+        for s in fit.stretches
+    }
+    untold = [name for name, p in fit.parameters.items() if not p.told]
+    more = {**errors, "not_told": untold, "notes": list(fit.notes), "seconds": max(s.end_s for s in fit.stretches)} | (
+        {"drive_turned": True} if turns(fit) else {}
+    )
+    return replace(made, identified={**made.identified, "structure": fit.structure.text, **more})
+
+
+def block(fit: LinearFit, name: str = "linear") -> Block:
+    """The plant without its delay: give the loop ``computation_delay=fit.delay_s``."""
+    from leadscrew.plants._linear import transfer_function
+
+    return transfer_function(fit.numerator, fit.denominator, name)

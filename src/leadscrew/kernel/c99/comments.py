@@ -1,4 +1,4 @@
-"""What the Python source says in words, for the C that is printed from it: docstrings, units, comments."""
+"""Comments of printed C, from docstrings, units and comments of the Python source; where long lines are broken."""
 
 from __future__ import annotations
 
@@ -12,12 +12,12 @@ import tokenize
 from pathlib import Path
 from typing import Any
 
-from leadscrew.escape import c_comment
 from leadscrew.kernel.module import Item
-from leadscrew.kernel.sheet import SILENT, notes
+from leadscrew.kernel.parameters import SILENT, notes
 from leadscrew.kernel.source import tree_of
 from leadscrew.kernel.subset import is_named_tuple_type
 from leadscrew.kernel.trees import parsed
+from leadscrew.util.escape import c_comment
 
 
 def block(lines: list[str], place: str = "") -> str:
@@ -52,7 +52,8 @@ def fields(cls: Any) -> dict[str, str]:
     for name in cls._fields:
         said = sheet.get(name, SILENT).found
         parts = [said.get("doc") or below.get(name, ""), said.get("unit", "")]
-        found[name] = c_comment(", ".join(p for p in parts if p))
+        choice = f": {said['choice']}" if "choice" in said else ""
+        found[name] = c_comment(", ".join(p for p in parts if p) + choice)
     return found
 
 
@@ -92,3 +93,24 @@ def lines(function: Any) -> dict[int, list[str]]:
         if at is not None:
             found.setdefault(at, []).append(c_comment(token.string.lstrip("# ").strip()))
     return found
+
+
+WIDTH = 118
+SIGNS = ("+", "-", "*", "/", "?", ":", "&&", "||")
+
+
+def wrapped(line: str) -> list[str]:
+    """A line, broken after a comma or before an operator where it is too long; its later parts are indented more."""
+    if len(line) <= WIDTH or line.lstrip().startswith(("/*", "*", "#")):
+        return [line.rstrip()]
+    indent = len(line) - len(line.lstrip()) + 4
+    found: list[str] = []
+    while len(line) > WIDTH:
+        cut = line.rfind(", ", indent + 20, WIDTH) + 1
+        if not cut:
+            cut = max(line.rfind(f" {sign} ", indent + 20, WIDTH) for sign in SIGNS)
+        if cut <= 0:
+            break
+        found.append(line[:cut].rstrip())
+        line = " " * indent + line[cut:].lstrip()
+    return [*found, line.rstrip()]

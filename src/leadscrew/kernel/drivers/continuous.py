@@ -1,37 +1,37 @@
 """A loop without a control period: controller and plant are one continuous system under the adaptive integrator."""
 
 from leadscrew.kernel.bits import stack_array2
-from leadscrew.kernel.drivers import holes
+from leadscrew.kernel.drivers import hooks
 from leadscrew.kernel.drivers.rodas import rodas_advance
 
 
 def observe(p, s, t):
     """Derivative of the controller's state, and the signals, at time ``t``."""
     dt = p.clock.period
-    _, command = holes.reference(p.reference, s.reference, t, dt, 0.0)
-    _, load = holes.disturbance(p.disturbance, s.disturbance, t, dt, 0.0)
-    _, offset = holes.output_disturbance(p.output_disturbance, s.output_disturbance, t, dt, 0.0)
-    actual = holes.disturbed(holes.plant_output(p.plant, s.plant), offset)
-    _, feedback = holes.sensor(p.sensor, s.sensor, actual, t, dt, 0.0)
-    rates, output = holes.controller(p.controller, s.controller, command, feedback, t, dt)
-    _, applied = holes.actuator(p.actuator, s.actuator, output, t, dt)
-    return rates, holes.Signals(command, feedback, output, applied, actual, load)
+    _, command = hooks.reference(p.reference, s.reference, t, dt, 0.0)
+    _, load = hooks.disturbance(p.disturbance, s.disturbance, t, dt, 0.0)
+    _, offset = hooks.output_disturbance(p.output_disturbance, s.output_disturbance, t, dt, 0.0)
+    actual = hooks.disturbed(hooks.plant_output(p.plant, s.plant), offset)
+    _, feedback = hooks.sensor(p.sensor, s.sensor, actual, t, dt, 0.0)
+    rates, output = hooks.controller(p.controller, s.controller, command, feedback, t, dt)
+    _, applied = hooks.actuator(p.actuator, s.actuator, output, t, dt)
+    return rates, hooks.Signals(command, feedback, output, applied, actual, load)
 
 
 def continuous_rates(p, s, u, load, t, x, f):
     """The derivative of controller and plant together."""
-    s = holes.gathered(s, x)
+    s = hooks.gathered(s, x)
     rates, signals = observe(p, s, t)
-    holes.spread_rates(s, rates, holes.derivative(p.plant, s.plant, signals.applied, signals.load, t), f)
+    hooks.spread_rates(s, rates, hooks.derivative(p.plant, s.plant, signals.applied, signals.load, t), f)
     return 0
 
 
 def continuous(P, A, S, B, counters, select, Y, M):
     """Advances one run; the clock's period is the interval between samples. Arguments as of ``single``."""
-    p = holes.params_of(P, A)
-    s = holes.state_of(S, B)
-    R = stack_array2(holes.ROW, 1)
-    x = stack_array2(1, holes.ORDER)
+    p = hooks.params_of(P, A)
+    s = hooks.state_of(S, B)
+    R = stack_array2(hooks.ROW, 1)
+    x = stack_array2(1, hooks.ORDER)
     k = counters[0]
     every = counters[2]
     row = counters[4]
@@ -41,28 +41,28 @@ def continuous(P, A, S, B, counters, select, Y, M):
     while k < counters[1] and sound:
         t = k * period
         _, signals = observe(p, s, t)
-        metrics = holes.metrics(
+        metrics = hooks.metrics(
             p.metrics, s.metrics, signals.command, signals.actual, signals.feedback, signals.output, t, period
         )
-        s = holes.LoopState(
+        s = hooks.LoopState(
             s.reference, s.disturbance, s.output_disturbance, s.sensor, s.controller, s.actuator, s.plant, s.integrator,
             s.sent, s.seen, metrics,
         )  # fmt: skip
         if countdown == 0:
-            holes.keep_row(R, 0, signals, s, t)
+            hooks.keep_row(R, 0, signals, s, t)
             for c in range(select.shape[0]):
                 Y[c, row] = R[select[c], 0]
             row += 1
             countdown = every
         countdown -= 1
-        holes.spread(s, x)
+        hooks.spread(s, x)
         h = s.integrator if s.integrator > 0.0 else period
-        h = rodas_advance(p, s, 0.0, 0.0, t, period, x, h, holes.RTOL, holes.ATOL)
-        s = holes.remembered(holes.gathered(s, x), h)
-        sound = holes.signals_sound(signals, p.clock.bound) & holes.state_sound(s)
+        h = rodas_advance(p, s, 0.0, 0.0, t, period, x, h, hooks.RTOL, hooks.ATOL)
+        s = hooks.remembered(hooks.gathered(s, x), h)
+        sound = hooks.signals_sound(signals, p.clock.bound) & hooks.state_sound(s)
         k += 1
-    holes.keep_state(S, s)
-    holes.keep_metrics(M, 0, p, s)
+    hooks.keep_state(S, s)
+    hooks.keep_metrics(M, 0, p, s)
     counters[0] = k
     counters[4] = row
     counters[5] = 0 if sound else 1

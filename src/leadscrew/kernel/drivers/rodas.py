@@ -7,7 +7,7 @@ stages, stiffly accurate). The Jacobian is the block's own or by forward differe
 import math
 
 from leadscrew.kernel.bits import stack_array2
-from leadscrew.kernel.drivers import holes
+from leadscrew.kernel.drivers import hooks
 from leadscrew.kernel.drivers.linear import lu_factor, lu_solve
 
 GAMMA = 0.25
@@ -28,14 +28,14 @@ STEPS = 1000000
 
 def difference_jacobian(p, s, u, load, t, x, f, jac):
     """Jacobian of the derivative by forward differences at ``x``, where the derivative is ``f``."""
-    n = holes.ORDER
-    g = stack_array2(1, holes.ORDER)
+    n = hooks.ORDER
+    g = stack_array2(1, hooks.ORDER)
     for j in range(n):
         kept = x[0, j]
         nudge = 1.4901161193847656e-08 * max(abs(kept), 1e-5)
         x[0, j] = kept + nudge
         nudge = x[0, j] - kept
-        holes.rates(p, s, u, load, t, x, g)
+        hooks.rates(p, s, u, load, t, x, g)
         x[0, j] = kept
         for i in range(n):
             jac[i, j] = (g[0, i] - f[0, i]) / nudge
@@ -44,7 +44,7 @@ def difference_jacobian(p, s, u, load, t, x, f, jac):
 
 def stage(lu, swaps, k, row, f, ft, weight, n):
     """Solves for one stage: row ``row`` of ``k`` holds the sum of the earlier stages and becomes the stage."""
-    b = stack_array2(1, holes.ORDER)
+    b = stack_array2(1, hooks.ORDER)
     for i in range(n):
         b[0, i] = f[0, i] + k[row, i] + weight * ft[0, i]
     lu_solve(lu, swaps, b, n)
@@ -55,11 +55,11 @@ def stage(lu, swaps, k, row, f, ft, weight, n):
 
 def try_step(p, s, u, load, t, h, x, f, ft, jac, y, rtol, atol):
     """One step of size ``h`` from ``x`` to the new state ``y``; returns the error relative to the tolerance."""
-    n = holes.ORDER
-    lu = stack_array2(holes.ORDER, holes.ORDER)
-    k = stack_array2(6, holes.ORDER)
-    g = stack_array2(1, holes.ORDER)
-    swaps = stack_array2(holes.ORDER, holes.ORDER)
+    n = hooks.ORDER
+    lu = stack_array2(hooks.ORDER, hooks.ORDER)
+    k = stack_array2(6, hooks.ORDER)
+    g = stack_array2(1, hooks.ORDER)
+    swaps = stack_array2(hooks.ORDER, hooks.ORDER)
     for i in range(n):
         for j in range(n):
             lu[i, j] = (1.0 / (h * GAMMA) if i == j else 0.0) - jac[i, j]
@@ -71,27 +71,27 @@ def try_step(p, s, u, load, t, h, x, f, ft, jac, y, rtol, atol):
     for i in range(n):
         y[0, i] = x[0, i] + A21 * k[0, i]
         k[1, i] = C21 * k[0, i] * per
-    holes.rates(p, s, u, load, t + T2 * h, y, g)
+    hooks.rates(p, s, u, load, t + T2 * h, y, g)
     stage(lu, swaps, k, 1, g, ft, h * D2, n)
     for i in range(n):
         y[0, i] = x[0, i] + A31 * k[0, i] + A32 * k[1, i]
         k[2, i] = (C31 * k[0, i] + C32 * k[1, i]) * per
-    holes.rates(p, s, u, load, t + T3 * h, y, g)
+    hooks.rates(p, s, u, load, t + T3 * h, y, g)
     stage(lu, swaps, k, 2, g, ft, h * D3, n)
     for i in range(n):
         y[0, i] = x[0, i] + A41 * k[0, i] + A42 * k[1, i] + A43 * k[2, i]
         k[3, i] = (C41 * k[0, i] + C42 * k[1, i] + C43 * k[2, i]) * per
-    holes.rates(p, s, u, load, t + T4 * h, y, g)
+    hooks.rates(p, s, u, load, t + T4 * h, y, g)
     stage(lu, swaps, k, 3, g, ft, h * D4, n)
     for i in range(n):
         y[0, i] = x[0, i] + A51 * k[0, i] + A52 * k[1, i] + A53 * k[2, i] + A54 * k[3, i]
         k[4, i] = (C51 * k[0, i] + C52 * k[1, i] + C53 * k[2, i] + C54 * k[3, i]) * per
-    holes.rates(p, s, u, load, t + h, y, g)
+    hooks.rates(p, s, u, load, t + h, y, g)
     stage(lu, swaps, k, 4, g, ft, 0.0, n)
     for i in range(n):
         y[0, i] += k[4, i]
         k[5, i] = (C61 * k[0, i] + C62 * k[1, i] + C63 * k[2, i] + C64 * k[3, i] + C65 * k[4, i]) * per
-    holes.rates(p, s, u, load, t + h, y, g)
+    hooks.rates(p, s, u, load, t + h, y, g)
     stage(lu, swaps, k, 5, g, ft, 0.0, n)
     total = 0.0
     for i in range(n):
@@ -103,11 +103,11 @@ def try_step(p, s, u, load, t, h, x, f, ft, jac, y, rtol, atol):
 
 def rodas_advance(p, s, u, load, t, dt, x, h, rtol, atol):
     """Moves ``x`` from ``t`` to ``t + dt`` in place; returns the step to try next."""
-    n = holes.ORDER
-    f = stack_array2(1, holes.ORDER)
-    ft = stack_array2(1, holes.ORDER)
-    y = stack_array2(1, holes.ORDER)
-    jac = stack_array2(holes.ORDER, holes.ORDER)
+    n = hooks.ORDER
+    f = stack_array2(1, hooks.ORDER)
+    ft = stack_array2(1, hooks.ORDER)
+    y = stack_array2(1, hooks.ORDER)
+    jac = stack_array2(hooks.ORDER, hooks.ORDER)
     done = 0.0
     fresh = True
     wanted = h
@@ -116,13 +116,13 @@ def rodas_advance(p, s, u, load, t, dt, x, h, rtol, atol):
         if left <= 1e-13 * dt:
             return wanted
         if fresh:
-            holes.rates(p, s, u, load, t + done, x, f)
-            holes.jacobian(p, s, u, load, t + done, x, f, jac)
+            hooks.rates(p, s, u, load, t + done, x, f)
+            hooks.jacobian(p, s, u, load, t + done, x, f, jac)
             for i in range(n):
                 ft[0, i] = 0.0
-            if holes.TIMED:
+            if hooks.TIMED:
                 nudge = 1.4901161193847656e-08 * max(abs(t + done), 1e-3 * dt)
-                holes.rates(p, s, u, load, t + done + nudge, x, ft)
+                hooks.rates(p, s, u, load, t + done + nudge, x, ft)
                 for i in range(n):
                     ft[0, i] = (ft[0, i] - f[0, i]) / nudge
         last = wanted >= left
@@ -151,8 +151,8 @@ def rodas_advance(p, s, u, load, t, dt, x, h, rtol, atol):
 
 def rodas(p, s, memory, u, load, t, dt):
     """Adaptive step over a hold; the memory carries the step size from hold to hold."""
-    x = stack_array2(1, holes.ORDER)
-    holes.spread(s, x)
+    x = stack_array2(1, hooks.ORDER)
+    hooks.spread(s, x)
     h = memory if memory > 0.0 else dt
-    h = rodas_advance(p, s, u, load, t, dt, x, h, holes.RTOL, holes.ATOL)
-    return holes.gathered(s, x), h
+    h = rodas_advance(p, s, u, load, t, dt, x, h, hooks.RTOL, hooks.ATOL)
+    return hooks.gathered(s, x), h

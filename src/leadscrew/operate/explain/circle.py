@@ -12,14 +12,13 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from leadscrew.analysis.circular.command import CircleParams
-from leadscrew.analysis.circular.machine import Machine, place_of
 from leadscrew.analysis.circular.paths import CCW, CW, FEWEST, TURN, CircularTest, Turn
 from leadscrew.analysis.circular.quantities import quantities
-from leadscrew.kernel.errors import DataError, ValueRefused
+from leadscrew.analysis.circular.simulation import CircleParams, Machine, place_of
 from leadscrew.kernel.loop import Loop
 from leadscrew.operate.explain.shown import rounded_up
-from leadscrew.references.sine import SineParams
+from leadscrew.references._sine import SineParams
+from leadscrew.util.errors import DataError, ValueRefused
 
 MOST = 20_000
 """Periods of a turn, at most, that all count for the figures: 5 s at 4 kHz. A look at so many takes about 6 ms."""

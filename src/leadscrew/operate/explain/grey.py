@@ -5,13 +5,13 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Any
 
-from leadscrew.controllers.grey_fuzzy.gpfc import GpfcParams
-from leadscrew.controllers.grey_fuzzy.rule_tables import SETS
-from leadscrew.controllers.grey_fuzzy.rules_shown import set_name, surface_of
-from leadscrew.controllers.grey_fuzzy.smith import SmithParams
-from leadscrew.controllers.grey_fuzzy.surface import CENTRES, Surface, firing
-from leadscrew.controllers.grey_fuzzy.tfc import TfcParams
-from leadscrew.fuzzy.partition import inside_universe, interval_index, upper_membership
+from leadscrew.controllers._grey_fuzzy.gpfc import GpfcParams
+from leadscrew.controllers._grey_fuzzy.rule_tables import SETS
+from leadscrew.controllers._grey_fuzzy.rules_shown import set_name, surface_of
+from leadscrew.controllers._grey_fuzzy.smith import SmithParams
+from leadscrew.controllers._grey_fuzzy.surface import CENTRES, Surface, firing
+from leadscrew.controllers._grey_fuzzy.tfc import TfcParams
+from leadscrew.fuzzy.inference import inside_universe, interval_index, upper_membership
 from leadscrew.kernel.block import Block
 from leadscrew.operate.explain.shown import Acting, Now, Quantity, rules_view, sets_view, triangles, two_degrees
 

@@ -13,11 +13,11 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import Any, NamedTuple
 
-from leadscrew.controllers.sliding import complementary, conventional, integral
-from leadscrew.controllers.sliding.fields import stage_params
-from leadscrew.controllers.sliding.fuzzy import FsmcParams, complement
-from leadscrew.controllers.sliding.stage import SlidingParams, View, layer_slope, switching_gain
-from leadscrew.controllers.sliding.super_twisting import SuperTwistingParams
+from leadscrew.controllers._sliding import complementary, conventional, integral
+from leadscrew.controllers._sliding.fields import stage_params
+from leadscrew.controllers._sliding.fuzzy import FsmcParams, complement
+from leadscrew.controllers._sliding.stage import SlidingParams, View, layer_slope, switching_gain
+from leadscrew.controllers._sliding.super_twisting import SuperTwistingParams
 from leadscrew.fuzzy.engine import Engine
 from leadscrew.kernel.block import Block
 from leadscrew.operate.explain.parts import Part, named_by

@@ -8,10 +8,10 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import Any, NamedTuple
 
-from leadscrew.controllers.wrapping import copied
+from leadscrew.controllers._wrapping import copied
 from leadscrew.fuzzy.block import Memory
 from leadscrew.fuzzy.engine import Engine
-from leadscrew.fuzzy.explain import explain
+from leadscrew.fuzzy.explanation import explain
 from leadscrew.fuzzy.shapes import STRAIGHT, membership_function, prepared
 from leadscrew.fuzzy.system import INTEGRAL, Term, Variable
 from leadscrew.fuzzy.tables import tuned_terms

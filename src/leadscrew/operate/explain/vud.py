@@ -1,4 +1,4 @@
-"""Rules and contracting sets of the controllers with a variable universe: :mod:`leadscrew.controllers.vud`."""
+"""Rules and contracting sets of the controllers with a variable universe: :obj:`leadscrew.controllers.vud`."""
 
 from __future__ import annotations
 
@@ -6,13 +6,13 @@ import math
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
-from leadscrew.controllers.vud.error_factor import VudBetaEParams
-from leadscrew.controllers.vud.family import VudFamilyParams, held
-from leadscrew.controllers.vud.fast import VudFastParams
-from leadscrew.controllers.vud.incremental import VudIncrementalParams
-from leadscrew.controllers.vud.integral_factor import VudIntegralFactorParams
-from leadscrew.controllers.vud.literal import VudParams
-from leadscrew.controllers.vud.scaled import VudScaledParams
+from leadscrew.controllers._vud.error_factor import VudBetaEParams
+from leadscrew.controllers._vud.family import VudFamilyParams, held
+from leadscrew.controllers._vud.fast import VudFastParams
+from leadscrew.controllers._vud.incremental import VudIncrementalParams
+from leadscrew.controllers._vud.integral_factor import VudIntegralFactorParams
+from leadscrew.controllers._vud.literal import VudParams
+from leadscrew.controllers._vud.scaled import VudScaledParams
 from leadscrew.fuzzy.inference import RuleBase, rule_base
 from leadscrew.kernel.block import Block
 from leadscrew.neural.inference_net import fired

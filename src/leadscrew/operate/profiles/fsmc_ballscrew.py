@@ -6,8 +6,23 @@ import math
 from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
-from leadscrew.operate.profile import Band, Changes, Disturbance, Field, Plot, Profile, Readout, Trace
-from leadscrew.operate.profiles.parts import Values, load_pulse, moved_on, multiplied, noise, with_blocks, with_pulse
+from leadscrew.operate.profile import (
+    Band,
+    Changes,
+    Disturbance,
+    Field,
+    Plot,
+    Profile,
+    Readout,
+    Trace,
+    Values,
+    load_pulse,
+    moved_on,
+    multiplied,
+    noise,
+    with_blocks,
+    with_pulse,
+)
 
 if TYPE_CHECKING:
     from leadscrew.kernel.loop import Loop
@@ -62,7 +77,7 @@ READOUTS = (
 
 def _go_to(fields: Mapping[str, float], now_s: float, values: Values) -> Changes:
     """A new move from where the old one is commanded to be now."""
-    from leadscrew.references.quintic import QuinticParams, quintic
+    from leadscrew.references._quintic import QuinticParams, quintic
 
     here = {name: values[f"reference.{name}"] for name in QuinticParams._fields}
     initial = float(quintic(QuinticParams(**here), now_s).position)
@@ -121,8 +136,8 @@ def operated(loop: Loop) -> Loop:
 
     The adaptive integrator of such a loop chooses its steps by what the blocks give, and noise it cannot have.
     """
-    from leadscrew.sensors.noisy_ruler import noisy_ruler
-    from leadscrew.sensors.ruler import ruler
+    from leadscrew.sensors._noisy_ruler import noisy_ruler
+    from leadscrew.sensors._ruler import ruler
 
     if loop.continuous:
         return loop

@@ -4,11 +4,23 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from leadscrew.figures.signals import signal_unit
 from leadscrew.kernel.layout import is_branch
-from leadscrew.kernel.sheet import entries
-from leadscrew.operate.profile import Disturbance, Field, Plot, Profile, Role, Trace
-from leadscrew.operate.profiles.parts import load_pulse, moved_on, noise, to_value, with_blocks, with_pulse
-from leadscrew.report.tables import signal_unit
+from leadscrew.kernel.parameters import entries
+from leadscrew.operate.profile import (
+    Disturbance,
+    Field,
+    Plot,
+    Profile,
+    Role,
+    Trace,
+    load_pulse,
+    moved_on,
+    noise,
+    to_value,
+    with_blocks,
+    with_pulse,
+)
 
 if TYPE_CHECKING:
     from leadscrew.kernel.loop import Loop
@@ -48,11 +60,11 @@ def profile(name: str) -> Profile:
     Raises:
         NameUnknown, DataError: there is no such study; the file cannot be read.
     """
-    from leadscrew import catalogue, userfile
+    from leadscrew import resolve
     from leadscrew.experiment import Experiment
-    from leadscrew.studies.study import Study
+    from leadscrew.study_data import Study
 
-    found = userfile.load(name) if userfile.is_reference(name) else catalogue.study(name)
+    found = resolve.subject(name)
     if not isinstance(found, Study):
         return of_loop(name, None, None, Experiment(name).loop(), "A loop of one's own; its command says when it ends.")
     controller, scenario = next(iter(found.controllers)), next(iter(found.scenarios))
@@ -73,7 +85,7 @@ def operated(loop: Loop) -> Loop:
 
     A loop in continuous time stays as it is.
     """
-    from leadscrew.sensors.noisy import noisy
+    from leadscrew.sensors._noisy import noisy
 
     if loop.continuous:
         return loop

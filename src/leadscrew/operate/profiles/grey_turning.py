@@ -7,8 +7,22 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from leadscrew.operate.profile import Band, Changes, Disturbance, Field, Plot, Profile, Readout, Trace
-from leadscrew.operate.profiles.parts import Values, for_a_while, lasting, load_pulse, noise, to_value
+from leadscrew.operate.profile import (
+    Band,
+    Changes,
+    Disturbance,
+    Field,
+    Plot,
+    Profile,
+    Readout,
+    Trace,
+    Values,
+    for_a_while,
+    lasting,
+    load_pulse,
+    noise,
+    to_value,
+)
 
 STEADY = ("steady, 1 %", "steady within 1.0 % of 150 N (the paper, section 5.1)")
 OVERSHOOT = ("overshoot, 1.5 %", "overshoot of 1.5 % of 150 N (the paper, section 5.1)")

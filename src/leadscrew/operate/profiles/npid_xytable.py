@@ -6,8 +6,16 @@ import math
 from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
-from leadscrew.operate.profile import Band, Changes, Disturbance, Field, Plot, Profile, Readout, Trace
-from leadscrew.operate.profiles.parts import (
+from leadscrew.kernel.block import Block
+from leadscrew.operate.profile import (
+    Band,
+    Changes,
+    Disturbance,
+    Field,
+    Plot,
+    Profile,
+    Readout,
+    Trace,
     Values,
     for_a_while,
     lasting,
@@ -145,11 +153,12 @@ DISTURBANCES = (
 
 def operated(loop: Loop) -> Loop:
     """A pulse and a common factor in the load's place, and noise where the position is read without a sensor."""
-    from leadscrew.disturbances.five_sines import five_sines
-    from leadscrew.disturbances.five_sines_pulse import five_sines_pulse
-    from leadscrew.sensors.noisy import noisy_position
+    from leadscrew.disturbances._five_sines import five_sines
+    from leadscrew.disturbances._five_sines_pulse import five_sines_pulse
+    from leadscrew.sensors._noisy import noisy_position
 
-    found, blocks = loop.blocks["disturbance"], {}
+    blocks: dict[str, Block] = {}
+    found = loop.blocks["disturbance"]
     if found is not None and found.step is five_sines.step:
         lines = found.params._asdict()
         blocks["disturbance"] = five_sines_pulse(

@@ -4,8 +4,22 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 
-from leadscrew.operate.profile import Band, Changes, Disturbance, Field, Plot, Profile, Readout, Trace
-from leadscrew.operate.profiles.parts import NEVER_S, Values, for_a_while, lasting, noise, to_value
+from leadscrew.operate.profile import (
+    NEVER_S,
+    Band,
+    Changes,
+    Disturbance,
+    Field,
+    Plot,
+    Profile,
+    Readout,
+    Trace,
+    Values,
+    for_a_while,
+    lasting,
+    noise,
+    to_value,
+)
 
 SETTLED = "0.25 deg: when our steps count as settled; no tolerance in the paper"
 
@@ -98,7 +112,7 @@ MATERIALS = {
     "leather": (25.0, 0.02, 0.4, 0.8, 0.2, 0.90),
     "foam": (90.0, 0.10, 0.2, 0.3, 0.5, 0.75),
 }
-"""As :data:`leadscrew.plants.flexible_cut.MATERIALS`: a profile imports no plant. A test compares them."""
+"""As :data:`leadscrew.plants._flexible_cut.MATERIALS`: a profile imports no plant. A test compares them."""
 
 PROPERTIES = ("shear", "lag_s", "fibre", "bias", "exponent", "gain")
 

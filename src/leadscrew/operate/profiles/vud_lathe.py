@@ -5,8 +5,16 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
-from leadscrew.operate.profile import Band, Changes, Disturbance, Field, Plot, Profile, Readout, Trace
-from leadscrew.operate.profiles.parts import (
+from leadscrew.kernel.block import Block
+from leadscrew.operate.profile import (
+    Band,
+    Changes,
+    Disturbance,
+    Field,
+    Plot,
+    Profile,
+    Readout,
+    Trace,
     Values,
     load_pulse,
     moved_on,
@@ -110,12 +118,12 @@ DISTURBANCES = (
 
 def operated(loop: Loop) -> Loop:
     """A pulse of duty where nothing loads the axis, noise before the counter, stiction where nothing limits it."""
-    from leadscrew.actuators.stiction import stiction
-    from leadscrew.sensors.encoder_count import encoder_count
-    from leadscrew.sensors.grating_count import grating_count
-    from leadscrew.sensors.noisy_count import noisy_encoder, noisy_grating
+    from leadscrew.actuators._stiction import stiction
+    from leadscrew.sensors._encoder_count import encoder_count
+    from leadscrew.sensors._grating_count import grating_count
+    from leadscrew.sensors._noisy_count import noisy_encoder, noisy_grating
 
-    blocks = {}
+    blocks: dict[str, Block] = {}
     found = loop.blocks["sensor"]
     for plain, noisy in ((grating_count, noisy_grating), (encoder_count, noisy_encoder)):
         if found is not None and found.step is plain.step:

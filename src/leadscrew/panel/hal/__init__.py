@@ -5,6 +5,6 @@ LinuxCNC is installed for) reads the samples and writes the parameters; it is sp
 everything away again when this process ends, in whatever way.
 """
 
-from leadscrew.lazy import doors
+from leadscrew.util.lazy_exports import exports
 
-__getattr__, __dir__ = doors(globals(), {"file": "HalFile read", "machine": "HalMachine", "show": "Hal running"})
+__getattr__, __dir__, __all__ = exports(__name__, __file__)

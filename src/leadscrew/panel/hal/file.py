@@ -8,9 +8,9 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, PrivateAttr, ValidationError, model_validator
 
-from leadscrew import reading
-from leadscrew.kernel.errors import DataError
-from leadscrew.kernel.sheet import nearest
+from leadscrew.kernel.parameters import nearest
+from leadscrew.util import reading
+from leadscrew.util.errors import DataError
 
 MOST_SIGNALS = 20
 """That one FIFO of sampler takes."""

@@ -1,4 +1,7 @@
-"""A real machine under the panel: what HAL's sampler takes is shown, what the file lists can be written."""
+"""A real machine under the panel: what HAL's sampler takes is shown, what the file lists can be written.
+
+The page is told of the columns, plots and parameters of the file.
+"""
 
 from __future__ import annotations
 
@@ -11,16 +14,89 @@ from typing import Any
 
 import numpy as np
 
-from leadscrew.kernel.errors import LeadscrewError, NameUnknown, ValueRefused
-from leadscrew.kernel.sheet import nearest
-from leadscrew.panel import presets, taking
-from leadscrew.panel.figures import Figures
+from leadscrew.kernel.parameters import ParameterSpec, nearest
+from leadscrew.panel import presets, scope_commands
+from leadscrew.panel.error_sums import ErrorSums
 from leadscrew.panel.frames import LIVE, Frame, Thinner
-from leadscrew.panel.hal import view
 from leadscrew.panel.hal.attach import Attachment
-from leadscrew.panel.hal.file import HalFile
+from leadscrew.panel.hal.file import HalFile, Signal
 from leadscrew.panel.hal.show import HalRefused
 from leadscrew.panel.machine import Later
+from leadscrew.util.errors import LeadscrewError, NameUnknown, ValueRefused
+
+NOTICE = (
+    "Real machine: {name}, LinuxCNC's HAL. What you set acts at once. This panel is no safety device: it never touches "
+    "enable, E-stop or motion; keep the E-stop in reach."
+)
+GROUPS = {
+    "command": "Command and feedback", "feedback": "Command and feedback", "actual": "Command and feedback",
+    "error": "Error", "output": "Output", "disturbance": "Disturbance", "other": "Other",
+}  # fmt: skip
+CAN = {"start": False, "hold": True, "stop": False, "reset": False, "speed": False, "switch": False, "compare": False,
+       "circle": False}  # fmt: skip
+
+
+def entries(file: HalFile, safe: Mapping[str, Any]) -> dict[str, ParameterSpec]:
+    """The parameters as data sheets; ``safe`` values are the defaults."""
+    return {
+        p.key: ParameterSpec(p.key, p.type, safe.get(p.key, p.safe), p.unit, p.help, p.low, p.high)
+        for p in file.parameters
+    }  # fmt: skip
+
+
+def describe(file: HalFile, safe: Mapping[str, Any], values: Mapping[str, Any]) -> dict[str, Any]:
+    """The ``machine`` message, without the number of the run."""
+    return {
+        "kind": "machine", "simulated": False, "notice": NOTICE.format(name=file.name),
+        "title": f"REAL MACHINE: {file.name} at LinuxCNC",
+        "paper": "", "study": study(file), "controller": "", "scenario": "", "period_s": file.period_s,
+        "duration_s": None, "seed": None, "circle": False, "window_s": file.window_s, "notes": "",
+        "columns": [{"name": s.source, "unit": s.unit} for s in file.signals], "plots": plots(file),
+        "parameters": [_parameter(file, e, values) for e in entries(file, safe).values()], "disturbances": [],
+        "views": [], "can": dict(CAN), "controllers": [], "scenarios": [], "studies": [],
+    }  # fmt: skip
+
+
+def study(file: HalFile) -> str:
+    """What stands for the study: presets and captures name it."""
+    return f"hal: {file.name}"
+
+
+def plots(file: HalFile) -> list[dict[str, Any]]:
+    """The plots of the file; where it has none, one for each kind of role and unit."""
+    signals = {s.source: s for s in file.signals}
+    if file.plots:
+        return [
+            _plot(p.title, [signals[s] for s in p.sources], [b.model_dump() for b in p.bands]) for p in file.plots
+        ]  # fmt: skip
+    found: dict[tuple[str, str], list[Signal]] = {}
+    for signal in file.signals:
+        found.setdefault((GROUPS[signal.role], signal.shown), []).append(signal)
+    titles = [title for title, _ in found]
+    return [
+        _plot(f"{title}, {unit}" if titles.count(title) > 1 and unit else title, members, [])
+        for (title, unit), members in found.items()
+    ]
+
+
+def _plot(title: str, signals: list[Signal], bands: list[dict[str, Any]]) -> dict[str, Any]:
+    traces = [
+        {"signal": s.source, "label": s.label, "role": s.role, "factor": s.factor, "unit": s.shown} for s in signals
+    ]
+    return {"title": title, "unit": signals[0].shown, "traces": traces, "bands": bands}
+
+
+def _parameter(file: HalFile, entry: ParameterSpec, values: Mapping[str, Any]) -> dict[str, Any]:
+    own = next(p for p in file.parameters if p.key == entry.key)
+    group, dot, label = entry.key.partition(".")
+    rate = f" Changes by {own.rate:g} {own.unit}/s at most." if own.rate else ""
+    return {
+        "key": entry.key, "group": group if dot else file.name, "label": label if dot else entry.key,
+        "type": entry.type, "unit": entry.unit, "doc": f"{entry.doc} HAL: {own.hal}.{rate}".strip(),
+        "low": entry.above, "high": entry.below, "low_open": False, "high_open": False, "default": entry.default,
+        "value": values.get(entry.key), "live": True, "why_not": "",
+    }  # fmt: skip
+
 
 SILENT_S = 1.0
 """Without samples after which the page says that HAL's threads stand still."""
@@ -51,7 +127,7 @@ class HalMachine:
         self.message = ""
         self.lost = 0
         self.period = 0
-        self.taking = taking.Taking(self.folder / "captures")
+        self.scope = scope_commands.ScopeCommands(self.folder / "captures")
         self.attachment = Attachment(file)
         self._held = self._resumed = False
         self._sampled_at = self._asked_at = self._told_at = 0.0
@@ -61,11 +137,11 @@ class HalMachine:
         self._writes: deque[float] = deque()
         self._news: list[tuple[str, dict[str, Any]]] = []
         units = {s.source: s.unit for s in file.signals}
-        self.taking.watch(["time", *self.columns], {"time": "s", **units}, file.period_s)
+        self.scope.watch(["time", *self.columns], {"time": "s", **units}, file.period_s)
         self.live = Thinner(LIVE, self.run)
         self.live.pace(1.0 / file.period_s)
         error = next((s for s in file.signals if s.role == "error"), None)
-        self.figures = Figures(
+        self.error_sums = ErrorSums(
             1 + self.columns.index(error.source) if error else None, error.factor if error else 1.0,
             error.shown if error else "",
         )  # fmt: skip
@@ -94,7 +170,7 @@ class HalMachine:
     def describe(self) -> dict[str, Any]:
         """The ``machine`` message."""
         self._told = dict(self.values)
-        return {**view.describe(self.file, self.attachment.safe, self.values), "run": self.run}
+        return {**describe(self.file, self.attachment.safe, self.values), "run": self.run}
 
     def tick(self, now: float) -> list[Frame]:
         """What was sampled since; never waits for HAL."""
@@ -122,9 +198,9 @@ class HalMachine:
             frames, self._resumed = [self._nothing()], False
         self.period = first + len(rows)
         whole = np.column_stack([np.arange(first, self.period) * self.file.period_s, rows])
-        about = {"study": view.study(self.file), "values": self.values, "real machine": True}
-        self.taking.feed(first, whole, about)
-        self.figures.feed(whole)
+        about = {"study": study(self.file), "values": self.values, "real machine": True}
+        self.scope.feed(first, whole, about)
+        self.error_sums.feed(whole)
         return [] if self._held else frames + self.live.feed(first, rows)
 
     def _gap(self, lost: int) -> list[Frame]:
@@ -141,8 +217,8 @@ class HalMachine:
 
     def ask(self, do: str, args: dict[str, Any]) -> dict[str, Any] | Later:
         """Obeys one command."""
-        if do in taking.COMMANDS:
-            return self.taking.ask(do, args)
+        if do in scope_commands.COMMANDS:
+            return self.scope.ask(do, args)
         if do in NEVER:
             raise ValueRefused(NEVER[do])
         if do not in self._commands:
@@ -156,7 +232,7 @@ class HalMachine:
             "running": running, "speed": 1.0, "message": message or self.message, "t": self.period * self.file.period_s,
             "period": self.period, "behind": False, "ghost": None, "compare": "off", "lost": self.lost,
             "changed": {k: v for k, v in self.values.items() if v != self._told.get(k)},
-            "figures": self.figures.state(self.file.period_s), "scope": self.taking.state(),
+            "figures": self.error_sums.state(self.file.period_s), "scope": self.scope.state(),
             "can_undo": bool(self._undo), "can_redo": bool(self._redo),
         }  # fmt: skip
 
@@ -172,7 +248,7 @@ class HalMachine:
 
     def news(self) -> list[tuple[str, dict[str, Any]]]:
         """What pages have to be told, once."""
-        found, self._news = self._news + self.taking.news(), []
+        found, self._news = self._news + self.scope.news(), []
         return found
 
     def why(self, views: tuple[str, ...]) -> dict[str, Any]:
@@ -235,7 +311,7 @@ class HalMachine:
         return {"presets": presets.names(self.folder / "presets")}
 
     def _do_preset_save(self, args: dict[str, Any]) -> dict[str, Any]:
-        found = presets.Preset(view.study(self.file), "", self.values)
+        found = presets.Preset(study(self.file), "", self.values)
         return {"name": presets.save(found, self.folder / "presets", args["name"]).stem}
 
     def _do_preset_delete(self, args: dict[str, Any]) -> dict[str, Any]:
@@ -244,8 +320,8 @@ class HalMachine:
 
     def _do_preset_load(self, args: dict[str, Any]) -> dict[str, Any]:
         found = presets.load(self.folder / "presets", args["name"])
-        if found.study != view.study(self.file):
-            raise ValueRefused(f"the preset {args['name']} is of {found.study}, and this is {view.study(self.file)}")
+        if found.study != study(self.file):
+            raise ValueRefused(f"the preset {args['name']} is of {found.study}, and this is {study(self.file)}")
         changes = {k: v for k, v in found.values.items() if v != self.values.get(k)}
         return self._do_set({"changes": changes}) if changes else self._told_of({}, {})
 
@@ -267,14 +343,14 @@ class HalMachine:
             NameUnknown, ValueRefused: a key that is not listed, or a value that is not allowed; HAL is as before.
             HalRefused: HAL did not take it; what was written before it is back.
         """
-        sheet = view.entries(self.file, self.attachment.safe)
+        sheet = entries(self.file, self.attachment.safe)
         new = {}
         for key, value in changes.items():
             if key not in sheet:
                 raise NameUnknown(f"{key[:80]!r} is not among the parameters of the file{nearest(key, list(sheet))}")
             new[key] = sheet[key].check(value)
         old = self.attachment.write(new)
-        self.figures.restart(self.period)
+        self.error_sums.restart(self.period)
         return old, new
 
     def _told_of(self, old: Mapping[str, Any], new: Mapping[str, Any]) -> dict[str, Any]:
@@ -287,6 +363,3 @@ class HalMachine:
 
     def _notice(self, level: str, text: str) -> None:
         self._news.append(("notice", {"level": level, "text": text}))
-
-
-__all__ = ["HalMachine"]

@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-from leadscrew.kernel.sheet import nearest
-from leadscrew.panel.hal import door
+from leadscrew.kernel.parameters import nearest
+from leadscrew.panel.hal import write_policy
 from leadscrew.panel.hal.file import HalFile, Signal
 from leadscrew.panel.hal.show import LOADED, OURS, TYPES, USED, Hal, HalRefused, Pin, Thread
 
@@ -34,7 +34,7 @@ def plan(file: HalFile, hal: Hal) -> dict[str, Any]:
     where = file.where
     for parameter in file.parameters:
         known = [*hal.pins, *hal.parameters]
-        why = door.refused(parameter.hal, parameter.type, hal)
+        why = write_policy.refused(parameter.hal, parameter.type, hal)
         if why:
             hint = nearest(parameter.hal, known) if parameter.hal not in known else ""
             raise HalRefused(f"{where}: parameters: {parameter.key}: {parameter.hal} {why}{hint}")

@@ -9,7 +9,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from leadscrew.kernel.errors import LeadscrewError
+from leadscrew.util.errors import LeadscrewError
 
 OURS = "leadscrew."
 """What signals that we make begin with."""

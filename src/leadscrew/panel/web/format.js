@@ -40,6 +40,7 @@ export function micro(text) { return text.replace(/\bum\b/g, "µm").replace(/(\d
 /** A number with so many significant digits; true minus sign left out on purpose, so that it can be typed back. */
 export function number(value, digits = 4) {
   if (value === null || value === undefined || Number.isNaN(value)) return "-";
+  if (typeof value === "string") return value; // an option
   if (!Number.isFinite(value)) return value > 0 ? "unlimited" : "-unlimited";
   if (value === 0) return "0";
   const size = Math.abs(value);

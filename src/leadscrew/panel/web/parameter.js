@@ -1,4 +1,4 @@
-// One parameter: entry field and slider, or a switch; what was refused is put back with the reason beside it.
+// One parameter: entry field and slider, a switch, or a list of options; what was refused is put back with the reason beside it.
 
 import { bounds, brief, exact, number, typed, unit, withUnit } from "./format.js";
 import { STEPS, scaleOf } from "./slider.js";
@@ -56,10 +56,11 @@ export class Row {
       box.append(this.table);
       return box;
     }
-    this.field = element("input");
+    this.field = element(type === "choice" ? "select" : "input");
     this.field.id = this.id;
     this.field.setAttribute("aria-describedby", `${this.id}-doc`);
     if (type === "bool") return this.toggle(box);
+    if (type === "choice") return this.options(box);
     Object.assign(this.field, { type: "text", inputMode: "decimal", autocomplete: "off", spellcheck: false });
     this.field.addEventListener("focus", () => this.write(this.value)); // all digits while it is edited
     this.field.addEventListener("blur", () => { if (!this.sending) this.write(this.value); });
@@ -83,6 +84,13 @@ export class Row {
     this.field.addEventListener("change", () => this.send(this.field.checked));
     this.said = element("span", "said");
     box.append(this.field, this.said);
+    return box;
+  }
+
+  options(box) {
+    for (const name of this.parameter.choices) this.field.append(new Option(name, name));
+    this.field.addEventListener("change", () => this.send(this.field.value));
+    box.append(this.field);
     return box;
   }
 
@@ -174,6 +182,10 @@ export class Row {
     if (this.field.type === "checkbox") {
       this.field.checked = Boolean(value);
       this.said.textContent = value ? "on" : "off";
+      return;
+    }
+    if (this.parameter.type === "choice") {
+      this.field.value = value;
       return;
     }
     const text = document.activeElement === this.field ? exact(value) : brief(value);

@@ -5,9 +5,8 @@ All are Matplotlib figures that belong to nobody: save them with ``figure.savefi
 
 from __future__ import annotations
 
-from leadscrew.report.fuzzy.grid import Surface, surface
 from leadscrew.report.fuzzy.membership import membership_figure
 from leadscrew.report.fuzzy.rules import activity_figure
-from leadscrew.report.fuzzy.surfaces import surface_figure
+from leadscrew.report.fuzzy.surfaces import Surface, surface, surface_figure
 
 __all__ = ["Surface", "activity_figure", "membership_figure", "surface", "surface_figure"]

@@ -6,17 +6,30 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from leadscrew import escape
 from leadscrew.fuzzy.circuit import CONSEQUENTS
 from leadscrew.fuzzy.shapes import membership_function
 from leadscrew.fuzzy.system import System, Term, Variable
 from leadscrew.fuzzy.tables import peak
-
-from .words import COLOURS, GREY, SMALL, dark, ends, formula, kind, labelled, number, pen, short, ticks
+from leadscrew.report.fuzzy.words import (
+    COLOURS,
+    GREY,
+    SMALL,
+    dark,
+    ends,
+    formula,
+    kind,
+    labelled,
+    number,
+    pen,
+    short,
+    ticks,
+)
+from leadscrew.util import escape
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
+
+    from leadscrew.figures.figure import Figure
 
 POINTS = 1001
 PANEL = (3.5, 1.85)
@@ -33,8 +46,9 @@ MOST_NAMES = 24
 
 def membership_figure(system: System) -> Figure:
     """Every variable of a system: its terms over its universe; Takagi-Sugeno consequents as stems or formulas."""
-    from matplotlib.figure import Figure
     from matplotlib.layout_engine import ConstrainedLayoutEngine
+
+    from leadscrew.figures.figure import Figure
 
     variables: list[Variable] = [*system.inputs, *system.outputs]
     across = 1 if len(variables) == 1 else 2

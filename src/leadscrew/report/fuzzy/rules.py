@@ -7,18 +7,17 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from leadscrew import escape
-from leadscrew.fuzzy.activity import activity, rising
+from leadscrew.figures.style import BLACK, BLUE
 from leadscrew.fuzzy.evaluate import compiled
+from leadscrew.fuzzy.explanation import activity, rising
 from leadscrew.fuzzy.rules_text import rule_text
 from leadscrew.fuzzy.system import Rule, System
-from leadscrew.kernel.errors import ValueRefused
-from leadscrew.report.style import BLACK, BLUE
-
-from .words import GREY, HATCH, SMALL, labelled, short, ticks
+from leadscrew.report.fuzzy.words import GREY, HATCH, SMALL, labelled, short, ticks
+from leadscrew.util import escape
+from leadscrew.util.errors import ValueRefused
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure
+    from leadscrew.figures.figure import Figure
 
 WIDEST = 1200
 """Columns of the map; rows of a longer run are put together, each rule at its strongest."""
@@ -37,7 +36,7 @@ def activity_figure(system: System, time: Any, points: Any, *, unit: str = "s") 
     Raises:
         ValueRefused: times that do not rise, points of another shape or less than two of them.
     """
-    from matplotlib.figure import Figure
+    from leadscrew.figures.figure import Figure
 
     x = np.asarray(points, dtype=float)
     strengths = np.nan_to_num(activity(system, x))

@@ -5,10 +5,10 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from leadscrew import escape
+from leadscrew.figures.style import BLUE, GREEN, ORANGE, PURPLE, SKY, VERMILION
 from leadscrew.fuzzy.formats.extent import extent, hull
 from leadscrew.fuzzy.system import Output, System, Term, Variable
-from leadscrew.report.style import BLUE, GREEN, ORANGE, PURPLE, SKY, VERMILION
+from leadscrew.util import escape
 
 COLOURS = (BLUE, VERMILION, GREEN, PURPLE, ORANGE, SKY, "#4D4D4D")
 STYLES = ("-", "--", "-.", (0, (1.2, 1.2)))

@@ -6,6 +6,9 @@
 ``counting``            comparators, code, direction and reversible counter, for arrays; the slowest sampling allowed
 ``counter``             the same as a block: ``grating_counter``, for loops that sample faster than the counts come
 ``ruler``               the count worked out in one go: ``grating_ruler``, for loops of 1 ms
-``heydemann``           the ellipse of a logged pair of signals, and the correction that makes it a circle
 ======================  ===========================================================================================
 """
+
+from leadscrew.util.lazy_exports import exports
+
+__getattr__, __dir__, __all__ = exports(__name__, __file__)

@@ -27,12 +27,12 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from leadscrew.controllers.sliding.continuous import fsmc_ideal, fsmc_printed_ideal, fuzzy_ideal
-from leadscrew.controllers.sliding.fuzzy import RULES, sliding_system
-from leadscrew.disturbances.step_load import step_load
+from leadscrew.controllers._sliding.continuous import fsmc_ideal, fsmc_printed_ideal, fuzzy_ideal
+from leadscrew.controllers._sliding.fuzzy import RULES, sliding_system
+from leadscrew.disturbances._step_load import step_load
 from leadscrew.friction.lugre import HAT, LuGre
 from leadscrew.kernel.block import Block
-from leadscrew.plants.ballscrew_stage import TRAVEL_MM_PER_RAD
+from leadscrew.plants._ballscrew_stage import TRAVEL_MM_PER_RAD
 from leadscrew.studies.fsmc_ballscrew.laws import LAM, SYSTEMS, tight_bounds
 from leadscrew.studies.lab import Lab, measure
 

@@ -1,7 +1,7 @@
 """Backlash: an impact behind a screw whose motion is imposed, and 2 um of play inside the loop.
 
-In the loop: the stage with the classical play (:mod:`leadscrew.plants.ballscrew_play`) or with two masses
-(:mod:`leadscrew.plants.ballscrew_backlash`), at 4 kHz with 10 nm a count, closed on the motor's encoder, on the table's
+In the loop: the stage with the classical play (:obj:`leadscrew.plants.ballscrew_play`) or with two masses
+(:obj:`leadscrew.plants.ballscrew_backlash`), at 4 kHz with 10 nm a count, closed on the motor's encoder, on the table's
 scale, or on both. Runs enter in motion, on the command, the table behind its flank.
 """
 
@@ -13,13 +13,13 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from leadscrew.analysis.circular.paths import CircularTest, Turn
-from leadscrew.plants.backlash import Play, followed
-from leadscrew.plants.backlash_two_mass import damping_ratio, restitution_of
-from leadscrew.plants.ballscrew_backlash import BallscrewBacklashParams, backlash_in_motion, ballscrew_backlash
-from leadscrew.plants.ballscrew_play import ballscrew_play, play_in_motion
-from leadscrew.plants.ballscrew_stage import TRAVEL_MM_PER_RAD
-from leadscrew.report.backlash import imposed_loop
-from leadscrew.sensors.dual_encoder import dual_encoder
+from leadscrew.analysis.friction import imposed_loop
+from leadscrew.plants._backlash import Play, followed
+from leadscrew.plants._backlash_two_mass import damping_ratio, restitution_of
+from leadscrew.plants._ballscrew_backlash import BallscrewBacklashParams, backlash_in_motion, ballscrew_backlash
+from leadscrew.plants._ballscrew_play import ballscrew_play, play_in_motion
+from leadscrew.plants._ballscrew_stage import TRAVEL_MM_PER_RAD
+from leadscrew.sensors._dual_encoder import dual_encoder
 from leadscrew.studies.fsmc_ballscrew.controllers import CONTROLLERS
 from leadscrew.studies.fsmc_ballscrew.scenarios import (
     ENCODER_NM,
@@ -51,7 +51,7 @@ BACK_UM = 0.1
 
 # ---- in the loop
 def backlash_loop(controller: str, scenario: str, machine: str, lag: float) -> Loop:
-    """A controller on a sine, on ``play`` or ``two_mass``; ``lag`` as in :mod:`leadscrew.sensors.dual_encoder`."""
+    """A controller on a sine, on ``play`` or ``two_mass``; ``lag`` as in :obj:`leadscrew.sensors.dual_encoder`."""
     from leadscrew.kernel.loop import Loop
 
     asked = SCENARIOS[scenario].params

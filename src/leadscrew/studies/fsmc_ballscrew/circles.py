@@ -6,8 +6,8 @@ sliding; the last turn is measured, at 1,800 points evenly spaced in the command
 turned round. Laws, friction and scale are odd, so that Y then draws its own mirror image: with ``both=False`` it is not
 run again.
 
-:mod:`leadscrew.analysis.circular.drawn` draws circles of any loop with a start as on a machine, from rest, and in both
-directions; here the loops are those of the sines, one compiled program a controller.
+:mod:`leadscrew.analysis.circular.simulation` draws circles of any loop with a start as on a machine, from rest, and in
+both directions; here the loops are those of the sines, one compiled program a controller.
 """
 
 from __future__ import annotations
@@ -22,13 +22,13 @@ import numpy as np
 from leadscrew.analysis.circular.paths import TURN, USUAL, CircularTest, Floats, Turn
 from leadscrew.analysis.circular.quantities import BothWays, OneWay, quantities
 from leadscrew.analysis.circular.reversals import Reversal, reversals
-from leadscrew.controllers.pd_dob import pd_dob
+from leadscrew.controllers._pd_dob import pd_dob
 from leadscrew.kernel.block import Block
-from leadscrew.plants.ballscrew_stage import TRAVEL_MM_PER_RAD
+from leadscrew.plants._ballscrew_stage import TRAVEL_MM_PER_RAD
 from leadscrew.studies.fsmc_ballscrew.controllers import CONTROLLERS
 from leadscrew.studies.fsmc_ballscrew.scenarios import PERIOD_S, SineMove
 from leadscrew.studies.lab import Lab, measure
-from leadscrew.studies.study import Scenario
+from leadscrew.study_data import Scenario
 
 if TYPE_CHECKING:
     from leadscrew.kernel.loop import Loop

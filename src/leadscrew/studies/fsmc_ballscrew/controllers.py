@@ -5,8 +5,8 @@ integral; the fuzzy rules act along s + s_c. Both run in continuous time with th
 and more. ``ours.*`` are for a machine: sampled at 4 kHz; ``tuned.*`` are seven laws with gains of equal searches.
 
 In all of them the friction estimate f_hat is driven by the *commanded* speed. That is our reading: the paper writes
-f_hat as a function of the state, which with the parameters of Table 2 is unstable (``friction_from`` 3; 2 leaves out
-the term sigma_1 dz/dt, 0 the estimate).
+f_hat as a function of the state, which with the parameters of Table 2 is unstable (``friction_from``
+``measured``; ``measured_undamped`` leaves out the term sigma_1 dz/dt).
 """
 
 from __future__ import annotations
@@ -16,25 +16,25 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from leadscrew import controller_file
-from leadscrew.controllers.look_ahead import look_ahead
-from leadscrew.controllers.pd_dob import TUNINGS as PD_DOB
-from leadscrew.controllers.pd_dob import pd_dob
-from leadscrew.controllers.pd_learned import TUNINGS as LEARNED
-from leadscrew.controllers.sliding.complementary import csmc
-from leadscrew.controllers.sliding.continuous import (
+from leadscrew.controllers._look_ahead import look_ahead
+from leadscrew.controllers._pd_dob import TUNINGS as PD_DOB
+from leadscrew.controllers._pd_dob import pd_dob
+from leadscrew.controllers._pd_learned import TUNINGS as LEARNED
+from leadscrew.controllers._sliding.complementary import csmc
+from leadscrew.controllers._sliding.continuous import (
     csmc_ideal,
     fsmc_ideal,
     fsmc_printed_ideal,
     smc_ideal,
     smc_integral_ideal,
 )
-from leadscrew.controllers.sliding.conventional import smc
-from leadscrew.controllers.sliding.fuzzy import TUNINGS as FUZZY
-from leadscrew.controllers.sliding.integral import smc_integral
-from leadscrew.controllers.sliding.super_twisting import super_twisting
-from leadscrew.controllers.torque_pid import torque_pid
+from leadscrew.controllers._sliding.conventional import smc
+from leadscrew.controllers._sliding.fuzzy import TUNINGS as FUZZY
+from leadscrew.controllers._sliding.integral import smc_integral
+from leadscrew.controllers._sliding.super_twisting import super_twisting
+from leadscrew.controllers._torque_pid import torque_pid
 from leadscrew.kernel.block import Block
-from leadscrew.plants.ballscrew_stage import INERTIA, TRAVEL_MM_PER_RAD
+from leadscrew.plants._ballscrew_stage import INERTIA, TRAVEL_MM_PER_RAD
 from leadscrew.studies import tuned as tuned_gains
 
 IDEAL: dict[str, Block] = {
@@ -71,7 +71,7 @@ BARE_PD = pd_dob(
 
 def ahead(acts_late_s: float, seen_late_s: float, **gains: float) -> Block:
     """The scheduled PD with an observer, looking ahead."""
-    inner = pd_dob(travel_per_rad=TRAVEL_MM_PER_RAD, **gains)
+    inner = pd_dob.using(travel_per_rad=TRAVEL_MM_PER_RAD, **gains)
     return look_ahead(inner, acts_late_s=acts_late_s, seen_late_s=seen_late_s)
 
 

@@ -15,12 +15,12 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from leadscrew.actuators.torque_drive import torque_drive
+from leadscrew.actuators._torque_drive import torque_drive
 from leadscrew.kernel.metrics import max_error
-from leadscrew.plants.ballscrew_axial import ballscrew_axial
-from leadscrew.plants.ballscrew_stage import TRAVEL_MM_PER_RAD, ballscrew_stage
-from leadscrew.references.sine import sine_motion
-from leadscrew.sensors.filtered_ruler import filtered_ruler
+from leadscrew.plants._ballscrew_axial import ballscrew_axial
+from leadscrew.plants._ballscrew_stage import TRAVEL_MM_PER_RAD, ballscrew_stage
+from leadscrew.references._sine import sine_motion
+from leadscrew.sensors._filtered_ruler import filtered_ruler
 from leadscrew.studies.fsmc_ballscrew.controllers import CONTROLLERS
 from leadscrew.studies.fsmc_ballscrew.scenarios import PERIOD_S, sine_of
 from leadscrew.studies.lab import Lab, measure

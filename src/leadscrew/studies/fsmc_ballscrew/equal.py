@@ -82,8 +82,8 @@ def searched_um(law: str) -> float:
 def judged(lab: Lab, case: str) -> dict[str, Judged]:
     """All laws of a case on the same stages, the best first."""
     from leadscrew.tune.compare import compare
-    from leadscrew.tune.compare_statistics import paired, per_plant, plain
     from leadscrew.tune.job import Job
+    from leadscrew.tune.statistics import paired, per_plant, plain
 
     at = CASES[case]
     job = Job(Experiment(lab.study.name, changes=at.changes, substeps=at.substeps), at.scenarios)

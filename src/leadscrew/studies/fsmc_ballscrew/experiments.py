@@ -6,10 +6,10 @@ from typing import Any
 
 import numpy as np
 
-from leadscrew.analysis.circular.instrument import BallBar, read_by
+from leadscrew.analysis.circular.synthetic import BallBar, read_by
 from leadscrew.figures.table import Table
 from leadscrew.friction.lugre import LuGre
-from leadscrew.plants.ballscrew_stage import INERTIA, TRAVEL_MM_PER_RAD
+from leadscrew.plants._ballscrew_stage import INERTIA, TRAVEL_MM_PER_RAD
 from leadscrew.studies.claims import finite
 from leadscrew.studies.exhibits import experiment
 from leadscrew.studies.fsmc_ballscrew import drives, equal, laws
@@ -111,7 +111,12 @@ def friction_estimate(lab: Lab) -> tuple[Table, str]:
     speed (our reading), by the measured one without and with σ₁ dz/dt (the letter of the paper), and without estimate.
     """
     rows: dict[str, tuple[Any, ...]] = {}
-    for words, reading in (("commanded", 1), ("measured, without σ₁ dz/dt", 2), ("measured", 3), ("none", 0)):
+    for words, reading in (
+        ("commanded", "commanded"),
+        ("measured, without σ₁ dz/dt", "measured_undamped"),
+        ("measured", "measured"),
+        ("none", "none"),
+    ):
         changes = {"controller.friction_from": reading}
         runs = [lab.run(law, "sine_fast", 1.5, sample=1e-4, changes=changes) for law in IDEAL]
         step = lab.run("corrected.fsmc", "step_raw", changes=changes, bound=1e3)
@@ -269,7 +274,7 @@ def fuzzy_torque(lab: Lab) -> tuple[Table, str]:
         (240, 16, 1.0),
         (240, 8, 0.5),
     ):
-        changes = laws.scales(torque, ratio, slope * laws.SLOPE) | {"controller.friction_from": 2}
+        changes = laws.scales(torque, ratio, slope * laws.SLOPE) | {"controller.friction_from": "measured_undamped"}
         run = lab.run("corrected.fsmc", "step_raw", changes=changes, bound=1e5)
         half = ", half the slope" if slope < 1.0 else ""
         rows[f"U = {torque} N·m, S_c = {ratio} S{half}, bare step, measured speed"] = (

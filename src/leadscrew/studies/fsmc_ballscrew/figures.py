@@ -7,14 +7,15 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from leadscrew.analysis.circular.quantities import centred
 from leadscrew.analysis.friction import friction_velocity
+from leadscrew.figures.ballbar import COLOURS, WORDS, division_um, polar
 from leadscrew.figures.panels import grid, with_legend
+from leadscrew.figures.style import BLACK, BLUE, GREEN, ORANGE, PURPLE, SKY, VERMILION, colour, pen
 from leadscrew.friction.lugre import TABLE_2, LuGre
 from leadscrew.friction.static_map import Sliding, TwoSided
-from leadscrew.plants.backlash import DeadBand, reaction
-from leadscrew.plants.ballscrew_stage import TRAVEL_MM_PER_RAD
-from leadscrew.report.ballbar_picture import COLOURS, WORDS, centred, division_um, polar
-from leadscrew.report.style import BLACK, BLUE, GREEN, ORANGE, PURPLE, SKY, VERMILION, colour, pen
+from leadscrew.plants._backlash import DeadBand, reaction
+from leadscrew.plants._ballscrew_stage import TRAVEL_MM_PER_RAD
 from leadscrew.studies.exhibits import figure
 from leadscrew.studies.fsmc_ballscrew.backlash import (
     BOTH,
@@ -47,9 +48,8 @@ from leadscrew.studies.fsmc_ballscrew.tracking import LAWS, SECONDS, settled_run
 from leadscrew.studies.lab import Lab
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
     from leadscrew.analysis.circular.paths import CircularTest
+    from leadscrew.figures.figure import Figure
 
 # A line that only guides the eye: a limit, a target.
 GUIDE: dict[str, Any] = {"color": "0.5", "linewidth": 0.8, "linestyle": ":", "zorder": 0}
@@ -269,7 +269,7 @@ def fig16_circles(lab: Lab) -> Figure:
     "break away, on a circle of R = 5 mm at 300 mm/min; and its trace on the circle (Figure 18), clockwise in red."
 )
 def fig17_18_stick_motion(lab: Lab) -> Figure:
-    from matplotlib.figure import Figure
+    from leadscrew.figures.figure import Figure
 
     fig = Figure(figsize=(9.6, 4.6), layout="constrained")
     place, trace = fig.add_subplot(1, 2, 1), fig.add_subplot(1, 2, 2, projection="polar")

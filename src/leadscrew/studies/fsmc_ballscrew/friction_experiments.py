@@ -12,9 +12,9 @@ import numpy as np
 
 from leadscrew.friction.lugre import LuGre, bristle_after, bristle_rate, friction
 from leadscrew.kernel.block import controller, reference
-from leadscrew.kernel.sheet import Doc, Ge, Unit
-from leadscrew.plants.ballscrew_stage import ballscrew_stage
-from leadscrew.references.motion import Motion
+from leadscrew.kernel.parameters import Doc, Ge, Unit
+from leadscrew.plants._ballscrew_stage import ballscrew_stage
+from leadscrew.references._motion import Motion
 from leadscrew.studies.lab import Lab, measure
 
 if TYPE_CHECKING:

@@ -8,9 +8,9 @@ from math import comb
 import numpy as np
 from scipy.integrate import quad
 
-from leadscrew.controllers.sliding.fuzzy import RULES, fsmc, sliding_system
+from leadscrew.controllers._sliding.fuzzy import RULES, fsmc, sliding_system
 from leadscrew.friction.lugre import HAT, LuGre, level, level_slope, steady_bristle
-from leadscrew.plants.ballscrew_stage import INERTIA, BallscrewStageParams, BallscrewStageState, stage_jacobian
+from leadscrew.plants._ballscrew_stage import INERTIA, BallscrewStageParams, BallscrewStageState, stage_jacobian
 
 SYSTEMS = {name: sliding_system(rules) for name, rules in RULES.items()}
 """The fuzzy systems of Figures 8 and 9, by rule base."""

@@ -5,7 +5,7 @@ learns in the first half of a run; the second half counts.
 
 From pass to pass: a pass starts in steady sliding on the command, runs for :data:`SETTLE_S` and one period more, and is
 judged over that period. Learned is the load of the disturbance observer, by
-:func:`leadscrew.analysis.trial_learning.taught`: four samples ahead, smoothed over two, with a gain of 0.7.
+:func:`leadscrew.controllers._trial_learning.taught`: four samples ahead, smoothed over two, with a gain of 0.7.
 """
 
 from __future__ import annotations
@@ -16,11 +16,11 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from leadscrew.analysis.trial_learning import last_period, taught
-from leadscrew.controllers.feed_forward_table import feed_forward_table
+from leadscrew.controllers._feed_forward_table import feed_forward_table
+from leadscrew.controllers._trial_learning import last_period, taught
 from leadscrew.friction.maxwell_slip import Elements, move_elements, stuck_stiffness
-from leadscrew.plants.ballscrew_gms import ballscrew_gms, cut
-from leadscrew.plants.ballscrew_stage import TRAVEL_MM_PER_RAD
+from leadscrew.plants._ballscrew_gms import ballscrew_gms, cut
+from leadscrew.plants._ballscrew_stage import TRAVEL_MM_PER_RAD
 from leadscrew.studies.fsmc_ballscrew.controllers import CONTROLLERS
 from leadscrew.studies.fsmc_ballscrew.scenarios import ENCODER_NM, PERIOD_S, sine_of
 from leadscrew.studies.lab import Lab, measure

@@ -1,7 +1,7 @@
 """Other readings of the paper's laws than the five of the study, in continuous time and held over a period.
 
 All are one law with eight numbers, in rad (``sat`` inside [-1, 1], ``K`` and ``F_hat`` as in
-:mod:`leadscrew.controllers.sliding.stage`):
+:mod:`leadscrew.controllers._sliding.stage`):
 
     u = y_r'' - u_rate lam e' - u_e lam^2 e - u_xi lam^3 xi - K sat(slope / K (s_rate e' + s_e lam e + s_xi lam^2 xi))
     T = F_hat + J u
@@ -12,16 +12,16 @@ Source: Shams and Safdari (2010), equations (8) to (15).
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
+from typing import TYPE_CHECKING, Annotated, Any, Literal, NamedTuple
 
-from leadscrew.controllers.sliding.continuous import IdealState, ideal_view, in_motion, seen
-from leadscrew.controllers.sliding.fuzzy import RULES, FsmcParams, fsmc, fuzzy_law, sliding_system
-from leadscrew.controllers.sliding.stage import SlidingParams, sat
+from leadscrew.controllers._sliding.continuous import IdealState, ideal_view, in_motion, seen
+from leadscrew.controllers._sliding.fuzzy import RULES, FsmcParams, fsmc, fuzzy_law, sliding_system
+from leadscrew.controllers._sliding.stage import SlidingParams, sat
 from leadscrew.friction.lugre import LuGre, bristle_after
 from leadscrew.fuzzy.engine import engine
 from leadscrew.kernel.block import Block, make
-from leadscrew.kernel.sheet import Doc, Ge, Le
-from leadscrew.plants.ballscrew_stage import TRAVEL_MM_PER_RAD, ballscrew_stage
+from leadscrew.kernel.parameters import Doc
+from leadscrew.plants._ballscrew_stage import TRAVEL_MM_PER_RAD, ballscrew_stage
 from leadscrew.studies.fsmc_ballscrew.scenarios import SCENARIOS, command, sliding, start_speed
 from leadscrew.studies.lab import Lab
 
@@ -38,7 +38,7 @@ class Weights(NamedTuple):
     s_rate: Annotated[float, Doc("of e'")] = 1.0
     s_e: Annotated[float, Doc("of lam e")] = 1.0
     s_xi: Annotated[float, Doc("of lam^2 xi")] = 0.0
-    signed: Annotated[int, Ge(0), Le(1), Doc("1: F~ is sign(y') times itself, so 0 at rest")] = 0
+    signed: Annotated[Literal["off", "on"] | int, Doc("F~ is sign(y') times itself, so 0 at rest")] = 0
 
 
 CONVENTIONAL = Weights()

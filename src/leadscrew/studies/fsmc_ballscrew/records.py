@@ -1,6 +1,6 @@
 """Records of the stage from which ``leadscrew identify friction`` reads the friction, at 4 kHz with a scale of 10 nm.
 
-- ``test``: the move of :mod:`leadscrew.references.friction_test` under a bare PD, which lets the torque creep up while
+- ``test``: the move of :obj:`leadscrew.references.friction_test` under a bare PD, which lets the torque creep up while
   the bristles hold: it determines all six parameters;
 - ``sines``: 5 sin t + sin 2 pi t mm under a PD with disturbance observer, in motion from the start: static friction and
   Stribeck speed act in it for a third of a millisecond a reversal, and cannot be identified.
@@ -13,11 +13,11 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 
 from leadscrew.kernel.block import reference
-from leadscrew.kernel.sheet import Unit
-from leadscrew.plants.ballscrew_stage import TRAVEL_MM_PER_RAD
-from leadscrew.references.friction_test import duration, friction_test
-from leadscrew.references.motion import Motion
-from leadscrew.sensors.ruler import ruler
+from leadscrew.kernel.parameters import Unit
+from leadscrew.plants._ballscrew_stage import TRAVEL_MM_PER_RAD
+from leadscrew.references._friction_test import friction_test, friction_test_duration
+from leadscrew.references._motion import Motion
+from leadscrew.sensors._ruler import ruler
 from leadscrew.studies.fsmc_ballscrew.controllers import BARE_PD, CONTROLLERS
 from leadscrew.studies.fsmc_ballscrew.scenarios import ENCODER_NM, MACHINES, PERIOD_S
 
@@ -69,4 +69,4 @@ def record_loop(kind: str, machine: str = "nominal", changes: Mapping[str, Any] 
     if not test:
         speed = (p.first * p.first_rate + p.second * p.second_rate) / TRAVEL_MM_PER_RAD
         loop.blocks["plant"] = axis.start(plant, speed)
-    return loop, duration() if test else SINES_S
+    return loop, friction_test_duration() if test else SINES_S

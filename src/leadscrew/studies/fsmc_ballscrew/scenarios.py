@@ -13,23 +13,23 @@ from dataclasses import replace
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 
-from leadscrew.controllers.sliding.continuous import in_motion, seen_in_mm
+from leadscrew.controllers._sliding.continuous import in_motion, seen_in_mm
 from leadscrew.friction.lugre import steady_bristle
 from leadscrew.kernel.block import Block
-from leadscrew.kernel.errors import ValueRefused
 from leadscrew.kernel.metrics import chatter, max_error, max_output, overshoot, rms_error, settling_time
-from leadscrew.kernel.sheet import Doc, Ge, Gt, Le, Unit
-from leadscrew.plants.ballscrew_axial import ballscrew_axial
-from leadscrew.plants.ballscrew_gms import ballscrew_gms, sliding_at
-from leadscrew.plants.ballscrew_stage import TRAVEL_MM_PER_RAD, ballscrew_stage
-from leadscrew.plants.ballscrew_stage_fixed import ballscrew_stage_fixed
-from leadscrew.references.filtered_step import filtered_step
-from leadscrew.references.friction_test import ROWS, friction_test
-from leadscrew.references.quintic import quintic
-from leadscrew.references.ramp import ramp_motion
-from leadscrew.references.sine import sine_motion
-from leadscrew.sensors.ruler import ruler
-from leadscrew.studies.study import Scenario
+from leadscrew.kernel.parameters import Doc, Ge, Gt, Le, Unit
+from leadscrew.plants._ballscrew_axial import ballscrew_axial
+from leadscrew.plants._ballscrew_gms import ballscrew_gms, sliding_at
+from leadscrew.plants._ballscrew_stage import TRAVEL_MM_PER_RAD, ballscrew_stage
+from leadscrew.plants._ballscrew_stage_fixed import ballscrew_stage_fixed
+from leadscrew.references._filtered_step import filtered_step
+from leadscrew.references._friction_test import ROWS, friction_test
+from leadscrew.references._quintic import quintic
+from leadscrew.references._ramp import ramp_motion
+from leadscrew.references._sine import sine_motion
+from leadscrew.sensors._ruler import ruler
+from leadscrew.study_data import Scenario
+from leadscrew.util.errors import ValueRefused
 
 if TYPE_CHECKING:
     from leadscrew.kernel.loop import Loop

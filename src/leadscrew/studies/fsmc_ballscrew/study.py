@@ -7,12 +7,12 @@ from pathlib import Path
 from leadscrew.studies.fsmc_ballscrew.controllers import CONTROLLERS
 from leadscrew.studies.fsmc_ballscrew.scenarios import SCENARIOS, build
 from leadscrew.studies.results import contents_of
-from leadscrew.studies.study import Assumption, Study
+from leadscrew.study_data import Assumption, Study
 
 ASSUMED = (
     Assumption(
         "speed of the friction estimate f̂",
-        "the commanded speed (`friction_from` 1)",
+        "the commanded speed (`friction_from = 'commanded'`)",
         "Our reading. The paper writes f̂ as a function of the state; with the parameters of Table 2 that is unstable, "
         "because σ̂₁ is twice σ₁. See the friction estimate.",
     ),

@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from leadscrew.plants.ballscrew_stage import TRAVEL_MM_PER_RAD
+from leadscrew.plants._ballscrew_stage import TRAVEL_MM_PER_RAD
 from leadscrew.studies.fsmc_ballscrew.scenarios import SAMPLE_S, sine_of
 from leadscrew.studies.lab import Lab, measure
 
@@ -180,4 +180,4 @@ def at_rest(run: Any) -> AtRest:
 
 def settled_run(lab: Lab, law: str) -> Any:
     """1 mm in 50 ms with f_hat from the measured speed, sampled finely enough for the limit cycle that follows."""
-    return lab.run(law, "step_quintic", 0.8, changes={"controller.friction_from": 2}, sample=2e-5)
+    return lab.run(law, "step_quintic", 0.8, changes={"controller.friction_from": "measured_undamped"}, sample=2e-5)

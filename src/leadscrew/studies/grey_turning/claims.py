@@ -5,11 +5,9 @@
 
 from __future__ import annotations
 
-from leadscrew.controllers.grey_fuzzy.rule_tables import TABLES
-from leadscrew.controllers.grey_fuzzy.surface import MINIMUM, PRODUCT
+from leadscrew.controllers._grey_fuzzy.rule_tables import TABLES
 from leadscrew.grey.filters import noise_gain
-from leadscrew.grey.vectorised import gm11, gm11_derivative, gm11_off_by_one, gm11_printed
-from leadscrew.grey.vectorised_others import limit
+from leadscrew.grey.vectorised import gm11, gm11_derivative, gm11_off_by_one, gm11_printed, limit
 from leadscrew.studies.claims import Measured, at_least, at_most, claim, within
 from leadscrew.studies.grey_turning import cuts, lathe, removal
 from leadscrew.studies.grey_turning.cuts import BOTH, fixed, long
@@ -190,7 +188,7 @@ def force_with_the_printed_sign(lab):
 @claim("(17)", "equation 16", "equation 17", basis="arithmetic")
 def product_is_smooth(lab):
     """The suitability changes smoothly with the product and not with the minimum"""
-    product, minimum = kinks(lab, PRODUCT), kinks(lab, MINIMUM)
+    product, minimum = kinks(lab, "product"), kinks(lab, "minimum")
     return Measured(
         printed=minimum.off > 1e-6 and product.off < 1e-12,
         note=f"within two factors of the set-point the product is a plane to {product.off:.0e} S3; the minimum leaves "
@@ -202,7 +200,7 @@ def product_is_smooth(lab):
 @claim("(17)", "equation 17", says="smoother", basis="reconstructed plant", holds=at_most(1.0), over=SETS)
 def product_is_smoother_in_the_loop(lab, factors):
     """Change of the TFC's voltage a sample with the product over that with the minimum, factors {case}"""
-    product, minimum = (cuts.product_or_minimum(lab, code(factors), kind) for kind in (PRODUCT, MINIMUM))
+    product, minimum = (cuts.product_or_minimum(lab, code(factors), kind) for kind in ("product", "minimum"))
     return Measured(
         corrected=product / minimum,
         note=f"{product:.2f} and {minimum:.2f} mV, 2 to 4 s, 20 noise seeds; rules and factors are ours",

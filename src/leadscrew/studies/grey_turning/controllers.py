@@ -4,7 +4,7 @@ The paper prints neither its rules (Table 1 is missing in the text that we have)
 has what is printed, errors included; ``corrected.*`` the paper's laws with the standard table and factors of our own.
 ``ours.*`` are for comparison; the gains of ``ours.*_tuned`` were found by one search each, with the same budget,
 plants, scenarios and goal (``tuned/*.toml``). More of the same kind:
-:data:`leadscrew.controllers.grey_fuzzy.tunings.TUNINGS`.
+:data:`leadscrew.studies.grey_turning.tunings.TUNINGS`.
 """
 
 from __future__ import annotations
@@ -12,11 +12,11 @@ from __future__ import annotations
 from collections.abc import Mapping
 from pathlib import Path
 
-from leadscrew.controllers.force import depth_feed_forward, gain_normalised
-from leadscrew.controllers.force.tunings import TUNINGS as FORCE
-from leadscrew.controllers.grey_fuzzy.tunings import TUNINGS as GREY_FUZZY
-from leadscrew.controllers.pid import pid
+from leadscrew.controllers._force import depth_feed_forward, gain_normalised
+from leadscrew.controllers._pid import pid
 from leadscrew.kernel.block import Block
+from leadscrew.studies.grey_turning.tunings import FORCE
+from leadscrew.studies.grey_turning.tunings import TUNINGS as GREY_FUZZY
 from leadscrew.studies.tuned import tuned
 
 OTHERS = (

@@ -13,30 +13,30 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from leadscrew.controllers.grey_fuzzy.gpfc import READING_A, READING_B, gpfc
-from leadscrew.controllers.grey_fuzzy.rule_tables import TABLES, rough
-from leadscrew.controllers.grey_fuzzy.tunings import FACTORS, Factors
-from leadscrew.grey.predictors import GM, GM_CLAMPED, LAST, OFF_BY_ONE, PRINTED, TWO_POINT
+from leadscrew.controllers._grey_fuzzy.gpfc import gpfc
+from leadscrew.controllers._grey_fuzzy.rule_tables import TABLES, rough
+from leadscrew.grey.predictors import GM, LAST
 from leadscrew.studies.grey_turning.readings import Reading, SeedMean, filtered, read, seed_mean
 from leadscrew.studies.grey_turning.scenarios import FALLING, FOLLOWING, FORCE_N, PERIOD_S, SCENARIOS, SLOW
+from leadscrew.studies.grey_turning.tunings import FACTORS, Factors
 from leadscrew.studies.lab import Lab, measure
 
 SEEDS = 30
 SIGNALS = ("feedback", "output", "actual.force", "actual.feed")
 
-LAWS: dict[str, dict[str, int]] = {
+LAWS: dict[str, dict[str, str]] = {
     "tfc": {},
-    "b": {"predictor": GM_CLAMPED, "reading": READING_B},
-    "a": {"predictor": GM_CLAMPED, "reading": READING_A},
-    "two_point": {"predictor": TWO_POINT, "reading": READING_B},
-    "off_by_one": {"predictor": OFF_BY_ONE, "reading": READING_B},
-    "printed": {"predictor": PRINTED, "reading": READING_B},
+    "b": {"predictor": "gm11_clamped", "reading": "predicted_error"},
+    "a": {"predictor": "gm11_clamped", "reading": "measured_error"},
+    "two_point": {"predictor": "two_point", "reading": "predicted_error"},
+    "off_by_one": {"predictor": "gm11_off_by_one", "reading": "predicted_error"},
+    "printed": {"predictor": "gm11_printed", "reading": "predicted_error"},
 }
 """What makes a law of the GPFC; the TFC is a block of its own."""
 WORDS = {"tfc": "TFC", "b": "GPFC", "a": "GPFC, reading A", "two_point": "two-point predictor"}
 BOTH = ("tfc", "b")
 WRITTEN = {"s6": "S6", "s9": "S9", "s9_half": "S9/2", "stfc": "STFC", "sbn": "SBN, plant N", "edge_n": "edge, plant N"}
-"""Scaling factors of :data:`~leadscrew.controllers.grey_fuzzy.tunings.FACTORS`."""
+"""Scaling factors of :data:`~leadscrew.studies.grey_turning.tunings.FACTORS`."""
 
 PLANT_N = {f"plant.{key}": value for key, value in SLOW.items()}
 QUIET: dict[str, Any] = {"sensor.noise_n": 0.0, "plant.runout": 0.0}
@@ -243,7 +243,7 @@ def raw_or_filtered(lab: Lab) -> dict[tuple[float, float], Cuts]:
 
 
 @measure
-def product_or_minimum(lab: Lab, factors: str, inference: int, seeds: int = 20) -> float:
+def product_or_minimum(lab: Lab, factors: str, inference: str, seeds: int = 20) -> float:
     """Mean change of the TFC's voltage a sample, 2 to 4 s, mV."""
     loop = lab.loop(f"corrected.tfc_{factors}", "fig6_fixed_depth").using({"controller.inference": inference})
     u = np.asarray(loop.batch(4.0, {"controller.upper": np.ones(seeds)}, record=("output",))["output"])[:, 100:]

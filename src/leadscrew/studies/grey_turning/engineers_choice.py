@@ -7,7 +7,7 @@ falling depth (8 s). What is minimised is the mean of
     cut_cost = integral of |F - r| dt + 1 N s for each percent by which F is ever more than 10 % above r
 
 with the true force F. All are judged here on :data:`PLANTS` other lathes of the same ranges with the same noise for
-each; the intervals are paired, from a bootstrap over lathes (:mod:`leadscrew.tune.compare_statistics`).
+each; the intervals are paired, from a bootstrap over lathes (:mod:`leadscrew.tune.statistics`).
 """
 
 from __future__ import annotations
@@ -18,14 +18,14 @@ from typing import NamedTuple
 
 import numpy as np
 
-from leadscrew import controller_file
+from leadscrew import controller_file, toml_file
 from leadscrew.studies.grey_turning.scenarios import FORCE_N
 from leadscrew.studies.lab import Lab, measure
 from leadscrew.studies.tuned import FOLDER
 from leadscrew.tune.compare import PART, UNSEEN_NOISE
-from leadscrew.tune.compare_statistics import Interval, paired
 from leadscrew.tune.space import Space
-from leadscrew.tune.tuner_plan import held_out_plants
+from leadscrew.tune.statistics import Interval, paired
+from leadscrew.tune.tuner import held_out_plants
 
 PLANTS, SEED = 64, 1
 SECONDS = {"fig6_fixed_depth": 3.0, "fig9_falling_depth": 8.0}
@@ -55,7 +55,7 @@ ANSWER = (PAPERS, "ours.pid_tuned", "ours.constant_force_tuned")
 def lathes(count: int = PLANTS) -> dict[str, np.ndarray]:
     """Random lathes of the ranges that the searches had, by dotted key; others than theirs."""
     tuning = controller_file.read(Path(__file__).parent / FOLDER / "pi.toml").tuning
-    return held_out_plants(Space.of(dict(controller_file.flat(tuning["over"]))), count, SEED, PART)
+    return held_out_plants(Space.of(dict(toml_file.flat(tuning["over"]))), count, SEED, PART)
 
 
 class Verdict(NamedTuple):

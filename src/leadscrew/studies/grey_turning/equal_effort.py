@@ -24,17 +24,15 @@ from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 
-from leadscrew.controllers.grey_fuzzy import gpfc
-from leadscrew.controllers.grey_fuzzy.gpfc import READING_A, READING_B
-from leadscrew.controllers.grey_fuzzy.smith import smith
-from leadscrew.controllers.grey_fuzzy.tunings import SMITH_N
-from leadscrew.grey.predictors import DGM, EXPONENTIAL, GM, GM_GUARDED, LAST, LINE, RESIDUAL, TWO_POINT, VERHULST
+from leadscrew.controllers._grey_fuzzy import gpfc
+from leadscrew.controllers._grey_fuzzy.smith import smith
 from leadscrew.kernel.block import Block, sensor
 from leadscrew.kernel.noise import Noise
-from leadscrew.kernel.sheet import Doc, Ge
-from leadscrew.sensors.load_cell import LoadCellParams, LoadCellState, weighed
+from leadscrew.kernel.parameters import Doc, Ge
+from leadscrew.sensors._load_cell import LoadCellParams, LoadCellState, weighed
 from leadscrew.studies.grey_turning.readings import filtered
 from leadscrew.studies.grey_turning.scenarios import FORCE_N
+from leadscrew.studies.grey_turning.tunings import SMITH_N
 from leadscrew.studies.lab import Lab, measure
 
 FREE = 1.0
@@ -72,16 +70,16 @@ PLANTS = ("plant_f", "plant_n")
 SCENARIO = "fig6_fixed_depth"
 
 VARIANTS: dict[str, dict[str, Any]] = {
-    "tfc": {"predictor": LAST},
-    "gpfc_b": {"predictor": GM},
-    "line": {"predictor": LINE},
-    "two_point": {"predictor": TWO_POINT},
-    "gm_h2": {"predictor": GM_GUARDED, "horizon": 2.0},
-    "dgm": {"predictor": DGM},
-    "gpfc_a": {"predictor": GM, "reading": READING_A},
-    "exponential": {"predictor": EXPONENTIAL},
-    "residual": {"predictor": RESIDUAL},
-    "verhulst": {"predictor": VERHULST},
+    "tfc": {"predictor": "last"},
+    "gpfc_b": {"predictor": "gm11"},
+    "line": {"predictor": "line"},
+    "two_point": {"predictor": "two_point"},
+    "gm_h2": {"predictor": "gm11_guarded", "horizon": 2.0},
+    "dgm": {"predictor": "dgm11"},
+    "gpfc_a": {"predictor": "gm11", "reading": "measured_error"},
+    "exponential": {"predictor": "gm11_exponential"},
+    "residual": {"predictor": "gm11_residual"},
+    "verhulst": {"predictor": "verhulst"},
 }
 """Parameters of the GPFC, by default reading B; with the last value as prediction it is the TFC."""
 SWITCHES = ("predictor", "reading", "horizon")
@@ -108,8 +106,8 @@ DATA = Path(__file__).parent / "data"
 def variant(name: str, plant: str) -> Block:
     """The controller of a variant on a plant, its factors not yet tuned."""
     if name == SMITH:
-        return smith(**(SMITH_N if plant == "plant_n" else {}))
-    return gpfc(**({"reading": READING_B} | VARIANTS[name]))
+        return smith.using(**(SMITH_N if plant == "plant_n" else {}))
+    return gpfc(**({"reading": "predicted_error"} | VARIANTS[name]))
 
 
 class RepeatedCellParams(NamedTuple):

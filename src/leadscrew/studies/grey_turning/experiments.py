@@ -7,10 +7,9 @@ from typing import Any
 
 import numpy as np
 
-from leadscrew.controllers.grey_fuzzy.tunings import FACTORS
 from leadscrew.figures.table import Table
 from leadscrew.grey.filters import lead, linearised, noise_gain, response
-from leadscrew.grey.vectorised_others import limit, predictions
+from leadscrew.grey.vectorised import limit, predictions
 from leadscrew.studies.exhibits import experiment
 from leadscrew.studies.grey_turning import cuts, force_control, lathe, protection, removal
 from leadscrew.studies.grey_turning.cuts import BOTH, CONDITIONS, WRITTEN, Case, fixed, rows_of, together
@@ -28,6 +27,7 @@ from leadscrew.studies.grey_turning.random_plants import (
 )
 from leadscrew.studies.grey_turning.readings import filtered, read
 from leadscrew.studies.grey_turning.scenarios import FORCE_N, IRON_LAW, PERIOD_S
+from leadscrew.studies.grey_turning.tunings import FACTORS
 from leadscrew.studies.lab import Lab, measure
 
 Rows = dict[str, tuple[Any, ...]]

@@ -6,13 +6,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from leadscrew.controllers.grey_fuzzy.rule_tables import SETS
-from leadscrew.controllers.grey_fuzzy.surface import CENTRES
-from leadscrew.controllers.grey_fuzzy.tunings import FACTORS
+from leadscrew.controllers._grey_fuzzy.rule_tables import SETS
+from leadscrew.controllers._grey_fuzzy.surface import CENTRES
 from leadscrew.figures.panels import grid, with_legend
+from leadscrew.figures.style import BLACK, BLUE, GREEN, ORANGE, PURPLE, SKY, VERMILION, colour, pen
 from leadscrew.grey.filters import response
-from leadscrew.grey.vectorised_others import limit
-from leadscrew.report.style import BLACK, BLUE, GREEN, ORANGE, PURPLE, SKY, VERMILION, colour, pen
+from leadscrew.grey.vectorised import limit
 from leadscrew.studies.exhibits import figure
 from leadscrew.studies.grey_turning import cuts, force_control, lathe, protection, removal
 from leadscrew.studies.grey_turning.cuts import BOTH, WRITTEN, Cuts, fixed, long
@@ -22,10 +21,11 @@ from leadscrew.studies.grey_turning.linear_force_loop import first_part
 from leadscrew.studies.grey_turning.random_plants import FACTOR_SETS, drawn
 from leadscrew.studies.grey_turning.readings import BAD_OVERSHOOT, BAD_STEADY
 from leadscrew.studies.grey_turning.scenarios import FORCE_N, PERIOD_S
+from leadscrew.studies.grey_turning.tunings import FACTORS
 from leadscrew.studies.lab import Lab
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure
+    from leadscrew.figures.figure import Figure
 
 # A line that only guides the eye: a set-point, a limit.
 GUIDE: dict[str, Any] = {"color": "0.5", "linewidth": 0.8, "linestyle": ":", "zorder": 0}

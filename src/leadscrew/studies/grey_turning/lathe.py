@@ -11,16 +11,16 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from leadscrew.actuators.dac import lathe_dac
-from leadscrew.controllers.grey_fuzzy.tunings import TUNINGS
-from leadscrew.controllers.lathe_loops import lathe_loops
+from leadscrew.actuators._dac import lathe_dac
+from leadscrew.controllers._lathe_loops import lathe_loops
 from leadscrew.kernel.block import Block
-from leadscrew.plants.turning_lathe import turning_lathe
-from leadscrew.references.lathe_program import lathe_program
-from leadscrew.sensors.lathe_sensors import lathe_sensors
+from leadscrew.plants._turning_lathe import turning_lathe
+from leadscrew.references._lathe_program import lathe_program
+from leadscrew.sensors._lathe_sensors import lathe_sensors
 from leadscrew.studies.grey_turning.cuts import PLANT_N
 from leadscrew.studies.grey_turning.readings import read
 from leadscrew.studies.grey_turning.scenarios import FORCE_N, PERIOD_S, RPM, SUBSTEPS
+from leadscrew.studies.grey_turning.tunings import TUNINGS
 from leadscrew.studies.lab import Lab, measure
 
 if TYPE_CHECKING:
@@ -35,7 +35,11 @@ SEEDS = 20
 FALLING = {"reference.depth.step": -0.2, "reference.depth.steps": 3}
 AXES = ("spindle", "feed", "radial")
 RECORD = ("actual", "feedback", "applied", "plant.peak", "plant.removed", "plant.over_s")
-WAYS = {"tfc": (0, 0), "gpfc": (2, 0), "gpfc_a": (2, 1)}
+WAYS = {
+    "tfc": ("last", "predicted_error"),
+    "gpfc": ("gm11_clamped", "predicted_error"),
+    "gpfc_a": ("gm11_clamped", "measured_error"),
+}
 """Predictor and reading by law."""
 TFC6, GPFC6, TFC9, GPFC9 = (f"corrected.{law}_{s}" for s in ("s6", "s9") for law in ("tfc", "gpfc_b"))
 
@@ -55,7 +59,7 @@ def whole_lathe(controller: Block, **more: Any) -> Loop:
         "controller": controller,
         "plant": turning_lathe,
         "sensor": lathe_sensors,
-        "actuator": lathe_dac(**{f"{axis}.bits": 0 for axis in AXES}),
+        "actuator": lathe_dac.using(**{f"{axis}.bits": 0 for axis in AXES}),
         "period": PERIOD_S,
         "substeps": SUBSTEPS,
         "metrics": {},
@@ -64,7 +68,7 @@ def whole_lathe(controller: Block, **more: Any) -> Loop:
     return Loop(**(given | more))
 
 
-def law(axis: str, name: str) -> dict[str, int]:
+def law(axis: str, name: str) -> dict[str, str]:
     """Changes that make one loop a ``tfc``, ``gpfc`` (reading B) or ``gpfc_a``."""
     predictor, reading = WAYS[name]
     return {f"controller.{axis}.predictor": predictor, f"controller.{axis}.reading": reading}

@@ -7,19 +7,19 @@ feed per revolution. It holds once a whole revolution has been cut at one feed.
 from __future__ import annotations
 
 import math
-from typing import Annotated, NamedTuple
+from typing import Annotated, Literal, NamedTuple
 
 import numpy as np
 
 from leadscrew.analysis.cutting_force import PowerLaw, feed_for
-from leadscrew.controllers.grey_fuzzy.surface import concluded
-from leadscrew.controllers.grey_fuzzy.tfc import tfc
+from leadscrew.controllers._grey_fuzzy.surface import concluded
+from leadscrew.controllers._grey_fuzzy.tfc import tfc
 from leadscrew.kernel.block import Block, controller
-from leadscrew.kernel.sheet import Doc, Ge, Le, Unit
-from leadscrew.plants.turning import turning
-from leadscrew.plants.turning.chip import IRON, S45C
-from leadscrew.references.cutting_program import cutting_force
-from leadscrew.sensors.load_cell import lathe_reading
+from leadscrew.kernel.parameters import Doc, Ge, Le, Unit
+from leadscrew.plants._turning import turning
+from leadscrew.plants._turning.chip import IRON, S45C
+from leadscrew.references._cutting_program import cutting_force
+from leadscrew.sensors._load_cell import lathe_reading
 from leadscrew.studies.grey_turning.scenarios import FORCE_N, PERIOD_S, RPM
 from leadscrew.studies.lab import Lab, measure
 
@@ -62,7 +62,7 @@ def chip_build_up_s(lab: Lab) -> float:
     loop = Loop(
         reference=cutting_force(),
         controller=steady_feed(voltage=CHIP_FEED / FULL_FEED),
-        plant=turning(**{
+        plant=turning.using(**{
             "servo.rate": 5000.0, "servo.damping": 1.0, "servo.most": 1000.0, "runout": 0.0, "feed_force_ratio": 1e-6,
         }),
         sensor=lathe_reading(noise_n=0.0, keep=0.0),
@@ -93,7 +93,7 @@ class Kinks(NamedTuple):
 
 
 @measure
-def kinks(lab: Lab, inference: int) -> Kinks:
+def kinks(lab: Lab, inference: Literal["product", "minimum"]) -> Kinks:
     """Of the standard table with the product or the minimum."""
     axis = np.linspace(-2.0, 2.0, 81)
     given = answers(tfc(inference=inference), axis, axis)

@@ -27,7 +27,7 @@ import numpy as np
 from leadscrew.analysis.stability.linear import LinearLoop
 from leadscrew.analysis.stability.margins import margins
 from leadscrew.kernel.one_thread import one_thread
-from leadscrew.plants.turning.process import hold
+from leadscrew.plants._turning.process import hold
 from leadscrew.studies.grey_turning.scenarios import FORCE_N, MACHINES, PERIOD_S, SUBSTEPS
 
 Polynomial = tuple[float, ...]

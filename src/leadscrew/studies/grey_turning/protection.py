@@ -1,6 +1,6 @@
 """The guard on the raw force and on the load cell: hard spots at 1 ms resolution, load cells that break.
 
-The guard (:mod:`leadscrew.controllers.guard`) stands around the force controller and takes the voltage from the drive
+The guard (:mod:`leadscrew.controllers._guard`) stands around the force controller and takes the voltage from the drive
 where the raw force passes 180 N. A look is one reading that it judges: every 20 ms with the controller, or every
 millisecond.
 """
@@ -12,13 +12,13 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from leadscrew.controllers.grey_fuzzy.tunings import FACTORS, TUNINGS
-from leadscrew.controllers.guard import HOLDING, RUNNING, Clock, force_guard
-from leadscrew.disturbances.hard_spot import hard_spot
+from leadscrew.controllers._guard import HOLDING, RUNNING, Clock, force_guard
+from leadscrew.disturbances._hard_spot import hard_spot
 from leadscrew.grey.vectorised import ahead, fit
 from leadscrew.grey.window import LENGTH
-from leadscrew.sensors.faulty_load_cell import KINDS, faulty_load_cell
+from leadscrew.sensors._faulty_load_cell import faulty_load_cell
 from leadscrew.studies.grey_turning.scenarios import FORCE_N, PERIOD_S, SLOW
+from leadscrew.studies.grey_turning.tunings import FACTORS, TUNINGS
 from leadscrew.studies.lab import Lab, measure
 
 TFC = TUNINGS["corrected.tfc_stfc"]
@@ -149,13 +149,13 @@ FAULTS = {
     "shows 0 N": Fault("constant", 0.0),
     "saturated above": Fault("saturated", 1000.0),
     "saturated below": Fault("saturated", -1000.0),
-    "error code": Fault("error code", 8388607.0),
+    "error code": Fault("error_code", 8388607.0),
     "jump of 400 N": Fault("jump", 400.0),
-    "reversed polarity": Fault("wrong scale", -1.0),
+    "reversed polarity": Fault("wrong_scale", -1.0),
     "dead: noise about 0": Fault("dead", 0.0),
     "jump of −120 N": Fault("jump", -120.0),
-    "half the scale": Fault("wrong scale", 0.5),
-    "0.3 of the scale": Fault("wrong scale", 0.3),
+    "half the scale": Fault("wrong_scale", 0.5),
+    "0.3 of the scale": Fault("wrong_scale", 0.3),
     "drift of −20 N/s": Fault("drift", -20.0),
     "drift of −2 N/s": Fault("drift", -2.0),
     "frozen at 75 N": Fault("frozen", 75.0),
@@ -183,7 +183,7 @@ def broken(lab: Lab) -> dict[str, Broken]:
     """The guarded loop of 20 ms with every fault, in the entry and in the steady cut."""
     loop = lab.loop(SLOW_GUARD, "fig6_fixed_depth", sensor=faulty_load_cell, metrics={})
     changes = {
-        "sensor.fault": np.repeat([KINDS[f.kind] for f in FAULTS.values()], len(BROKEN_S)),
+        "sensor.fault": np.repeat([f.kind for f in FAULTS.values()], len(BROKEN_S)),
         "sensor.size_n": np.repeat([f.size_n for f in FAULTS.values()], len(BROKEN_S)),
         "sensor.from_s": np.tile(BROKEN_S, len(FAULTS)),
     }

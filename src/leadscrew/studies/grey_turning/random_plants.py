@@ -14,12 +14,12 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from leadscrew.analysis.cutting_force import PowerLaw, feed_for
-from leadscrew.kernel.errors import NameUnknown
-from leadscrew.kernel.sheet import nearest
-from leadscrew.plants.turning.chip import S45C
+from leadscrew.kernel.parameters import nearest
+from leadscrew.plants._turning.chip import S45C
 from leadscrew.studies.grey_turning.readings import Reading, filtered, read
 from leadscrew.studies.grey_turning.scenarios import FORCE_N, RPM
 from leadscrew.studies.lab import Lab, measure
+from leadscrew.util.errors import NameUnknown
 
 if TYPE_CHECKING:
     from leadscrew.kernel.loop import Loop

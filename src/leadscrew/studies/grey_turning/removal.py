@@ -10,7 +10,7 @@ A constant feed has one number. It is compared at **equal peak force**: the feed
 runout included, is that of the controller. ``Account.gain`` above 1 means that the controller is done sooner.
 
 Fixed removal rate: the tuned TFC on the force, the spindle speed regulated to 92.9 mm^3/s, what 150 N at 1 mm and 1,200
-1/min remove (:mod:`leadscrew.controllers.lathe_loops`); this one knows the raw part.
+1/min remove (:obj:`leadscrew.controllers.lathe_loops`); this one knows the raw part.
 """
 
 from __future__ import annotations
@@ -20,10 +20,10 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from leadscrew.controllers.force.tunings import TUNINGS as FORCE
-from leadscrew.plants.turning.workpiece import stretches
+from leadscrew.plants._turning.workpiece import stretches
 from leadscrew.studies.grey_turning.lathe import RECORD, constant_feed, force_law, running, three_loops, whole_lathe
 from leadscrew.studies.grey_turning.scenarios import FORCE_N, PERIOD_S
+from leadscrew.studies.grey_turning.tunings import FORCE
 from leadscrew.studies.lab import Lab, measure
 
 if TYPE_CHECKING:

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 
-from leadscrew.disturbances.pulse_load import pulse_load
+from leadscrew.disturbances._pulse_load import pulse_load
 from leadscrew.kernel.block import Block, metric
 from leadscrew.kernel.metrics import (
     NAN,
@@ -26,12 +26,12 @@ from leadscrew.kernel.metrics import (
     rise_time,
     steady_state_error,
 )
-from leadscrew.kernel.sheet import Doc, Ge, Le, Lt, Unit
-from leadscrew.plants.turning import turning
-from leadscrew.plants.turning.chip import IRON
-from leadscrew.references.cutting_program import DepthProgram, cutting_force, cutting_program
-from leadscrew.sensors.load_cell import lathe_reading, load_cell
-from leadscrew.studies.study import Scenario
+from leadscrew.kernel.parameters import Doc, Ge, Le, Lt, Unit
+from leadscrew.plants._turning import turning
+from leadscrew.plants._turning.chip import IRON
+from leadscrew.references._cutting_program import DepthProgram, cutting_force, cutting_program
+from leadscrew.sensors._load_cell import lathe_reading, load_cell
+from leadscrew.study_data import Scenario
 
 if TYPE_CHECKING:
     from leadscrew.kernel.loop import Loop
@@ -100,10 +100,10 @@ FOLLOWING = {"radial.gain": 8.57}
 
 MACHINES: dict[str, Machine] = {
     "plant_f": Machine("S45C, feed servo of 40 rad/s", turning),
-    "plant_n": Machine("S45C, feed servo of 20 rad/s with 20 ms of dead time", turning(**SLOW)),
-    "plant_f_iron": Machine("iron, feed servo of 40 rad/s", turning(**IRON_LAW)),
-    "plant_f_radial": Machine("plant F; the depth follows its programme in 0.25 s", turning(**FOLLOWING)),
-    "plant_n_radial": Machine("plant N; the depth follows its programme in 0.25 s", turning(**SLOW, **FOLLOWING)),
+    "plant_n": Machine("S45C, feed servo of 20 rad/s with 20 ms of dead time", turning.using(**SLOW)),
+    "plant_f_iron": Machine("iron, feed servo of 40 rad/s", turning.using(**IRON_LAW)),
+    "plant_f_radial": Machine("plant F; the depth follows its programme in 0.25 s", turning.using(**FOLLOWING)),
+    "plant_n_radial": Machine("plant N; the depth follows its programme in 0.25 s", turning.using(**SLOW, **FOLLOWING)),
 }
 
 

@@ -13,8 +13,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from leadscrew.controllers.pid import pid
-from leadscrew.plants.xy_table_cutting import hold, xy_table_cutting
+from leadscrew.controllers._pid import pid
+from leadscrew.plants._xy_table_cutting import hold, xy_table_cutting
 from leadscrew.studies.npid_xytable.table2 import LINES_HZ
 
 PERIOD_S = 5e-4

@@ -13,8 +13,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from leadscrew.controllers.pid import pid
-from leadscrew.disturbances.kicked_load import kicked_load
+from leadscrew.controllers._pid import pid
+from leadscrew.disturbances._kicked_load import kicked_load
 from leadscrew.kernel.block import Block
 from leadscrew.studies.lab import Lab, measure
 from leadscrew.studies.npid_xytable.calibration import DEAD_TIME_S, PERIOD_S
@@ -177,7 +177,7 @@ def edges_um(lab: Lab) -> dict[str, float]:
 @measure
 def linear(lab: Lab, delay_s: float = DEAD_TIME_S) -> LinearLoop:
     """The loop of Table I's PID without its slow integral, at this dead time."""
-    from leadscrew.analysis.stability.sampled import sampled_loop
+    from leadscrew.analysis.stability.loop import sampled_loop
 
     loop = lab.loop(pid(ki=0.0), "sine_1mm").using({"plant.dead_time_s": delay_s})
     return sampled_loop(loop, f"L, {1e3 * delay_s:g} ms")
@@ -186,8 +186,7 @@ def linear(lab: Lab, delay_s: float = DEAD_TIME_S) -> LinearLoop:
 @measure
 def predicted(lab: Lab, load_um: float, e_max: float, delay_s: float, many: bool) -> CyclePrediction:
     """Limit cycles under a load: by harmonic balance, or by the describing function alone (``many`` false)."""
-    from leadscrew.analysis.stability.describing import limit_cycles
-    from leadscrew.analysis.stability.harmonic_balance import harmonic_balance
+    from leadscrew.analysis.stability.harmonic_balance import harmonic_balance, limit_cycles
 
     task = harmonic_balance if many else limit_cycles
     return task(
@@ -201,7 +200,7 @@ def predicted(lab: Lab, load_um: float, e_max: float, delay_s: float, many: bool
 
 def predicted_um(lab: Lab, row: Row, many: bool) -> float:
     """Predicted peak to peak of a row; 0 where no cycle is predicted."""
-    from leadscrew.analysis.stability.describing import biggest
+    from leadscrew.analysis.stability.harmonic_balance import biggest
 
     cycle = biggest(predicted(lab, row.load_um * TAKEN_OVER, row.e_max, row.delay_s, many))
     return 0.0 if cycle is None else 1e3 * float(cycle.peak_to_peak)

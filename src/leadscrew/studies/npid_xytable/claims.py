@@ -12,14 +12,14 @@ import numpy as np
 
 from leadscrew.analysis.stability.certificate import Certificate
 from leadscrew.analysis.stability.driven import driven
-from leadscrew.analysis.stability.lmi_zames_falb import lmi_zames_falb
+from leadscrew.analysis.stability.lmi import lmi_zames_falb
 from leadscrew.analysis.stability.loop import reference_loops
 from leadscrew.analysis.stability.margins import margins
 from leadscrew.analysis.stability.popov import popov
 from leadscrew.analysis.stability.switching import worst_switching
-from leadscrew.controllers.dead_zone_inverse import dead_zone_inverse
-from leadscrew.controllers.npid import gain, npid
-from leadscrew.controllers.pid import TUNINGS as PIDS
+from leadscrew.controllers._dead_zone_inverse import dead_zone_inverse
+from leadscrew.controllers._npid import gain, npid
+from leadscrew.controllers._pid import TUNINGS as PIDS
 from leadscrew.studies.claims import Measured, Test, at_least, at_most, claim, within
 from leadscrew.studies.lab import Lab, measure
 from leadscrew.studies.npid_xytable import chatter
@@ -150,7 +150,7 @@ def uncompensated_um(lab: Lab) -> np.ndarray:
 @measure
 def differentiated(lab: Lab) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """RMS error, um, and change of the output, mV, of PID and NPID by four differentiators; both of each alone."""
-    from leadscrew.controllers.tracking_differentiator import tracking_differentiator
+    from leadscrew.controllers._tracking_differentiator import tracking_differentiator
 
     still = {f"disturbance.{n}.amplitude": 0.0 for n in ("first", "second", "third", "fourth", "fifth")}
     still |= {"plant.spindle_v": 0.0, "plant.tooth_v": 0.0}

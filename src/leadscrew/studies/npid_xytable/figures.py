@@ -8,16 +8,15 @@ import numpy as np
 
 from leadscrew.analysis.harmonics import Sampling, spectrum
 from leadscrew.analysis.stability.loop import reference_loops
-from leadscrew.analysis.stability.plot import draw_popov, finish
 from leadscrew.analysis.stability.popov import popov
-from leadscrew.controllers import npid as cosh
-from leadscrew.controllers import npid_slope as limited
-from leadscrew.controllers import resonant
-from leadscrew.controllers.inverse_feed_forward import inverse_feed_forward
-from leadscrew.controllers.pid import TUNINGS as PIDS
+from leadscrew.controllers import _npid as cosh
+from leadscrew.controllers import _npid_slope as limited
+from leadscrew.controllers import _resonant as resonant
+from leadscrew.controllers._inverse_feed_forward import inverse_feed_forward
+from leadscrew.controllers._pid import TUNINGS as PIDS
 from leadscrew.figures.panels import grid, with_legend
-from leadscrew.kernel.sheet import entries
-from leadscrew.report.style import (
+from leadscrew.figures.stability import draw_popov, finish
+from leadscrew.figures.style import (
     BLACK,
     BLUE,
     GREEN,
@@ -28,6 +27,7 @@ from leadscrew.report.style import (
     colour,
     pen,
 )
+from leadscrew.kernel.parameters import entries
 from leadscrew.studies.exhibits import figure
 from leadscrew.studies.lab import Lab
 from leadscrew.studies.npid_xytable import chatter, friction, spindle
@@ -42,8 +42,7 @@ from leadscrew.studies.npid_xytable.rejection import let_through, opened
 from leadscrew.studies.npid_xytable.table2 import BASE_HZ, LINES_HZ, NPID_UM, PID_UM, SPEEDS, at, compared
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
+    from leadscrew.figures.figure import Figure
     from leadscrew.kernel.run import Run
 
 SHOWN = (PID, NPID, "ours.pid_159_ff", "ours.resonant_full")

@@ -13,12 +13,12 @@ from typing import NamedTuple
 import numpy as np
 
 from leadscrew.analysis.harmonics import LineFit
-from leadscrew.controllers.learned_feed_forward import TUNINGS as LEARNING
-from leadscrew.controllers.npid import npid
-from leadscrew.controllers.pid import TUNINGS as PID
+from leadscrew.controllers._learned_feed_forward import TUNINGS as LEARNING
+from leadscrew.controllers._npid import npid
+from leadscrew.controllers._pid import TUNINGS as PID
 from leadscrew.kernel.block import Block
-from leadscrew.plants.xy_table import XYTableParams
-from leadscrew.plants.xy_table_lugre import LEVELS
+from leadscrew.plants._xy_table import XYTableParams
+from leadscrew.plants._xy_table_lugre import LEVELS
 from leadscrew.studies.lab import Lab, measure
 from leadscrew.studies.npid_xytable.calibration import PERIOD_S
 from leadscrew.studies.npid_xytable.table2 import BASE_HZ

@@ -10,7 +10,7 @@ import math
 
 import numpy as np
 
-from leadscrew.analysis.stability.crossings import Crossing, crossings_of, phase_crossings
+from leadscrew.analysis.stability.linear import Crossing, crossings_of, phase_crossings
 from leadscrew.analysis.stability.loop import PLANT, TABLE_I, pid_polynomials, table_i_sampled
 
 PRINTED = -0.4

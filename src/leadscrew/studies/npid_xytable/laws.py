@@ -21,8 +21,8 @@ from typing import Any
 
 import numpy as np
 
-from leadscrew.controllers.npid import gain, npid, scaled_error
-from leadscrew.plants.xy_table_cutting import xy_table_cutting
+from leadscrew.controllers._npid import gain, npid, scaled_error
+from leadscrew.plants._xy_table_cutting import xy_table_cutting
 from leadscrew.studies.npid_xytable.calibration import responses
 from leadscrew.studies.npid_xytable.table2 import BASE_HZ, LINES_HZ, NPID_UM, ORDERS, PID_UM
 

@@ -12,7 +12,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from leadscrew.analysis.harmonics import Sampling, least_squares, spectrum
-from leadscrew.analysis.harmonics.fft import Reading, Window
+from leadscrew.analysis.harmonics.lines import Reading, Window
 from leadscrew.studies.npid_xytable.calibration import PERIOD_S, responses
 from leadscrew.studies.npid_xytable.table2 import BASE_HZ, LINES_HZ, PID_UM
 

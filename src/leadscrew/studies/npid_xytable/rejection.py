@@ -2,7 +2,7 @@
 
     H = P_d / (1 + L),      S = 1 / (1 + L)
 
-``L`` is the sampled loop L* as it runs (:func:`leadscrew.analysis.stability.sampled.sampled_loop`), ``P_d`` the table
+``L`` is the sampled loop L* as it runs (:func:`leadscrew.analysis.stability.loop.sampled_loop`), ``P_d`` the table
 from a held disturbance, without dead time. :func:`best_pid` minimises the mean of ``|H|`` over the five lines of Table
 II subject to a peak of ``|S|``; nothing else is weighed, noise least of all.
 """
@@ -15,11 +15,11 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from leadscrew.controllers.inverse_feed_forward import TUNINGS
-from leadscrew.controllers.pid import pid
-from leadscrew.controllers.response import TABLE, table_response
+from leadscrew.controllers._inverse_feed_forward import TUNINGS
+from leadscrew.controllers._pid import pid
+from leadscrew.controllers._response import TABLE, table_response
 from leadscrew.kernel.block import Block
-from leadscrew.plants.xy_table_cutting import hold, xy_table_cutting
+from leadscrew.plants._xy_table_cutting import hold, xy_table_cutting
 from leadscrew.studies.npid_xytable.calibration import PERIOD_S
 from leadscrew.studies.npid_xytable.table2 import LINES_HZ
 
@@ -38,13 +38,13 @@ BEST: dict[float, Block] = {
 
 def opened(controller: Block, changes: Mapping[str, float] | None = None) -> LinearLoop:
     """The loop L* of a linear controller, cut at the error; its plant with ``changes`` by ``plant.*`` keys."""
-    from leadscrew.analysis.stability.sampled import sampled_loop
-    from leadscrew.controllers.wrapping import takes_motion
+    from leadscrew.analysis.stability.loop import sampled_loop
+    from leadscrew.controllers._wrapping import takes_motion
     from leadscrew.kernel.loop import Loop
-    from leadscrew.references.sine import sine, sine_motion
+    from leadscrew.references._sine import sine, sine_motion
 
     command = sine_motion if takes_motion(controller) else sine
-    plant = xy_table_cutting(**{key.removeprefix("plant."): value for key, value in (changes or {}).items()})
+    plant = xy_table_cutting.using(**{key.removeprefix("plant."): value for key, value in (changes or {}).items()})
     loop = Loop(reference=command, controller=controller, plant=plant, period=PERIOD_S, metrics={})
     return sampled_loop(loop, name="L*")
 

@@ -14,23 +14,23 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 
-from leadscrew.actuators.dead_zone import dead_zone
-from leadscrew.actuators.saturation import saturation
-from leadscrew.controllers.wrapping import takes_motion
-from leadscrew.disturbances.five_sines import Line, five_sines
+from leadscrew.actuators._dead_zone import dead_zone
+from leadscrew.actuators._saturation import saturation
+from leadscrew.controllers._wrapping import takes_motion
+from leadscrew.disturbances._five_sines import Line, five_sines
 from leadscrew.kernel.block import Block
-from leadscrew.kernel.errors import ValueRefused
 from leadscrew.kernel.metrics import chatter, max_error, overshoot, rms_error, settling_time
-from leadscrew.kernel.sheet import Doc, Ge, Le, Unit
-from leadscrew.plants.xy_table_cutting import xy_table_cutting
-from leadscrew.plants.xy_table_lugre import xy_table_lugre
-from leadscrew.references.eased_sine import eased_sine, eased_sine_motion
-from leadscrew.references.quintic import quintic
-from leadscrew.references.step import step
-from leadscrew.sensors.noisy_ruler import noisy_ruler
+from leadscrew.kernel.parameters import Doc, Ge, Le, Unit
+from leadscrew.plants._xy_table_cutting import xy_table_cutting
+from leadscrew.plants._xy_table_lugre import xy_table_lugre
+from leadscrew.references._eased_sine import eased_sine, eased_sine_motion
+from leadscrew.references._quintic import quintic
+from leadscrew.references._step import step
+from leadscrew.sensors._noisy_ruler import noisy_ruler
 from leadscrew.studies.npid_xytable.calibration import DEAD_TIME_S, PERIOD_S, volts
 from leadscrew.studies.npid_xytable.table2 import BASE_HZ, LINES_HZ, PID_UM, SPEEDS
-from leadscrew.studies.study import Scenario
+from leadscrew.study_data import Scenario
+from leadscrew.util.errors import ValueRefused
 
 if TYPE_CHECKING:
     from leadscrew.kernel.loop import Loop
@@ -129,7 +129,7 @@ Move = Cutting | Load | StepMove
 
 
 def command(params: Move, motion: bool) -> Block:
-    """The reference block, in mm: a number, or a :class:`~leadscrew.references.motion.Motion`."""
+    """The reference block, in mm: a number, or a :class:`~leadscrew.references.Motion`."""
     if isinstance(params, StepMove):
         distance = 1e-3 * params.size_um
         return quintic(distance=distance, duration=0.0) if motion else step(target=distance)

@@ -5,7 +5,8 @@ Every law here is a PID for small errors and a PID for large ones; around any er
     (1 - s) C_small + s C_large,      0 <= s <= 1
 
 ``pid``: both are the same. ``npid``: ``C_large`` is ``C_small`` times the steepest slope of ``K(e) e``. ``npid_split``:
-its quiet and its firm path.
+its quiet and its firm path. ``pid_low_pass`` is a PID behind a low-pass of second order in place of the filter of its
+derivative, ``pid_lag`` that with a lag besides: linear laws of five and of seven gains.
 
 Goal: mean of the fifteen rows of Table II, simulated on the nominal axis with encoder, runout and tooth passing, under
 :data:`DRAWS` draws of the forces' phases at three spindle speeds. Bounds: the peak of sensitivity Ms at every ``s``; on
@@ -19,19 +20,22 @@ for every law.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+import math
+from collections.abc import Callable, Mapping, Sequence
 from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
 
-from leadscrew.controllers.inverse_feed_forward import inverse_feed_forward
-from leadscrew.controllers.npid import npid
-from leadscrew.controllers.npid_split import npid_split
-from leadscrew.controllers.pid import pid
+from leadscrew.controllers._biquad import LeadLag, LowPass, coefficients
+from leadscrew.controllers._inverse_feed_forward import inverse_feed_forward
+from leadscrew.controllers._npid import npid
+from leadscrew.controllers._npid_split import npid_split
+from leadscrew.controllers._pid import pid
 from leadscrew.kernel.block import Block
 from leadscrew.studies.lab import Lab
 from leadscrew.studies.npid_xytable.calibration import PERIOD_S
+from leadscrew.studies.npid_xytable.controllers import LINEAR
 from leadscrew.studies.npid_xytable.cutting import BOX, amplitudes_um, line_volts, phases_of
 from leadscrew.studies.npid_xytable.rejection import opened
 from leadscrew.studies.npid_xytable.table2 import SPEEDS
@@ -59,6 +63,22 @@ class Law(NamedTuple):
     block: Block
     ranges: Mapping[str, tuple[float, float]]
     ends: Callable[[Settings], Ends]
+    sections: Callable[[Settings, int], Sequence[LowPass | LeadLag]] = lambda values, i: ()
+    """Filters behind the PID in setting ``i``."""
+
+    def peaks(self, values: Settings) -> tuple[np.ndarray, np.ndarray]:
+        """Ms at every ``s`` on the nominal axis, and the largest on the box."""
+        ends, filters = self.ends(values), self.filters(values, responses()[0])
+        return largest_ms(ends, filters), worst_ms(ends, filters)
+
+    def filters(self, values: Settings, z: np.ndarray) -> np.ndarray:
+        """Response of the filters, ``(settings, frequencies)``."""
+        rows = []
+        for i in range(len(next(iter(values.values())))):
+            numbers = [coefficients(section, PERIOD_S) for section in self.sections(values, i)]
+            parts = (((c.b0 * z + c.b1) * z + c.b2) / ((z + c.a1) * z + c.a2) for c in numbers)
+            rows.append(math.prod(parts, start=np.ones_like(z)))
+        return np.array(rows)
 
 
 def _path(values: Settings, prefix: str = "") -> np.ndarray:
@@ -71,6 +91,31 @@ def _cosh(values: Settings) -> Ends:
     return small, np.concatenate([small[:3] * steepest, small[3:]])
 
 
+PLAIN = {f"pid.{key}": ends for key, ends in PATH.items() if key != "filter_s"}
+LOW_PASS = {"low_pass.corner_hz": (30.0, 900.0), "low_pass.damping": (0.3, 2.0)}
+"""A low-pass may rise to 1.75 below its corner, no more: chosen, a resonance in a drive is no filter."""
+LAG = {"lead_lag.zero_hz": (5.0, 500.0), "lead_lag.pole_hz": (1.0, 50.0)}
+WIDER = {"pid.kp": (0.1, 40.0), "pid.kd": (5e-4, 0.5)}
+"""Of a PID before a lag, which takes back the gain at high frequencies."""
+INNER = "pid_low_pass."
+"""Of ``pid_lag``, before the names of its PID and low-pass."""
+
+
+def _plain(values: Settings, prefix: str = "pid.") -> Ends:
+    kp, ki, kd = (values[f"{prefix}{key}"] for key in ("kp", "ki", "kd"))
+    both = np.array([kp, ki, kd, np.zeros(len(kp))])
+    return both, both
+
+
+def _low_pass(values: Settings, i: int, prefix: str = "") -> LowPass:
+    return LowPass(*(float(values[f"{prefix}low_pass.{key}"][i]) for key in LowPass._fields))
+
+
+def _lag(values: Settings, i: int) -> tuple[LowPass, LeadLag]:
+    lag = LeadLag(*(float(values[f"lead_lag.{key}"][i]) for key in LeadLag._fields))
+    return _low_pass(values, i, INNER), lag
+
+
 LAWS = {
     "pid": Law(pid, PATH, lambda values: (_path(values), _path(values))),
     "npid": Law(npid, PATH | {"alpha": (0.02, 5.0), "e_max": (0.1, 30.0)}, _cosh),
@@ -78,6 +123,13 @@ LAWS = {
         npid_split,
         {f"{path}.{key}": ends for path in ("quiet", "firm") for key, ends in PATH.items()} | {"es_um": (0.02, 10.0)},
         lambda values: (_path(values, "quiet."), _path(values, "firm.")),
+    ),
+    "pid_low_pass": Law(LINEAR["pid_low_pass"], PLAIN | LOW_PASS, _plain, lambda values, i: (_low_pass(values, i),)),
+    "pid_lag": Law(
+        LINEAR["pid_lag"],
+        {f"{INNER}{key}": ends for key, ends in (PLAIN | LOW_PASS | WIDER).items()} | LAG,
+        lambda values: _plain(values, f"{INNER}pid."),
+        _lag,
     ),
 }
 
@@ -99,20 +151,29 @@ def of_gains(gains: np.ndarray, z: np.ndarray) -> np.ndarray:
     return np.asarray(kp + ki * PERIOD_S * z / (z - 1.0) + kd * (z - 1.0) / ((lag + PERIOD_S) * z - lag))
 
 
-def largest_ms(ends: Ends) -> np.ndarray:
+def worst_ms(ends: Ends, filters: np.ndarray | float = 1.0) -> np.ndarray:
+    """Largest Ms of the loops for small and for large errors over the plants of the box."""
+    z, _, box = responses()
+    loops = [of_gains(gains, z) * filters for gains in ends]
+    return np.asarray(
+        np.max([(1.0 / np.abs(1.0 + loop * table)).max(axis=1) for loop in loops for table in box], axis=0)
+    )
+
+
+def largest_ms(ends: Ends, filters: np.ndarray | float = 1.0) -> np.ndarray:
     """Ms over all ``s``: one over the distance of -1 from the straight line between both loops."""
     z, table, _ = responses()
-    small, large = (of_gains(gains, z) * table for gains in ends)
+    small, large = (of_gains(gains, z) * filters * table for gains in ends)
     back, way = 1.0 + small, large - small
     length = np.abs(way) ** 2
     s = np.clip(-(back * way.conj()).real / np.where(length > 0.0, length, 1.0), 0.0, 1.0)
     return np.asarray((1.0 / np.abs(back + s * way)).max(axis=1))
 
 
-def unproved(ends: Ends) -> np.ndarray:
+def unproved(ends: Ends, filters: np.ndarray | float = 1.0) -> np.ndarray:
     """What the box lacks, largest over its plants: not above 0 where every plant is stable under any ``s(t)``."""
     z, _, box = responses()
-    small, large = (of_gains(gains, z) for gains in ends)
+    small, large = (of_gains(gains, z) * filters for gains in ends)
     lacks = []
     for table in box:
         back = 1.0 + small * table
@@ -131,7 +192,7 @@ def rest_du_mv(
     The table is asked to stand at ``offsets`` places within a count; the last three quarters count in mean square.
     """
     from leadscrew.kernel.metrics import chatter
-    from leadscrew.references.step import step
+    from leadscrew.references._step import step
 
     judged = {"chatter": chatter(from_time=0.25 * seconds)}
     loop = lab.loop(block, "quiet", reference=step(target=0.0), metrics=judged)
@@ -179,7 +240,8 @@ def searched(
     """The setting of a law with the smallest mean row under the bounds."""
     from leadscrew.tune.optimisers import Answer, Search, cma
 
-    plain, ranges, ends_of = LAWS[law]
+    chosen = LAWS[law]
+    plain, ranges, ends_of, _ = chosen
     block, prefix = (inverse_feed_forward(plain), "inner.") if feed_forward else (plain, "")
     low, high = np.log(np.array(list(ranges.values()))).T
     best, at = np.inf, np.full(len(ranges), 0.5)
@@ -191,7 +253,8 @@ def searched(
         nonlocal best, at
         settings = settings_at(points)
         ends = ends_of(settings)
-        over = np.maximum(largest_ms(ends) / ms - 1.0, 0.0) + np.maximum(unproved(ends), 0.0)
+        filters = chosen.filters(settings, responses()[0])
+        over = np.maximum(largest_ms(ends, filters) / ms - 1.0, 0.0) + np.maximum(unproved(ends, filters), 0.0)
         near = np.flatnonzero(over < NEAR)
         worth, lost = np.zeros(len(points)), np.where(over < NEAR, 0.0, over)
         if len(near):
@@ -213,7 +276,8 @@ def searched(
     inner = {f"{prefix}{key}": values for key, values in settings.items()}
     row, work = (float(x[0]) for x in at_work(lab, block, inner, amplitude_mm, HELD_OUT, 1))
     rest, ends = float(rest_du_mv(lab, plain, settings)[0]), ends_of(settings)
-    peak, proved = float(largest_ms(ends)[0]), bool(unproved(ends)[0] <= 0.0)
+    filters = chosen.filters(settings, responses()[0])
+    peak, proved = float(largest_ms(ends, filters)[0]), bool(unproved(ends, filters)[0] <= 0.0)
     holds = proved and peak <= 1.001 * ms and rest <= rest_mv and work <= work_mv
     at_end = tuple(key for key, x in zip(ranges, at, strict=True) if not 0.01 < x < 0.99)
     return Found(law, {key: float(v[0]) for key, v in inner.items()}, row, peak, rest, work, holds, at_end)

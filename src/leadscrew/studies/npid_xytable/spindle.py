@@ -21,14 +21,14 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from leadscrew.analysis.harmonics import folded
-from leadscrew.controllers.npid import npid
-from leadscrew.controllers.pid import TUNINGS as PID
-from leadscrew.controllers.resonant import resonant
-from leadscrew.controllers.response import TableModel, law_response, table_response
-from leadscrew.controllers.wrapping import prepared, takes_motion
-from leadscrew.disturbances.wandering_spindle import wandering_spindle
+from leadscrew.controllers._npid import npid
+from leadscrew.controllers._pid import TUNINGS as PID
+from leadscrew.controllers._resonant import resonant
+from leadscrew.controllers._response import TableModel, law_response, table_response
+from leadscrew.controllers._wrapping import prepared, takes_motion
+from leadscrew.disturbances._wandering_spindle import wandering_spindle
 from leadscrew.kernel.block import Block
-from leadscrew.plants.xy_table_cutting import xy_table_cutting
+from leadscrew.plants._xy_table_cutting import xy_table_cutting
 from leadscrew.studies.lab import Lab, measure
 from leadscrew.studies.npid_xytable.calibration import DEAD_TIME_S, PERIOD_S
 from leadscrew.studies.npid_xytable.cutting import line_volts

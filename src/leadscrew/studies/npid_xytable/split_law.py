@@ -1,4 +1,4 @@
-"""The proof of a nonlinear law in two paths, :mod:`leadscrew.controllers.npid_split`.
+"""The proof of a nonlinear law in two paths, :obj:`leadscrew.controllers.npid_split`.
 
 With the quiet path closed, the rest is a Lur'e loop around ``large``, the part of the error that goes to the difference
 of the paths; its slope lies in [0, 1] (:func:`around_large`).
@@ -13,9 +13,9 @@ import numpy as np
 from leadscrew.analysis.stability.certificate import Certificate
 from leadscrew.analysis.stability.driven import driven
 from leadscrew.analysis.stability.linear import LinearLoop
-from leadscrew.controllers.npid_split import NPIDSplitParams, NPIDSplitState, npid_split, paths
+from leadscrew.controllers._npid_split import NPIDSplitParams, NPIDSplitState, npid_split, paths
 from leadscrew.kernel.block import Block, controller
-from leadscrew.kernel.sheet import Ge, Le
+from leadscrew.kernel.parameters import Ge, Le
 from leadscrew.studies.lab import Lab, measure
 from leadscrew.studies.npid_xytable.controllers import CONTROLLERS
 from leadscrew.studies.npid_xytable.cutting import BOX

@@ -7,7 +7,7 @@ from pathlib import Path
 from leadscrew.studies.npid_xytable.controllers import CONTROLLERS
 from leadscrew.studies.npid_xytable.scenarios import SCENARIOS, build
 from leadscrew.studies.results import contents_of
-from leadscrew.studies.study import Assumption, Study
+from leadscrew.study_data import Assumption, Study
 
 ASSUMED = (
     Assumption(

@@ -10,12 +10,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from leadscrew.controllers.biquad import Notch, biquad
-from leadscrew.controllers.response import law_matrices
-from leadscrew.controllers.wrapping import prepared, takes_motion
+from leadscrew.controllers._biquad import Notch, biquad
+from leadscrew.controllers._response import law_matrices
+from leadscrew.controllers._wrapping import prepared, takes_motion
 from leadscrew.kernel.block import Block
-from leadscrew.plants.linear import hold_matrices
-from leadscrew.plants.xy_table_two_mass import XYTableTwoMassParams, matrices
+from leadscrew.plants._linear import hold_matrices
+from leadscrew.plants._xy_table_two_mass import XYTableTwoMassParams, matrices
 from leadscrew.studies.lab import Lab, measure
 from leadscrew.studies.npid_xytable.calibration import DEAD_TIME_S, PERIOD_S
 from leadscrew.studies.npid_xytable.controllers import CONTROLLERS

@@ -9,12 +9,11 @@ from __future__ import annotations
 import csv
 from collections.abc import Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from leadscrew.controllers.sofnn.all_weights import sofnn_all_weights
-from leadscrew.neural.performance import NETWORK
+from leadscrew.controllers._sofnn.all_weights import sofnn_all_weights
 from leadscrew.studies.lab import measure
 from leadscrew.studies.sofnn_tangent.cuts import along_the_line, in_material, rms, rules
 from leadscrew.studies.sofnn_tangent.scenarios import LINES, MATERIAL_NAMES, samples_of
@@ -22,9 +21,9 @@ from leadscrew.studies.sofnn_tangent.scenarios import LINES, MATERIAL_NAMES, sam
 if TYPE_CHECKING:
     from leadscrew.studies.lab import Lab
 
-LITERAL: dict[str, float] = {"source": NETWORK, "delay": 4, "leak": 0.0, "freeze": False}
+LITERAL: dict[str, Any] = {"source": "network", "delay": 4, "leak": 0.0, "freeze": False}
 """The paper's scales and performance network, m_c = m, no safeguard that the paper does not have."""
-TUNED: dict[str, float] = {"k_e": 6.0 / 45.0, "target": 1, "kg": 0.7}
+TUNED: dict[str, Any] = {"k_e": 6.0 / 45.0, "target": "accumulate", "kg": 0.7}
 TEXTURES = 5
 FILE = Path(__file__).parent / "data" / "all_weights.csv"
 VARIANTS: Mapping[str, Mapping[str, float]] = {

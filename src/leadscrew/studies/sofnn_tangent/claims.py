@@ -13,9 +13,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from leadscrew.neural.inference_net import CENTRES, LABELS, regressors
-from leadscrew.neural.performance import GOLDEN, LEVELS, Performance, looked_up, measured
+from leadscrew.neural.performance import BIASES, GOLDEN, LEVELS, READINGS, Performance, Shape, looked_up, measured
 from leadscrew.neural.performance import TABLE as TABLE_1
-from leadscrew.neural.performance_shape import BIASES, READINGS, Shape
 from leadscrew.neural.safety import safety
 from leadscrew.neural.samples import copied_rmse, reasoning_samples, train_rules
 from leadscrew.studies.claims import Measured, Test, at_least, at_most, claim

@@ -10,21 +10,22 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
-from leadscrew.controllers.pid import pid
-from leadscrew.controllers.sofnn.tunings import TUNINGS as SOFNN
-from leadscrew.controllers.tangent.curvature_feed_forward import TUNINGS as FEED_FORWARD
-from leadscrew.controllers.tangent.curvature_network import TUNINGS as CURVATURE
-from leadscrew.controllers.tangent.tangent_dob import TUNINGS as OBSERVER
+from leadscrew.controllers._pid import pid
+from leadscrew.controllers._tangent.curvature_feed_forward import TUNINGS as FEED_FORWARD
+from leadscrew.controllers._tangent.curvature_network import TUNINGS as CURVATURE
+from leadscrew.controllers._tangent.tangent_dob import TUNINGS as OBSERVER
 from leadscrew.kernel.block import Block
 from leadscrew.studies.sofnn_tangent.delayed_pd import delayed_pd
+from leadscrew.studies.sofnn_tangent.tunings import TUNINGS as SOFNN
 from leadscrew.studies.tuned import tuned
 
 LAG_S = 0.02
 """Of the derivative of the PIDs."""
 
 
-def offset_pid(name: str, kp: float, ki: float, kd: float, **values: float) -> Block:
+def offset_pid(name: str, kp: float, ki: float, kd: float, **values: Any) -> Block:
     """A PID of the deviation; its output is the offset of the tangential axis, held to 15 degrees."""
     law = replace(pid, name=name, unit="deg", drive="", full_scale=15.0)
     return law(kp=kp, ki=ki, kd=kd, max_output=15.0, **values)

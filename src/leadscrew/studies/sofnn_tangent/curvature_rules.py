@@ -4,7 +4,7 @@
 cost: the largest RMS deviation of eighteen, rules learned on one of three lines that the study does not cut
 (:func:`lines_of_choice`), frozen, and asked on the two others, in three materials. All that was tried is kept in
 ``data/recall_choice.csv``; the row of the smallest cost is the default of
-:func:`leadscrew.controllers.tangent.curvature_network.curvature_network`.
+:func:`leadscrew.controllers.curvature_network`.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from leadscrew.controllers.tangent.curvature_network import apart_covariance, curvature_network, start_covariance
+from leadscrew.controllers._tangent.curvature_network import apart_covariance, curvature_network, start_covariance
 from leadscrew.kernel.block import Block
 from leadscrew.neural.inference_net import RULES
 from leadscrew.studies.lab import measure
@@ -76,7 +76,7 @@ def recalled(lab: Lab, form: str) -> Recall:
     for name in LINES:
         lessons = pieces(lab, block, plan, lines=(name,))
         start = Learned(dict.fromkeys(LINES, lessons.learned.prior[name]), {})
-        again = pieces(lab, block(learning=0), plan._replace(total=1, carry=False, first=LESSONS), start=start)
+        again = pieces(lab, block(learning="off"), plan._replace(total=1, carry=False, first=LESSONS), start=start)
         learning.append(lessons.rms[-1, 0, 0])
         frozen.append(again.rms[0, :, 0])
     none = pieces(lab, NONE, plan._replace(total=1, carry=False, first=LESSONS))
@@ -150,7 +150,7 @@ def lines_of_choice() -> list[Line]:
 def changes_of(line: Line) -> dict[str, Any]:
     """A line of the choice in place of the wave, and as long."""
     from leadscrew.paths.path import sampled
-    from leadscrew.references.cut_line import tables
+    from leadscrew.references._cut_line import tables
 
     samples = samples_of("wave")
     laps = np.ceil(samples * SAMPLE_MM / line.length) if line.closed else 1.0
@@ -168,7 +168,7 @@ def tried(lab: Lab, setting: Setting) -> Tried:
         start = Learned({"wave": lessons.learned.prior["wave"]}, {})
         replay = plan._replace(total=1, carry=False, first=LESSONS)
         for other in (line for line in lines if line is not own):
-            again = pieces(lab, block(learning=0), replay, ("wave",), start, other, SEED)
+            again = pieces(lab, block(learning="off"), replay, ("wave",), start, other, SEED)
             found.append(again.rms[0].mean(axis=-1))
     return Tried(setting, float(np.max(found)), float(np.mean(found)))
 

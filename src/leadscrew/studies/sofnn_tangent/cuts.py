@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, cast
 import numpy as np
 
 from leadscrew.kernel.block import Block
-from leadscrew.plants.flexible_cut import MATERIALS
+from leadscrew.plants._flexible_cut import MATERIALS
 from leadscrew.studies.lab import Lab, measure
 from leadscrew.studies.sofnn_tangent.laws import fixed_fuzzy
 from leadscrew.studies.sofnn_tangent.scenarios import LINES, MATERIAL_NAMES, samples_of
@@ -131,7 +131,7 @@ def first_rules(lab: Lab, controller: str) -> np.ndarray:
 
 def started(loop: Loop, number: int = 0, weights: Any = None, covariance: Any = None) -> Live:
     """A loop at its start, with these rules in place of its own."""
-    live = loop.start(run=number)
+    live = loop.start(replicate=number)
     known = {k: np.array(v) for k, v in (("weights", weights), ("covariance", covariance)) if v is not None}
     if known:
         state = live.program.plan.state.unpack(*live.state)
@@ -149,7 +149,7 @@ def along_the_line(
 ) -> np.ndarray:
     """The deviation at all samples of a scenario's line, deg."""
     loop = lab.loop(controller, scenario)
-    live = (loop.using(changes) if changes else loop).start(run=number)
+    live = (loop.using(changes) if changes else loop).start(replicate=number)
     return deviations(live, samples_of(scenario))
 
 
@@ -214,7 +214,7 @@ def recall(lab: Lab, controller: str, line: str) -> Recall:
         known = learned(lab, controller, scenario, LESSONS, 10 * history)
         then = 10 * history + LESSONS
         lives = (
-            none.start(run=then),
+            none.start(replicate=then),
             started(held, then),
             started(going, then, known.weights[-1], known.covariance),
             started(held, then, known.weights[-1]),

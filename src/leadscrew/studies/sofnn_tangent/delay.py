@@ -26,10 +26,10 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from leadscrew.controllers.sofnn.network import sofnn
+from leadscrew.controllers._sofnn.network import sofnn
 from leadscrew.neural.inference_net import W0
 from leadscrew.neural.performance import TABLE as TABLE_1
-from leadscrew.plants.flexible_cut import flexible_cut
+from leadscrew.plants._flexible_cut import flexible_cut
 from leadscrew.studies.lab import measure
 from leadscrew.studies.sofnn_tangent.cuts import TABLE, deviations, rms
 from leadscrew.studies.sofnn_tangent.scenarios import PERIOD_S
@@ -115,7 +115,7 @@ def on_the_wave(lab: Lab, controller: str, late: int, **values: float) -> float:
     """RMS on the wave in fabric with a camera that is ``late`` samples late, deg, mean of four textures."""
     changes = {"sensor.trailing_s": late * PERIOD_S} | {f"controller.{k}": v for k, v in values.items()}
     loop = lab.loop(controller, "wave_fabric").using(changes)
-    return float(np.mean([rms(deviations(loop.start(run=k), 923)) for k in range(TEXTURES)]))
+    return float(np.mean([rms(deviations(loop.start(replicate=k), 923)) for k in range(TEXTURES)]))
 
 
 class Map(NamedTuple):

@@ -17,9 +17,9 @@ from typing import Annotated, NamedTuple
 
 import numpy as np
 
-from leadscrew.controllers.tangent.believed import MOST_DEG, RING, Most, back, next_place, quiet, within
+from leadscrew.controllers._tangent.believed import MOST_DEG, RING, Most, back, next_place, quiet, within
 from leadscrew.kernel.block import controller
-from leadscrew.kernel.sheet import Doc, Ge, Le, Unit
+from leadscrew.kernel.parameters import Doc, Ge, Le, Unit
 
 
 class DelayedPdParams(NamedTuple):

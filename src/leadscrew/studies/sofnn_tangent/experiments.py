@@ -179,7 +179,7 @@ def inner_loop(lab: Lab, passes: int, tolerance: float, r: float) -> tuple[float
         for j, material in enumerate(MATERIAL_NAMES):
             run = (
                 loop.using(in_material(material))
-                .start(run=j)
+                .start(replicate=j)
                 .advance(
                     loop.periods(lab.study.scenario(f"{line}_fabric").duration_s),
                     record=("controller.updates", "actual.deviation"),

@@ -7,13 +7,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from leadscrew.figures.panels import grid, with_legend
+from leadscrew.figures.style import BLACK, BLUE, GREEN, ORANGE, PURPLE, SKY, VERMILION, pen
 from leadscrew.neural.inference_net import CENTRES, LABELS
 from leadscrew.neural.inference_net import SETS as SET_COUNT
-from leadscrew.neural.performance import GOLDEN, LEVELS
+from leadscrew.neural.performance import GOLDEN, LEVELS, surface
 from leadscrew.neural.performance import TABLE as TABLE_1
-from leadscrew.neural.performance_shape import surface
 from leadscrew.neural.safety import FLATTEST, NEAR, STEEPEST, safety
-from leadscrew.report.style import BLACK, BLUE, GREEN, ORANGE, PURPLE, SKY, VERMILION, pen
 from leadscrew.studies.exhibits import figure
 from leadscrew.studies.lab import Lab
 from leadscrew.studies.sofnn_tangent import curvature_rules, trainings
@@ -48,7 +47,7 @@ from leadscrew.studies.sofnn_tangent.pieces import (
 from leadscrew.studies.sofnn_tangent.scenarios import LAP_COUNT, LINES, MATERIAL_NAMES, SAMPLE_MM, line
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure
+    from leadscrew.figures.figure import Figure
 
 # A line that only guides the eye: zero, a limit.
 GUIDE: dict[str, Any] = {"color": "0.5", "linewidth": 0.8, "linestyle": ":", "zorder": 0}

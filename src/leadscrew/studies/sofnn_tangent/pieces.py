@@ -1,7 +1,7 @@
 """Pieces of one path, cut one after the other: what the next one gets from those before.
 
 A piece starts from rest at the start of the line, as the first did. From piece to piece go the table of offsets
-(:func:`leadscrew.analysis.piece_learning.next_offsets`), and, of controllers that take a ``prior``, the weights and
+(:func:`leadscrew.tangent.piece_learning.next_offsets`), and, of controllers that take a ``prior``, the weights and
 their covariance. Each piece has a texture and noise of its own, the same for every controller.
 """
 
@@ -14,13 +14,13 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from leadscrew.analysis.piece_learning import next_offsets
-from leadscrew.controllers.tangent.curvature_feed_forward import COUNT, START, curvature_feed_forward
-from leadscrew.controllers.tangent.taught_offset import taught_alone, taught_offset
+from leadscrew.controllers._tangent.curvature_feed_forward import COUNT, START, curvature_feed_forward
+from leadscrew.controllers._tangent.taught_offset import taught_alone, taught_offset
 from leadscrew.kernel.block import Block
 from leadscrew.studies.lab import measure
 from leadscrew.studies.sofnn_tangent.cuts import NONE, PNN, RUNS, TUNED, material_columns
 from leadscrew.studies.sofnn_tangent.scenarios import LINES, MATERIAL_NAMES, MISMATCH, SEED, takes_cut_line
+from leadscrew.tangent.piece_learning import next_offsets
 
 if TYPE_CHECKING:
     from leadscrew.kernel.loop import Loop
@@ -174,7 +174,7 @@ def _one_by_one(
     arrays = {key: column for key, column in columns.items() if column.ndim > 1}
     for k in range(len(next(iter(columns.values())))):
         changes: dict[str, Any] = {key: float(column[k]) for key, column in numbers.items()}
-        live = loop.using(changes | {key: column[k] for key, column in arrays.items()}).start(run=first + k)
+        live = loop.using(changes | {key: column[k] for key, column in arrays.items()}).start(replicate=first + k)
         done.append(live.advance(periods, record=(), every=0))
         ends.append(live.save().arrays)
     leaves = {x.key: x for x in loop.program.plan.state.arrays}

@@ -2,7 +2,7 @@
 
 The paper shows one curve (Figure 5) and says nothing of the material: lines, materials, texture and camera are a
 reconstruction. The lines are in :mod:`leadscrew.paths.shapes`, the materials in
-:mod:`leadscrew.plants.flexible_cut`. A sample is 10 ms, at 50 mm/s 0.5 mm.
+:obj:`leadscrew.plants.flexible_cut`. A sample is 10 ms, at 50 mm/s 0.5 mm.
 """
 
 from __future__ import annotations
@@ -14,15 +14,15 @@ from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 
 import numpy as np
 
-from leadscrew.actuators.saturation import saturation
-from leadscrew.disturbances.cut_load import cut_load
+from leadscrew.actuators._saturation import saturation
+from leadscrew.disturbances._cut_load import cut_load
 from leadscrew.kernel.block import Block, metric, sensor
 from leadscrew.kernel.metrics import iae, max_error, rms_error
-from leadscrew.kernel.sheet import Doc, Ge, Gt, Le, Unit
-from leadscrew.plants.flexible_cut import MATERIALS, RADIAN, Material, flexible_cut
-from leadscrew.references.cut_line import cut_line
-from leadscrew.references.step import step
-from leadscrew.sensors.cut_camera import (
+from leadscrew.kernel.parameters import Doc, Ge, Gt, Le, Unit
+from leadscrew.plants._flexible_cut import MATERIALS, RADIAN, Material, flexible_cut
+from leadscrew.references._cut_line import cut_line
+from leadscrew.references._step import step
+from leadscrew.sensors._cut_camera import (
     CutCameraParams,
     CutCameraState,
     SeenCut,
@@ -31,7 +31,7 @@ from leadscrew.sensors.cut_camera import (
     plan,
     watched,
 )
-from leadscrew.studies.study import Scenario
+from leadscrew.study_data import Scenario
 
 if TYPE_CHECKING:
     from leadscrew.kernel.loop import Loop
@@ -54,7 +54,7 @@ SEED = 11
 
 MISMATCH = {"softening": 12.0, "four_fold": 0.7, "ripple": 0.5, "hysteresis": 0.3}
 """Sharp curves add less shear, the fibre acts four-fold, a wave runs along the way, and the shear has play."""
-MACHINES: dict[str, Block] = {"believed": flexible_cut, "mismatch": flexible_cut(**MISMATCH)}
+MACHINES: dict[str, Block] = {"believed": flexible_cut, "mismatch": flexible_cut.using(**MISMATCH)}
 """By name; a scenario that ends in ``_on_NAME`` runs on that one, every other on ``believed``."""
 
 
@@ -90,7 +90,7 @@ def line_of(scenario: str) -> str:
 def line_tables(scenario: str, feed: float) -> dict[str, Any]:
     """Parameters of ``cut_line`` and ``cut_load`` for the line of a scenario; laps have a whole number of samples."""
     from leadscrew.paths.path import sampled
-    from leadscrew.references.cut_line import tables
+    from leadscrew.references._cut_line import tables
 
     name = line_of(scenario)
     if name == "straight":

@@ -7,7 +7,7 @@ from pathlib import Path
 from leadscrew.studies.results import contents_of
 from leadscrew.studies.sofnn_tangent.controllers import CONTROLLERS
 from leadscrew.studies.sofnn_tangent.scenarios import SCENARIOS, build
-from leadscrew.studies.study import Assumption, Study
+from leadscrew.study_data import Assumption, Study
 
 ASSUMED = (
     Assumption(

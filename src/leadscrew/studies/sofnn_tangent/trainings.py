@@ -15,9 +15,7 @@ from pathlib import Path
 import numpy as np
 
 from leadscrew.neural.genetic import Genetic, evolve
-from leadscrew.neural.performance import TABLE, Performance, measured
-from leadscrew.neural.performance_loss import Loss, polish, rmse_of
-from leadscrew.neural.performance_shape import READINGS, Shape
+from leadscrew.neural.performance import READINGS, TABLE, Loss, Performance, Shape, measured, polish, rmse_of
 from leadscrew.neural.safety import safety
 from leadscrew.neural.training import train
 
@@ -88,7 +86,7 @@ def trained(reading: str, method: str, seed: int) -> np.ndarray:
     ``ga_16x200``, ``ga_80x600``, ``ga_80x2000`` (population x generations), ``pymoo_80x600``, ``cma_48k``, ``lm``
     (least squares from one start), ``lm_free`` (without ridge and box), ``ga+lm`` (least squares after ``ga_80x600``).
     """
-    from leadscrew.neural.searches import cma_search, pymoo_search
+    from leadscrew.neural.genetic import cma_search, pymoo_search
 
     shape = shape_named(reading)
     n, cost = shape.weights, rmse_of(shape, TABLE)
@@ -189,7 +187,7 @@ def write_nets(found: Mapping[str, tuple[str, str, int, np.ndarray]]) -> None:
 
 def write_histories(seeds: int = 3) -> None:
     """Writes how the RMSE falls with the evaluations: 18 weights, the three searches, some seeds each."""
-    from leadscrew.neural.searches import cma_search, pymoo_search
+    from leadscrew.neural.genetic import cma_search, pymoo_search
 
     shape = READINGS["18"]
     n, cost = shape.weights, rmse_of(shape, TABLE)

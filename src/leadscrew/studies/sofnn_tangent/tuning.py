@@ -20,16 +20,15 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from leadscrew import controller_file
-from leadscrew.analysis.piece_learning import next_offsets
-from leadscrew.controllers.tangent.taught_offset import taught_alone, taught_offset
+from leadscrew.controllers._tangent.taught_offset import taught_alone, taught_offset
 from leadscrew.studies.lab import Lab, measure
 from leadscrew.studies.sofnn_tangent.pieces import PLACES, unknown_plant
 from leadscrew.studies.sofnn_tangent.scenarios import LINES, takes_cut_line
 from leadscrew.studies.tuned import FOLDER as TUNED_FOLDER
-from leadscrew.tune.compare_statistics import Interval, paired
+from leadscrew.tangent.piece_learning import next_offsets
 from leadscrew.tune.space import Space
-from leadscrew.tune.tuner import crossed
-from leadscrew.tune.tuner_plan import held_out_plants, training
+from leadscrew.tune.statistics import Interval, paired
+from leadscrew.tune.tuner import crossed, held_out_plants, training
 
 HERE = Path(__file__).parent
 FILE = HERE / "data" / "piece_tuning.csv"
@@ -206,6 +205,6 @@ def less(lab: Lab, law: str, other: str) -> Interval:
 
 
 if __name__ == "__main__":
-    from leadscrew.catalogue import study
+    from leadscrew.resolve import study
 
     write(Lab(study("sofnn_tangent")))

@@ -73,9 +73,9 @@ def trip(drawing: str, material: str = "fabric", scan: str = "exact", seed: int 
     from leadscrew.tangent import machine
     from leadscrew.tangent.compensate import compensated
     from leadscrew.tangent.emit import program
-    from leadscrew.tangent.measured import Trace
+    from leadscrew.tangent.machine import Scan, marks_of, scanned
+    from leadscrew.tangent.measurement import Trace
     from leadscrew.tangent.program import program_of
-    from leadscrew.tangent.scan import Scan, marks_of, scanned
 
     text, errors = first_program(drawing), []
     largest = clipped = 0.0
@@ -140,9 +140,9 @@ def each_ratio(drawings: Sequence[str], materials: Sequence[str], scan: str) -> 
 
 def main() -> None:
     """Makes ``data/workflow.csv``."""
-    from leadscrew.newfile import save
+    from leadscrew.util.atomic import atomic_write
 
-    save("\n".join(",".join(r) for r in [list(COLUMNS), *measured_table()]) + "\n", TABLE)
+    atomic_write("\n".join(",".join(r) for r in [list(COLUMNS), *measured_table()]) + "\n", TABLE)
 
 
 if __name__ == "__main__":

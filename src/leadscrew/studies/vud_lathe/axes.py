@@ -11,8 +11,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from leadscrew.controllers.vud.family import BETA_E, ERROR, vud_family
-from leadscrew.controllers.vud.scaled import vud_scaled
+from leadscrew.controllers._vud.family import BETA_E, vud_family
+from leadscrew.controllers._vud.scaled import vud_scaled
 from leadscrew.kernel.block import Block
 from leadscrew.studies.lab import Lab, measure
 from leadscrew.studies.vud_lathe.controllers import VARIANTS
@@ -39,8 +39,8 @@ LEADS_UM = (12.0, 23.0, 52.0)
 
 LAWS: dict[str, Block] = {
     "corrected.vud_raw_rate": VARIANTS["corrected.vud_raw_rate"],
-    "corrected.vud_beta_e_half": vud_family(output_from=ERROR, output_tau=0.5),
-    "corrected.vud_beta_e": vud_family(**BETA_E),
+    "corrected.vud_beta_e_half": vud_family(output_from="error", output_tau=0.5),
+    "corrected.vud_beta_e": vud_family.using(**BETA_E),
     "ours.vud_opt": vud_scaled,
 }
 """Laws whose axis is put off; the first three as one program."""

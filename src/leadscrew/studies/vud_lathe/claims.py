@@ -11,14 +11,14 @@ from operator import attrgetter
 import numpy as np
 
 from leadscrew.analysis.positioning import RUNS, TARGETS, Positioning
-from leadscrew.controllers.vud.universe import TABLE_2, contraction
+from leadscrew.controllers._vud.universe import TABLE_2, contraction
+from leadscrew.fuzzy.grids import equal_sets_for, interpolation_bound, partition_count
 from leadscrew.fuzzy.inference import infer
 from leadscrew.fuzzy.learning import LearnedRules
-from leadscrew.fuzzy.partition_count import equal_sets_for, interpolation_bound, partition_count
-from leadscrew.plants import motor_data
-from leadscrew.sensors.grating.counting import counted
-from leadscrew.sensors.grating.moire import GRATING, fringe_width
-from leadscrew.sensors.grating.quadrature import quadrature
+from leadscrew.plants import _motor_data as motor_data
+from leadscrew.sensors.grating._counting import counted
+from leadscrew.sensors.grating._moire import GRATING, fringe_width
+from leadscrew.sensors.grating._quadrature import quadrature
 from leadscrew.studies.claims import Measured, at_least, at_most, claim, within
 from leadscrew.studies.lab import Lab, measure
 from leadscrew.studies.vud_lathe.axes import DRAWS, errors_um, settled_s, spread
@@ -107,13 +107,13 @@ def accuracy_um(test: Positioning) -> float:
 @claim("section II", "motor data", says="6.4", unit="ohm", basis="paper's data")
 def motor_resistance(lab):
     """Armature resistance: stall data at peak against continuous ones (24 V / 3.75 A)"""
-    return Measured(printed=motor_data.PEAK.resistance_ohm, note="48 V / 7.5 A; both pairs agree")
+    return Measured(printed=motor_data.MOTOR_PEAK.resistance_ohm, note="48 V / 7.5 A; both pairs agree")
 
 
 @claim("section II", "motor data", says="3.067", unit="N m/A", basis="paper's data")
 def motor_torque_constant(lab):
     """Torque constant: stall data at peak against continuous ones (11.5 N·m / 3.75 A)"""
-    return Measured(printed=motor_data.PEAK.torque_constant, note="23 N·m / 7.5 A; both pairs agree")
+    return Measured(printed=motor_data.MOTOR_PEAK.torque_constant, note="23 N·m / 7.5 A; both pairs agree")
 
 
 @claim(
@@ -221,14 +221,14 @@ def error_of_the_count(lab):
 def supply_voltage(lab):
     """Voltage at full duty is one of the motor's"""
     volts = motor_data.SUPPLY.value
-    known = volts in (motor_data.PEAK.voltage.value, motor_data.CONTINUOUS.voltage.value)
+    known = volts in (motor_data.MOTOR_PEAK.voltage.value, motor_data.MOTOR_CONTINUOUS.voltage.value)
     return Measured(printed=volts, holds=[known], note="the gain of (2) is neither the peak nor the continuous voltage")
 
 
 @claim("(3), section II", "equation 3", says="0.26", unit="rad/(s V)", basis="paper's data", holds=within(0.26, 0.0033))
 def motor_speed_constant(lab):
     """Gain of (3) is the motor's speed a volt, 1/K_t of its stall data, to 1 %"""
-    speed = motor_data.derived().speed_constant
+    speed = motor_data.motor_constants().speed_constant
     return Measured(printed=speed, note=f"0.26 is {0.26 / speed:.2f} of it: near only if it is meant in rad/s a volt")
 
 

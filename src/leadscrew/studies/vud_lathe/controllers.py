@@ -1,7 +1,7 @@
 """The study's controllers by name: whose each one is, the name says.
 
 ``paper.vud`` is the printed law to the letter. Variants change one thing of it each; all but four of them are one
-block with other parameters (:mod:`leadscrew.controllers.vud.family`), so they share one compiled program. A factor of
+block with other parameters (:mod:`leadscrew.controllers._vud.family`), so they share one compiled program. A factor of
 "one" is ``|x|^0 + 0.0001`` there; that 0.01 % shows in the fourth digit of what is still on its way at 2 s. The fast
 ones are the best of one search each, rounded to four digits, and can be found again: ``search`` of
 :mod:`leadscrew.studies.vud_lathe.fast_search` with the arguments that stand beside them.
@@ -12,16 +12,16 @@ from __future__ import annotations
 from dataclasses import replace
 from pathlib import Path
 
-from leadscrew.controllers.vud import duty_pd, duty_pd_observed, duty_pid, power_law, vud, vud_beta_e
-from leadscrew.controllers.vud.family import BELL, BETA_E, ERROR, MAXIMUM, MEAN, ONE, PRODUCT, UNITY, vud_family
-from leadscrew.controllers.vud.fast import vud_fast
-from leadscrew.controllers.vud.incremental import vud_incremental
-from leadscrew.controllers.vud.integral_factor import vud_integral_factor
-from leadscrew.controllers.vud.scaled import ROBUST, vud_scaled
+from leadscrew.controllers._vud import duty_pd, duty_pd_observed, duty_pid, power_law, vud, vud_beta_e
+from leadscrew.controllers._vud.family import BETA_E, vud_family
+from leadscrew.controllers._vud.fast import vud_fast
+from leadscrew.controllers._vud.incremental import vud_incremental
+from leadscrew.controllers._vud.integral_factor import vud_integral_factor
+from leadscrew.controllers._vud.scaled import ROBUST, vud_scaled
 from leadscrew.kernel.block import Block
 from leadscrew.studies.tuned import tuned
 
-FIXED = {"output_from": UNITY, "e_kind": ONE, "ec_tau": 0.0}
+FIXED = {"output_from": "none", "e_kind": "none", "ec_tau": 0.0}
 """No universe contracts."""
 
 _SET: dict[str, tuple[Block, str]] = {
@@ -42,39 +42,39 @@ _SET: dict[str, tuple[Block, str]] = {
         "ec with the other sign: swings by millimetres and never settles.",
     ),
     "corrected.vud_beta_one": (
-        vud_family(output_from=UNITY),
+        vud_family(output_from="none"),
         "No output factor: no creep, but a limit cycle of millimetres.",
     ),
     "corrected.vud_beta_product": (
-        vud_family(output_from=PRODUCT),
+        vud_family(output_from="product"),
         "Output factor from the product of e and ec: hardly leaves its place.",
     ),
     "corrected.vud_beta_mean": (
-        vud_family(output_from=MEAN, output_tau=0.6),
+        vud_family(output_from="mean", output_tau=0.6),
         "Output factor from the mean of |e|^0.6 and |ec|^0.6: arrives, overshoots.",
     ),
     "corrected.vud_beta_max": (
-        vud_family(output_from=MAXIMUM, output_tau=0.7),
+        vud_family(output_from="maximum", output_tau=0.7),
         "Output factor from the larger of |e| and |ec|, to the 0.7: arrives, overshoots.",
     ),
     "corrected.vud_beta_e_tau9": (
-        vud_family(output_from=ERROR),
+        vud_family(output_from="error"),
         "Output factor from the error with the printed exponent: slow at the end.",
     ),
     "ours.fuzzy_plain": (
-        vud_family(**FIXED),
+        vud_family.using(**FIXED),
         "The rules alone, no universe contracts: steady and slow.",
     ),
     "ours.fuzzy_plain_scaled": (
-        vud_family(**FIXED, error_gain=20.0, rate_gain=2.0),
+        vud_family.using(**FIXED, error_gain=20.0, rate_gain=2.0),
         "The rules alone, inputs scaled by 20 and 2: quick, overshoots.",
     ),
     "ours.vud_alpha_only": (
-        vud_family(output_from=UNITY, e_tau=0.4, ec_tau=0.4),
+        vud_family(output_from="none", e_tau=0.4, ec_tau=0.4),
         "No output factor, inputs contracted with exponent 0.4: hardly overshoots, slow at the end.",
     ),
     "ours.vud_exponential": (
-        vud_family(output_from=UNITY, e_kind=BELL, ec_kind=BELL),
+        vud_family(output_from="none", e_kind="exponential", ec_kind="exponential"),
         "No output factor, alpha = 1 - 0.9 exp(-5 x^2): hardly overshoots, slow at the end.",
     ),
     "ours.vud_incremental": (
@@ -123,7 +123,7 @@ FAST: dict[str, Block] = {
         braking=0.8444,
     ),
     # search(linear, {"chain.gain_doubt": GAIN_DOUBT}, robust=True, seed=1, generations=60)
-    "ours.vud_fast_robust": vud_fast(
+    "ours.vud_fast_robust": vud_fast.using(
         error_full_scale_mm=0.9345,
         speed_full_scale_mm_s=40.73,
         e_tau=0.627,
@@ -135,7 +135,7 @@ FAST: dict[str, Block] = {
         **_learning(walk_mm=5.214e-4, timing_s=6.031e-5, forget=0.1338),
     ),
     # search(limited, {**LIMITS, "chain.gain_doubt": GAIN_DOUBT}, robust=True, seed=2, generations=25)
-    "ours.vud_fast_limited": vud_fast(
+    "ours.vud_fast_limited": vud_fast.using(
         error_full_scale_mm=3.066,
         speed_full_scale_mm_s=78.6,
         e_tau=0.7114,
@@ -181,10 +181,10 @@ CONTROLLERS: dict[str, Block] = {
     "paper.vud": vud,
     "corrected.vud_beta_e": vud_beta_e,
     "corrected.vud_beta_e_half": vud_beta_e(output_gain=1.0, output_tau=0.5),
-    "corrected.vud_beta_e_filtered": vud_family(**BETA_E, filter_s=0.005),
+    "corrected.vud_beta_e_filtered": vud_family.using(**BETA_E, filter_s=0.005),
     "ours.original_fit": power_law,
     "ours.original_p": power_law(exponent=1.0, gain=2.73),
-    "ours.original_pid": duty_pid(kp=0.0139, ki=0.00086, kd=0.0, filter_s=0.0005, anti_windup=1),
+    "ours.original_pid": duty_pid(kp=0.0139, ki=0.00086, kd=0.0, filter_s=0.0005, anti_windup="clamping"),
     "ours.pd": duty_pd,
     **VARIANTS,
     **FAST,

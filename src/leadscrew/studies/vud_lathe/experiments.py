@@ -8,15 +8,15 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from leadscrew.analysis.single_lag import single_lag_time
-from leadscrew.controllers.vud.family import BETA_E, ERROR, MAXIMUM, MEAN, UNITY, vud_family
-from leadscrew.controllers.vud.universe import TABLE_2
+from leadscrew.controllers._vud.family import BETA_E, vud_family
+from leadscrew.controllers._vud.universe import TABLE_2
 from leadscrew.figures.table import Table
-from leadscrew.identify.gain import HOLDS
+from leadscrew.identify.heydemann import fit_ellipse
+from leadscrew.identify.linear.servo_gain import HOLDS
 from leadscrew.kernel.block import Block
-from leadscrew.kernel.sheet import entries
-from leadscrew.sensors.grating.heydemann import fit_ellipse
-from leadscrew.sensors.grating.moire import GRATING
-from leadscrew.sensors.grating.quadrature import first_order_error, interpolation_error, quadrature
+from leadscrew.kernel.parameters import entries
+from leadscrew.sensors.grating._moire import GRATING
+from leadscrew.sensors.grating._quadrature import first_order_error, interpolation_error, quadrature
 from leadscrew.studies.claims import finite
 from leadscrew.studies.exhibits import experiment
 from leadscrew.studies.lab import Lab, measure
@@ -26,7 +26,7 @@ from leadscrew.studies.vud_lathe.fast_search import SENSOR_ERRORS
 from leadscrew.studies.vud_lathe.iso_230_2 import CONTROLLER, run_test
 from leadscrew.studies.vud_lathe.laws import ALONE, NOISES, POINTS, SEED, TRIAL
 from leadscrew.studies.vud_lathe.scenarios import MACHINES, METRICS, PERIOD_S, STEPS
-from leadscrew.tune.compare_statistics import difference
+from leadscrew.tune.statistics import difference
 
 if TYPE_CHECKING:
     from leadscrew.kernel.loop import Loop
@@ -179,13 +179,13 @@ BETA_ONE = {f"beta = 1, both exponents {tau:g}": {"e_tau": tau, "ec_tau": tau} f
     f"beta = 1, both floors {floor:g}": {"e_floor": floor, "ec_floor": floor} for floor in (1e-3, 1e-2, 3e-2, 0.1)
 }
 TRIED = {
-    "corrected.vud_beta_e": vud_family(**BETA_E),
-    "corrected.vud_beta_e_half": vud_family(output_from=ERROR, output_tau=0.5),
-    "corrected.vud_beta_e_filtered": vud_family(**BETA_E, filter_s=0.005),
+    "corrected.vud_beta_e": vud_family.using(**BETA_E),
+    "corrected.vud_beta_e_half": vud_family(output_from="error", output_tau=0.5),
+    "corrected.vud_beta_e_filtered": vud_family.using(**BETA_E, filter_s=0.005),
     **{name: block for name, block in VARIANTS.items() if name not in ("ours.vud_incremental", "ours.vud_opt_robust")},
-    "beta from the mean of |e|^0.9 and |ec|^0.9": vud_family(output_from=MEAN),
-    "beta from the larger of |e|^0.9 and |ec|^0.9": vud_family(output_from=MAXIMUM),
-    **{name: vud_family(output_from=UNITY, **changes) for name, changes in BETA_ONE.items()},
+    "beta from the mean of |e|^0.9 and |ec|^0.9": vud_family(output_from="mean"),
+    "beta from the larger of |e|^0.9 and |ec|^0.9": vud_family(output_from="maximum"),
+    **{name: vud_family.using(output_from="none", **changes) for name, changes in BETA_ONE.items()},
 }
 """The corrected law and other changes of the printed one, one at a time."""
 
@@ -395,9 +395,9 @@ def shortest_time(lab: Lab) -> tuple[Table, str]:
 def fast_axis(lab: Lab) -> Loop:
     """The axis behind a grating whose errors can be set: without any it is the ideal counter, bit for bit."""
     from leadscrew.kernel.loop import Loop
-    from leadscrew.plants.lathe_servo import lathe_servo
-    from leadscrew.references.step import step
-    from leadscrew.sensors.grating.ruler import grating_ruler
+    from leadscrew.plants._lathe_servo import lathe_servo
+    from leadscrew.references._step import step
+    from leadscrew.sensors.grating._ruler import grating_ruler
 
     names = ("settling_2um", "overshoot", "error_after_2s", "chatter")
     loop = Loop(

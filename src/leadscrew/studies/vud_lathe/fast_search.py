@@ -16,10 +16,10 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from leadscrew.controllers.vud.fast import vud_fast
+from leadscrew.controllers._vud.fast import vud_fast
 from leadscrew.kernel.metrics import chatter, overshoot, settling_time, steady_state_error
-from leadscrew.references.step import step
-from leadscrew.sensors.grating.ruler import grating_ruler
+from leadscrew.references._step import step
+from leadscrew.sensors.grating._ruler import grating_ruler
 
 if TYPE_CHECKING:
     from leadscrew.kernel.loop import Loop

@@ -7,11 +7,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from leadscrew.controllers.vud import universe
-from leadscrew.controllers.vud.power_law import power_law
+from leadscrew.controllers._vud import universe
+from leadscrew.controllers._vud.power_law import power_law
 from leadscrew.figures.panels import grid, with_legend
-from leadscrew.report.positioning import draw as draw_positioning
-from leadscrew.report.style import (
+from leadscrew.figures.positioning import draw as draw_positioning
+from leadscrew.figures.style import (
     BLACK,
     BLUE,
     GREEN,
@@ -22,10 +22,10 @@ from leadscrew.report.style import (
     colour,
     pen,
 )
-from leadscrew.sensors.grating import counting
-from leadscrew.sensors.grating.heydemann import fit_ellipse
-from leadscrew.sensors.grating.moire import GRATING
-from leadscrew.sensors.grating.quadrature import first_order_error, interpolation_error, quadrature
+from leadscrew.identify.heydemann import fit_ellipse
+from leadscrew.sensors.grating import _counting as counting
+from leadscrew.sensors.grating._moire import GRATING
+from leadscrew.sensors.grating._quadrature import first_order_error, interpolation_error, quadrature
 from leadscrew.studies.exhibits import figure
 from leadscrew.studies.lab import Lab
 from leadscrew.studies.vud_lathe import curvature, limits
@@ -36,8 +36,7 @@ from leadscrew.studies.vud_lathe.old_servo import play
 from leadscrew.studies.vud_lathe.scenarios import PERIOD_S, STEPS, TABLE_1_STEPS, Step
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
+    from leadscrew.figures.figure import Figure
     from leadscrew.fuzzy.partition import Partition
     from leadscrew.kernel.run import Run
 

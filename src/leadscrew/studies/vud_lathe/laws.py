@@ -15,15 +15,15 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 
-from leadscrew.controllers.vud.universe import CENTRES, TABLE_2, contraction
-from leadscrew.fuzzy.completion import Completion, complete_rules
+from leadscrew.controllers._vud.universe import CENTRES, TABLE_2, contraction
+from leadscrew.fuzzy.fill import Completion, complete_rules
 from leadscrew.fuzzy.inference import infer, rule_base
 from leadscrew.fuzzy.learning import LearnedRules, learn_rules
 from leadscrew.fuzzy.partition import Partition
-from leadscrew.identify.gain import HOLDS, GainFit, Record, fit_gain
-from leadscrew.identify.log import read_log
-from leadscrew.kernel.errors import DataError
-from leadscrew.sensors.grating.quadrature import SignalErrors
+from leadscrew.identify.linear.servo_gain import HOLDS, GainFit, Record, fit_gain
+from leadscrew.logs.csv_columns import read_log
+from leadscrew.sensors.grating._quadrature import SignalErrors
+from leadscrew.util.errors import DataError
 
 TABLE_1 = Path(__file__).parent / "data" / "table1.csv"
 SAMPLE_TIME_S = 0.1
@@ -46,7 +46,7 @@ class Move(NamedTuple):
     duty: np.ndarray
 
     def record(self) -> Record:
-        """Input and travel for :func:`leadscrew.identify.gain.fit_gain`."""
+        """Input and travel for :func:`leadscrew.identify.linear.servo_gain.fit_gain`."""
         return Record(self.time_s, self.duty, FULL_SCALE_MM * (self.error[0] - self.error))
 
 
@@ -54,7 +54,7 @@ def moves(path: str | Path = TABLE_1) -> dict[str, Move]:
     """The moves of a file laid out like Table 1 (columns k, r, e, ec, rho), by target: ``r=-190`` and so on.
 
     Raises:
-        DataError: what :func:`leadscrew.identify.log.read_log` refuses, a value outside [-1, 1], or a target twice.
+        DataError: what :func:`leadscrew.logs.csv_columns.read_log` refuses, a value outside [-1, 1], or a target twice.
     """
     limits = dict.fromkeys(("e", "ec", "rho"), UNIVERSE)
     log = read_log(path, ("k", "r", "e", "ec", "rho"), increasing="k", within="r", limits=limits)
@@ -96,7 +96,7 @@ def learn(found: Mapping[str, Move], ties: Literal["drop", "keep"] = "drop", rat
 
 
 def rebuild(learned: LearnedRules, add_growth_level: bool = True) -> Completion:
-    """The full table; see :mod:`leadscrew.fuzzy.completion` for what is data in it and what is not."""
+    """The full table; see :mod:`leadscrew.fuzzy.fill` for what is data in it and what is not."""
     return complete_rules(learned, add_growth_level)
 
 

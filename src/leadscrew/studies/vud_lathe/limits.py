@@ -10,7 +10,7 @@ import numpy as np
 from leadscrew.analysis.single_lag import single_lag_time
 from leadscrew.analysis.time_optimal import FastestMove, StateLimit, fastest_move, least_error
 from leadscrew.kernel.block import Block
-from leadscrew.plants.lathe_servo_limited import LatheLimitedParams, chain_matrices, lathe_servo_limited
+from leadscrew.plants._lathe_servo_limited import LatheLimitedParams, chain_matrices, lathe_servo_limited
 from leadscrew.studies.lab import Lab, measure
 from leadscrew.studies.vud_lathe.controllers import CONTROLLERS
 from leadscrew.studies.vud_lathe.scenarios import MACHINES, ON_THE_ENCODER, PERIOD_S, PRINTED_SECONDS

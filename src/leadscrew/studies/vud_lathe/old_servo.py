@@ -13,7 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from leadscrew.controllers.vud.duty_pid import duty_pid
+from leadscrew.controllers._vud.duty_pid import duty_pid
 from leadscrew.identify.output_error import OutputErrorFit, Search, Trajectory, fit_output_error
 from leadscrew.kernel.block import Block
 from leadscrew.studies.lab import Lab, measure
@@ -25,7 +25,7 @@ KP, KI, KD = "controller.kp", "controller.ki", "controller.kd"
 SPEED, TARGET = "plant.full_duty_speed_mm_s", "reference.target"
 MAX_CONDITION = 1e3
 """Twice what a fit allows by default: gain and derivative of the PD can nearly take each other's place."""
-LINEAR = duty_pid(filter_s=0.0005, anti_windup=1)
+LINEAR = duty_pid(filter_s=0.0005, anti_windup="clamping")
 """PID with the integral held while the duty is at its limit; with other rules the fits differ."""
 TARGETS_MM = (-50.0, -170.0)
 """The steps of Figure 11."""

@@ -10,24 +10,24 @@ from typing import TYPE_CHECKING, Annotated, NamedTuple
 
 import numpy as np
 
-from leadscrew.actuators.dead_zone import dead_zone
-from leadscrew.actuators.offset import offset
-from leadscrew.actuators.pwm import pwm
+from leadscrew.actuators._dead_zone import dead_zone
+from leadscrew.actuators._offset import offset
+from leadscrew.actuators._pwm import pwm
 from leadscrew.kernel.block import Block, reference
 from leadscrew.kernel.metrics import chatter, overshoot, rms_error, settling_time, steady_state_error
-from leadscrew.kernel.sheet import Doc, Ge, Gt, Le, Unit
-from leadscrew.plants.lathe_screw import lathe_screw
-from leadscrew.plants.lathe_servo import lathe_servo
-from leadscrew.plants.lathe_servo_limited import lathe_servo_limited
-from leadscrew.references.s_curve import SCurveParams, plan_s_curve, s_curve
-from leadscrew.references.stairs import stairs
-from leadscrew.references.step import step
-from leadscrew.references.trapezoid import TrapezoidParams, plan_trapezoid, trapezoid
-from leadscrew.sensors.encoder_count import encoder_count
-from leadscrew.sensors.grating.ruler import grating_ruler
-from leadscrew.sensors.grating_count import grating_count
-from leadscrew.sensors.screw_encoder import screw_encoder
-from leadscrew.studies.study import Scenario
+from leadscrew.kernel.parameters import Doc, Ge, Gt, Le, Unit
+from leadscrew.plants._lathe_screw import lathe_screw
+from leadscrew.plants._lathe_servo import lathe_servo
+from leadscrew.plants._lathe_servo_limited import lathe_servo_limited
+from leadscrew.references._s_curve import SCurveParams, plan_s_curve, s_curve
+from leadscrew.references._stairs import stairs
+from leadscrew.references._step import step
+from leadscrew.references._trapezoid import TrapezoidParams, plan_trapezoid, trapezoid
+from leadscrew.sensors._encoder_count import encoder_count
+from leadscrew.sensors._grating_count import grating_count
+from leadscrew.sensors._screw_encoder import screw_encoder
+from leadscrew.sensors.grating._ruler import grating_ruler
+from leadscrew.study_data import Scenario
 
 if TYPE_CHECKING:
     from leadscrew.kernel.loop import Loop
@@ -91,14 +91,14 @@ def machine_of(scenario: str) -> str:
 
 @reference(TrapezoidParams(), prepare=plan_trapezoid, unit="mm")
 def trapezoid_position(p, t):
-    """The position of :func:`leadscrew.references.trapezoid.trapezoid`."""
+    """The position of :func:`leadscrew.references.trapezoid`."""
     motion = trapezoid(p, t)
     return motion.position
 
 
 @reference(SCurveParams(), prepare=plan_s_curve, unit="mm")
 def s_curve_position(p, t):
-    """The position of :func:`leadscrew.references.s_curve.s_curve`."""
+    """The position of :func:`leadscrew.references.s_curve`."""
     motion = s_curve(p, t)
     return motion.position
 
@@ -218,7 +218,7 @@ PRINTED_SECONDS = 32.0
 def build(controller: Block, scenario: Scenario, machine: str | None = None, sensor: str | None = None) -> Loop:
     """The loop of a controller in a scenario, on the scenario's machine and the sensor that the controller had.
 
-    ``machine`` (of :data:`leadscrew.studies.vud_lathe.machines.MACHINES`) and ``sensor`` (``grating`` or ``encoder``)
+    ``machine`` (of :data:`MACHINES`) and ``sensor`` (``grating`` or ``encoder``)
     take the place of those.
     """
     from leadscrew.kernel.loop import Loop

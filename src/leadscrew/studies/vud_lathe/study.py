@@ -5,9 +5,9 @@ from __future__ import annotations
 from pathlib import Path
 
 from leadscrew.studies.results import contents_of
-from leadscrew.studies.study import Assumption, Study
 from leadscrew.studies.vud_lathe.controllers import CONTROLLERS
 from leadscrew.studies.vud_lathe.scenarios import SCENARIOS, build
+from leadscrew.study_data import Assumption, Study
 
 ASSUMED = (
     Assumption(

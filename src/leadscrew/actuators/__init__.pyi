@@ -1,0 +1,9 @@
+from ._dac import dac as dac
+from ._dac import lathe_dac as lathe_dac
+from ._dead_zone import dead_zone as dead_zone
+from ._limits import limits as limits
+from ._offset import offset as offset
+from ._pwm import pwm as pwm
+from ._saturation import saturation as saturation
+from ._stiction import stiction as stiction
+from ._torque_drive import torque_drive as torque_drive

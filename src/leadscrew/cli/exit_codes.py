@@ -1,0 +1,75 @@
+"""Exit codes, and where errors become one sentence and one of them."""
+
+from __future__ import annotations
+
+import contextlib
+import errno
+import os
+import sys
+import traceback
+import warnings
+from typing import Any
+
+import typer
+from typer.core import TyperGroup
+
+from leadscrew.util.errors import Diverged, LeadscrewError
+from leadscrew.util.escape import one_line
+from leadscrew.util.frames import origin
+
+MISSED, REFUSED, DIVERGED, INTERNAL, INTERRUPTED, PIPE_CLOSED = 1, 2, 3, 70, 130, 141
+"""Exit codes: a target missed, bad input, a loop diverged, a fault of ours, Ctrl-C, the reader of a pipe gone."""
+
+
+class Door(TyperGroup):
+    """The group of commands; what they raise on purpose leaves here as one sentence on stderr."""
+
+    def invoke(self, ctx: Any) -> Any:
+        """Runs the command."""
+        with warnings.catch_warnings():
+            warnings.showwarning = _one_line  # type: ignore[assignment]
+            try:
+                return super().invoke(ctx)
+            except KeyboardInterrupt:
+                raise typer.Exit(INTERRUPTED) from None
+            except Exception as error:
+                if isinstance(error, OSError) and error.errno == errno.EPIPE:
+                    to_nowhere(sys.stdout)
+                    raise typer.Exit(PIPE_CLOSED) from None
+                why = _sentence(error)
+                if not why:
+                    raise
+                if ctx.params.get("debug"):
+                    traceback.print_exc()
+                say(f"leadscrew: {why}")
+                raise typer.Exit(DIVERGED if isinstance(error, Diverged) else REFUSED) from None
+
+
+def _sentence(error: Exception) -> str:
+    """An error raised on purpose, what a file asks for that no computer can do, or where code of the user failed; empty
+    for a fault of ours.
+    """
+    why = one_line(str(error))
+    if isinstance(error, LeadscrewError):
+        return why
+    if isinstance(error, MemoryError):
+        return f"there is not enough memory for this: ask for less ({why or 'no more is known'})"
+    if type(error).__name__ == "LinAlgError":
+        return f"the numbers have no solution: are columns and units right? ({why})"
+    at = origin(error)
+    return f"{at}: {type(error).__name__}: {why}" if at else ""
+
+
+def say(text: str) -> None:
+    """One line on stderr."""
+    typer.echo(text, err=True)
+
+
+def _one_line(message: Warning | str, category: type[Warning], filename: str, lineno: int, *_: Any) -> None:
+    say(f"warning: {one_line(str(message))}")
+
+
+def to_nowhere(stream: Any) -> None:
+    """Nobody reads this stream any more; what is left in it goes to the null device."""
+    with contextlib.suppress(OSError, ValueError):
+        os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())

@@ -1,0 +1,77 @@
+"""Look-ahead: any controller of a motion command, made to know how late its torque acts and its sensor sees.
+
+    r       = (y_r + d y_r' + d^2 / 2 y_r'',  y_r' + d y_r'',  y_r'')       the command when the torque acts
+    y       = feedback + tau (y_r' - tau y_r'') + d y_r' + d^2 / 2 y_r''    the same move on, the lag taken away
+    output  = inner(r, y)
+
+``d = acts_late_s``: computation, plus the lag of the drive. ``tau = seen_late_s``: lag of the sensor's filter. The
+error that the inner law sees, ``feedback + tau y_r' - tau^2 y_r'' - y_r``, is the one of now, without the ``tau v`` by
+which a filter bends it; what it knows of the machine (inertia, friction) it uses for the time at which its torque acts.
+It predicts the command alone: no lag is taken out of the feedback loop, so gains are to be tuned with it in place.
+
+The command is a :class:`~leadscrew.references.Motion`; ``y_r''`` is taken to stand still over ``d + tau``. With
+both zero it is the inner controller. Bumpless start as the inner controller's.
+"""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, NamedTuple, cast
+
+from leadscrew.kernel.block import Block, make
+from leadscrew.kernel.parameters import Doc, Ge, Le, Unit
+from leadscrew.references._motion import Motion
+from leadscrew.util.errors import BlockError, entry_point
+
+ActsLate = Annotated[float, Unit("s"), Ge(0), Le(0.1), Doc("time until the torque acts, d")]
+SeenLate = Annotated[float, Unit("s"), Ge(0), Le(0.1), Doc("lag of the sensor's filter, tau")]
+
+
+def advanced(command, d):
+    """The command a time ``d`` later, at an acceleration that stands still."""
+    moved = d * command.velocity + 0.5 * d * d * command.acceleration
+    return Motion(command.position + moved, command.velocity + d * command.acceleration, command.acceleration)
+
+
+def moved_on(command, feedback, d, tau):
+    """The feedback without its lag, moved on as the command is."""
+    lag = tau * (command.velocity - tau * command.acceleration)
+    return feedback + lag + d * command.velocity + 0.5 * d * d * command.acceleration
+
+
+@entry_point
+def look_ahead(inner: Block, name: str = "", acts_late_s: float = 0.0, seen_late_s: float = 0.0) -> Block:
+    """The controller ``inner`` with look-ahead; its parameters are those of ``inner`` below ``inner.``.
+
+    Raises:
+        BlockError: ``inner`` is not a sampled controller with parameters and state, or takes other signals.
+    """
+    known = {"command", "feedback", "dt"}
+    if inner.kind != "controller" or inner.continuous or inner.params is None or inner.state is None:
+        raise BlockError(f"look_ahead({inner.name}): needs a sampled controller with parameters and state")
+    if set(inner.signals) != known or inner.initial is not None:
+        raise BlockError(f"look_ahead({inner.name}): needs a controller that takes command, feedback and dt")
+    law, before = inner.step, inner.prepare
+    align_inner: Any = inner.align
+    own = [("acts_late_s", ActsLate), ("seen_late_s", SeenLate)]
+    params_type = cast(Any, NamedTuple("LookAheadParams", [("inner", type(inner.params)), *own]))
+
+    def prepare(params: Any, dt: float) -> Any:
+        ready = params.inner if before is None else before(params.inner, dt)
+        plan_type = cast(Any, NamedTuple("LookAheadPlan", [("inner", type(ready)), *own]))
+        return plan_type(ready, params.acts_late_s, params.seen_late_s)
+
+    def align(params, command, feedback, output):
+        """The state from which the next output is ``output``."""
+        d, tau = params.acts_late_s, params.seen_late_s
+        return align_inner(params.inner, advanced(command, d), moved_on(command, feedback, d, tau), output)
+
+    def looking_ahead(p, s, command, feedback, dt):
+        """The inner controller on a command and a feedback moved on to the time when its torque acts."""
+        d, tau = p.acts_late_s, p.seen_late_s
+        return law(p.inner, s, advanced(command, d), moved_on(command, feedback, d, tau), dt)
+
+    return make(
+        "controller", looking_ahead, params_type(inner.params, acts_late_s, seen_late_s), inner.state, prepare=prepare,
+        align=None if align_inner is None else align, name=name or f"{inner.name}_look_ahead", unit=inner.unit,
+        drive=inner.drive, full_scale=inner.full_scale, sense=inner.sense, doc=f"{inner.doc} It looks ahead.",
+    )  # fmt: skip

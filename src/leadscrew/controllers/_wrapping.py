@@ -1,0 +1,108 @@
+"""What controllers that wrap another one share: the check of what they are given, and how they read its command."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from leadscrew.kernel.block import Block, make
+from leadscrew.kernel.layout import is_branch
+from leadscrew.util.errors import BlockError
+
+PROBE_DT = 0.5e-3
+"""Period at which a controller is asked what command it takes, s."""
+
+
+class Inner(NamedTuple):
+    """A controller taken apart, to be called inside another one."""
+
+    block: Block
+    law: Callable[..., Any]
+    align: Callable[..., Any] | None
+    motion: bool
+    """Whether its command is a :class:`~leadscrew.references.Motion`; else it is a number."""
+    place: Callable[..., Any]
+    """Of its command: the position."""
+
+    def ready(self, dt: float) -> Any:
+        """What its step gets as ``p`` at this period."""
+        return prepared(self.block, dt)
+
+
+def place_of_number(command):
+    """The position of a command that is a number."""
+    return command
+
+
+def place_of_motion(command):
+    """The position of a command that is a motion."""
+    return command.position
+
+
+def whole(command):
+    """A command as it is."""
+    return command
+
+
+def copied(value: Any) -> Any:
+    """A state whose arrays are its own."""
+    if isinstance(value, np.ndarray):
+        return value.copy()
+    return type(value)(*(copied(v) for v in value)) if is_branch(value) else value
+
+
+def prepared(block: Block, dt: float) -> Any:
+    """What the step of a block gets as ``p`` at this period."""
+    return block.params if block.prepare is None else block.prepare(block.params, dt)
+
+
+def takes_motion(block: Block, dt: float = PROBE_DT) -> bool:
+    """Whether a controller reads its command as a motion.
+
+    A controller made here says it; any other is tried once, at rest, on a number: reading ``command.position`` of a
+    number is the one thing that its step can do wrong in this.
+    """
+    said = getattr(block.step, "takes_motion", None)
+    if said is not None:
+        return bool(said)
+    first = [] if block.params is None else [prepared(block, dt)]
+    state = block.initial(block.params) if block.initial is not None else block.state
+    first += [] if state is None else [copied(state)]
+    given = {"command": 0.0, "feedback": 0.0, "dt": dt}
+    try:
+        block.step(*first, **{name: given[name] for name in block.signals if name in given})
+    except AttributeError:
+        return True
+    return False
+
+
+def wrapped(inner: Block, maker: str) -> Inner:
+    """``inner``, taken apart.
+
+    Raises:
+        BlockError: it is not a sampled controller with parameters and state that takes command, feedback and dt.
+    """
+    if inner.kind != "controller" or inner.continuous or inner.params is None or inner.state is None:
+        raise BlockError(f"{maker}({inner.name}): needs a sampled controller with parameters and state")
+    if inner.signals != ("command", "feedback", "dt") or inner.initial is not None:
+        raise BlockError(f"{maker}({inner.name}): needs a controller that takes command, feedback and dt")
+    motion = takes_motion(inner)
+    place = place_of_motion if motion else place_of_number
+    return Inner(inner, inner.step, inner.align, motion, place)
+
+
+def same_kind(
+    step: Any, part: Inner, params: Any, state: Any, says: str, motion: bool | None = None, **more: Any
+) -> Block:
+    """A controller that drives what the wrapped one drives; ``says`` is added to the sentence that describes it.
+
+    ``motion``: whether it takes motions; unless told otherwise it does if the wrapped one does.
+    """
+    inner = part.block
+    step.takes_motion = part.motion if motion is None else motion
+    return make(
+        "controller", step, params, state, unit=inner.unit, drive=inner.drive, full_scale=inner.full_scale,
+        sense=inner.sense, doc=f"{inner.doc} {says}", **more,
+    )  # fmt: skip

@@ -1,0 +1,10 @@
+from ._cut_load import cut_load as cut_load
+from ._five_sines import five_sines as five_sines
+from ._five_sines_pulse import five_sines_pulse as five_sines_pulse
+from ._hard_spot import hard_spot as hard_spot
+from ._kicked_load import kicked_load as kicked_load
+from ._pulse_load import pulse_load as pulse_load
+from ._sine_load import sine_load as sine_load
+from ._step_load import step_load as step_load
+from ._wandering_spindle import wandering_spindle as wandering_spindle
+from ._white_noise import white_noise as white_noise

@@ -1,0 +1,16 @@
+from .belief import Belief as Belief
+from .belief import belief_of as belief_of
+from .design import Predicted as Predicted
+from .design import Proposal as Proposal
+from .design import candidates as candidates
+from .design import propose as propose
+from .files import write as write
+from .information import Information as Information
+from .information import information as information
+from .move import Limits as Limits
+from .move import Move as Move
+from .move import Sampled as Sampled
+from .move import Stroke as Stroke
+from .move import check as check
+from .move import path_of as path_of
+from .move import sampled as sampled

@@ -1,0 +1,9 @@
+from .fit import identify_friction_force as identify_friction_force
+from .record import ForceRecord as ForceRecord
+from .record import force_record as force_record
+from .record import read_force_record as read_force_record
+from .result import Bin as Bin
+from .result import FrictionForceFit as FrictionForceFit
+from .result import ModelFit as ModelFit
+from .result import set_table as set_table
+from .result import settings as settings

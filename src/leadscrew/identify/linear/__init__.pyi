@@ -1,0 +1,13 @@
+from .fit import identify_linear as identify_linear
+from .record import LinearRecord as LinearRecord
+from .record import linear_record as linear_record
+from .record import read_linear as read_linear
+from .result import Candidate as Candidate
+from .result import Interval as Interval
+from .result import LinearFit as LinearFit
+from .result import Stretch as Stretch
+from .result import block as block
+from .result import machine as machine
+from .result import machine_values as machine_values
+from .servo_gain import read_moves as read_moves
+from .servo_gain import servo_gain as servo_gain

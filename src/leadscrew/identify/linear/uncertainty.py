@@ -1,0 +1,370 @@
+"""Intervals of what a user reads (gain, poles, zeros, delay, coefficients) from the covariance of what was fitted.
+
+How sure a linear model is: covariance of its coefficients under noise of any colour.
+
+With ``J`` the change of the simulated output by every coefficient, start and offset, and ``r`` the autocovariance of
+what is left,
+
+    Cov = (Z' J)^-1  Z' R Z  (J' Z)^-1,     R[i, j] = r(abs(i - j))
+
+``Z = J`` for output error, or the instruments inside a closed loop (Soderstrom and Stoica, *System Identification*,
+1989, complement C7.5 and section 8.2). ``r`` is that of an autoregression fitted to the residual, its order chosen by
+BIC: quantisation and white noise need order 0, play of disturbances some. Quantities such as a pole follow to first
+order.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+
+from leadscrew.identify.linear.model import NUDGE, Model, sampled_response
+
+ORDERS = (0, 1, 2, 3, 4, 6, 8, 12, 16, 24, 32)
+"""Of the autoregression of the residual."""
+FLAT = 1e-12
+"""Share of the largest singular value below which a direction counts as this flat: its variance is huge, not none."""
+LAGS = 25
+"""Of the whiteness test."""
+NORMAL = 1.959963984540054
+"""Half of a 95 % interval, in standard deviations."""
+
+
+class Interval(NamedTuple):
+    """A quantity and its 95 % interval."""
+
+    value: float
+    low: float
+    high: float
+    unit: str = ""
+    told: bool = True
+    """Whether the half width is below half of the value."""
+
+    @property
+    def percent(self) -> float:
+        """Half of the interval as a share of the value, in percent."""
+        return abs(50.0 * (self.high - self.low) / self.value) if self.value else float("inf")
+
+
+def autocovariance(values: np.ndarray, lags: int) -> np.ndarray:
+    """Of a residual, about zero, biased (divided by the number of samples), for 0 to ``lags``."""
+    n = len(values)
+    size = 1 << int(2 * n - 1).bit_length()
+    power = np.abs(np.fft.rfft(values, size)) ** 2
+    return np.asarray(np.fft.irfft(power, size)[: lags + 1] / n)
+
+
+def autoregression(residual: np.ndarray) -> tuple[np.ndarray, float]:
+    """Coefficients ``1, a_1, ...`` and variance of the driving noise, by Yule and Walker, order by BIC."""
+    from scipy.linalg import solve_toeplitz
+
+    n = len(residual)
+    r = autocovariance(residual, min(ORDERS[-1], n // 10))
+    best = (np.inf, np.array([1.0]), float(r[0]))
+    for order in ORDERS:
+        if order >= len(r) or r[0] <= 0.0:
+            break
+        firm = r[:order] * (1.0 + 1e-9 * (np.arange(order) == 0))
+        a = -solve_toeplitz(firm, r[1 : order + 1]) if order else np.array([])
+        left = float(r[0] + a @ r[1 : order + 1])
+        if left <= 0.0:
+            break
+        score = n * np.log(left) + order * np.log(n)
+        if score < best[0]:
+            best = (score, np.concatenate([[1.0], a]), left)
+    return best[1], best[2]
+
+
+def covariance(jacobian: np.ndarray, residual: np.ndarray, instruments: np.ndarray | None = None) -> np.ndarray:
+    """Of all columns of ``jacobian`` (change of the simulated output), at consecutive samples."""
+    z = jacobian if instruments is None else instruments
+    scale = np.linalg.norm(jacobian, axis=0)
+    scale[scale == 0.0] = 1.0
+    j, z = jacobian / scale, z / scale
+    spare = max(1, len(residual) - j.shape[1])
+    a, variance = autoregression(residual * np.sqrt(len(residual) / spare))
+    size = 1 << int(2 * len(residual) - 1).bit_length()
+    spectrum = variance / np.abs(np.fft.rfft(a, size)) ** 2
+    basis = np.linalg.qr(z)[0]
+    seen = np.fft.rfft(basis, size, axis=0)
+    weight = np.full(len(spectrum), 2.0)
+    weight[0] = weight[-1] = 1.0
+    middle = (seen.conj().T @ (seen * (weight * spectrum)[:, None])).real / size
+    left, values, right = np.linalg.svd(basis.T @ j)
+    bread = (right.T / np.maximum(values, FLAT * values[0])) @ left.T
+    return np.asarray(bread @ middle @ bread.T / np.outer(scale, scale))
+
+
+def condition(jacobian: np.ndarray) -> float:
+    """Of the columns, each scaled to length one."""
+    size = np.linalg.norm(jacobian, axis=0)
+    values = np.linalg.svd(np.linalg.qr(jacobian[:, size > 0.0] / size[size > 0.0])[1], compute_uv=False)
+    return float(values[0] / values[-1]) if len(values) and values[-1] > 0.0 else float("inf")
+
+
+def slopes(quantity: Callable[[np.ndarray], np.ndarray], at: np.ndarray, spread: np.ndarray) -> np.ndarray:
+    """Change of some quantities by each coefficient, by central differences over a small share of its spread."""
+    size = np.where(at == 0.0, 1.0, np.abs(at))
+    step = np.clip(1e-3 * spread, 1e-7 * size, 1e-3 * size)
+    rows = []
+    for k in range(len(at)):
+        away = np.zeros(len(at))
+        away[k] = step[k]
+        rows.append((quantity(at + away) - quantity(at - away)) / (2.0 * step[k]))
+    return np.array(rows).T
+
+
+def whiteness(residual: np.ndarray, lags: int = LAGS) -> tuple[float, np.ndarray]:
+    """Share in percent of autocorrelations within the 95 % bounds of white noise, and the autocorrelations from 1."""
+    r = autocovariance(residual - residual.mean(), min(lags, len(residual) // 4))
+    if r[0] <= 0.0:
+        return 100.0, np.zeros(len(r) - 1)
+    rho = r[1:] / r[0]
+    return float(100.0 * np.mean(np.abs(rho) < NORMAL / np.sqrt(len(residual)))), rho
+
+
+TOLD = 50.0
+"""Percent of the value that half an interval may be wide, for the value to count as told."""
+BENT = 0.5
+"""Share by which the simulated output may leave a straight line between the ends of an interval. Beyond it a zero, a
+fast pole and the delay stand for one another, and the interval does not hold (Bates and Watts, *Nonlinear Regression
+Analysis*, 1988, chapter 7)."""
+FAR = 2.0
+"""Times the last excited frequency, beyond which a pole or zero rests on the form of the model alone."""
+ANYTHING = float(np.log(1e6))
+"""Logarithm of the largest factor that an interval states: one that is wider says nothing."""
+
+Row = tuple[Interval, np.ndarray]
+"""A quantity and its change by each unknown of the system."""
+
+
+class Bode(NamedTuple):
+    """The model's response at rising frequencies, from sample to sample (the hold included), with 95 % bands."""
+
+    frequency_hz: np.ndarray
+    response: np.ndarray
+    """Complex, output over input."""
+    gain_share: np.ndarray
+    """Half width of the band of the gain, as a share of it."""
+    phase_half_width: np.ndarray
+    """rad."""
+
+
+class Sure(NamedTuple):
+    """Quantities with intervals."""
+
+    coefficients: dict[str, Interval]
+    parameters: dict[str, Interval]
+    offset: Interval
+    covariance: np.ndarray
+    bode: Bode
+
+
+def sure(model: Model, phi: np.ndarray, covariance: np.ndarray, units: tuple[str, str], hz: np.ndarray) -> Sure:
+    """From ``phi`` and its covariance; ``units`` are those of input and output, ``hz`` the frequencies of the band."""
+    kept = model.kept
+    at, spread = phi[:kept], np.sqrt(np.maximum(np.diag(covariance), 0.0))
+    inner = covariance[:kept, :kept]
+    names, values = _coefficient_names(model), _coefficients(model, at)
+    by = slopes(lambda x: _coefficients(model, x), at, spread[:kept])
+    cov = by @ inner @ by.T
+    deviations = np.sqrt(np.maximum(np.diag(cov), 0.0))
+    rows: dict[str, Row] = {n: (_plain(v, d), g) for n, v, d, g in zip(names, values, deviations, by, strict=True)}
+    delay, way = rows.pop("delay_s")
+    period, fixed = model.problem.period, model.problem.delay is not None
+    wide = 0.5 * (delay.high - delay.low)
+    delay = delay._replace(
+        low=max(delay.low, 0.0), unit="s", told=fixed or wide < max(period, 0.5 * delay.value)
+    )  # fmt: skip
+    straight = _straightness(model, phi, covariance)
+    coefficients = {name: straight(*row) for name, row in rows.items()}
+    more = {
+        "gain": _gain(model, at, spread, inner, units), **_poles(model, at, inner), **_zeros(model, at, spread, inner),
+        "delay_s": (delay, way),
+    }  # fmt: skip
+    parameters = {name: straight(*row) for name, row in more.items()}
+    return Sure(coefficients, parameters, _offset(model, phi, spread, covariance, units), cov,
+                _band(model, at, spread, inner, hz))  # fmt: skip
+
+
+def hertz(name: str, found: Interval) -> float:
+    """Where a pole, a pair or a zero lies; 0 for another quantity."""
+    if name.startswith(("pole", "zero ")) and found.unit == "1/s":
+        return abs(found.value) / (2.0 * np.pi)
+    return found.value if found.unit == "Hz" else 0.0
+
+
+def beyond(name: str, found: Interval, high_hz: float) -> bool:
+    """Whether it lies where the input does not move the output by more than what is left."""
+    return hertz(name, found) > FAR * high_hz
+
+
+def within(found: Sure, high_hz: float) -> Sure:
+    """Only what the log speaks of is told.
+
+    A pole beyond the last excited frequency stands for many others there, far from the found one too, where no interval
+    reaches. Coefficients and delay change with it; gain and what lies in the band do not.
+    """
+    unseen = {name for name, p in found.parameters.items() if beyond(name, p, high_hz)}
+    if high_hz > 0.0 and not unseen:
+        return found
+    kept = [n for n in found.parameters if n == "gain" or (hertz(n, found.parameters[n]) and n not in unseen)]
+    kept += [n.replace("frequency", "damping") for n in kept if "frequency" in n]
+
+    def judged(name: str, p: Interval) -> Interval:
+        return p if (high_hz > 0.0 and name in kept) or p.low == p.high else p._replace(told=False)
+
+    return found._replace(
+        coefficients={n: judged(n, p) for n, p in found.coefficients.items()},
+        parameters={n: judged(n, p) for n, p in found.parameters.items()},
+    )
+
+
+def _straightness(model: Model, phi: np.ndarray, cov: np.ndarray) -> Callable[[Interval, np.ndarray], Interval]:
+    """A judge of quantities: told only where what the best numerator leaves is straight enough."""
+    p, at = model.problem, slice(model.m + 1, model.kept)
+    theta = phi[at]
+    here = p.residual(theta)
+    change = np.empty((len(here), len(theta)))
+    for k, nudge in enumerate(NUDGE * np.eye(len(theta))):
+        change[:, k] = (p.residual(theta + nudge) - here) / NUDGE
+    late, (low, high) = p.delay is None, p.bounds()
+
+    def judge(found: Interval, slope: np.ndarray) -> Interval:
+        way = cov[:, : model.kept] @ slope
+        size = float(slope @ way[: model.kept])
+        if not found.told or size <= 0.0:
+            return found
+        for sign in (-NORMAL, NORMAL):
+            step = sign * way[at] / np.sqrt(size)
+            if late and theta[-1] + step[-1] < 0.0:
+                step = step * (theta[-1] / -step[-1])
+            if np.any(theta + step > high + 1e-9) or np.any(theta + step < low - 1e-9):
+                return found._replace(told=False)
+            line = change @ step
+            off = np.linalg.norm(p.residual(theta + step) - here - line)
+            if not off <= BENT * np.linalg.norm(line) + 0.1 * np.linalg.norm(here) / np.sqrt(len(here)):
+                return found._replace(told=False)
+        return found
+
+    return judge
+
+
+def _coefficient_names(model: Model) -> list[str]:
+    n, q = model.n, model.problem.structure.integrators
+    return [*(f"b{k}" for k in range(model.m + 1)), *(f"a{k}" for k in range(q, n)), "delay_s"]
+
+
+def _coefficients(model: Model, at: np.ndarray) -> np.ndarray:
+    b, theta = model.split(at)
+    denominator, delay_s, _ = model.problem.system(theta)
+    return np.concatenate([b, denominator[1 : model.problem.structure.free + 1][::-1], [delay_s]])
+
+
+def _plain(value: float, deviation: float, unit: str = "") -> Interval:
+    found = Interval(float(value), float(value - NORMAL * deviation), float(value + NORMAL * deviation), unit)
+    return found._replace(told=found.percent < TOLD or value == 0.0)
+
+
+def _ratio(logarithm: float, deviation: float, unit: str, sign: float = 1.0) -> Interval:
+    """Of a quantity of which the logarithm is known."""
+    reach = min(NORMAL * deviation, ANYTHING)
+    ends = sorted(sign * np.exp(logarithm + np.array([-reach, reach])))
+    return Interval(
+        float(sign * np.exp(logarithm)), float(ends[0]), float(ends[1]), unit, bool(np.expm1(reach) < TOLD / 100.0)
+    )
+
+
+def _gain(model: Model, at: np.ndarray, spread: np.ndarray, cov: np.ndarray, units: tuple[str, str]) -> Row:
+    def gain(x: np.ndarray) -> np.ndarray:
+        b, theta = model.split(x)
+        return np.array([b[0] / model.problem.structure.denominator(theta)[model.problem.structure.free]])
+
+    by = slopes(gain, at, spread[: len(at)])
+    q = model.problem.structure.integrators
+    per = units[0] if q == 0 else f"({units[0]} s{'^2' if q == 2 else ''})"
+    deviation = float(np.sqrt(max((by @ cov @ by.T)[0, 0], 0.0)))
+    return _plain(gain(at)[0], deviation, f"{units[1]}/{per}"), by[0]
+
+
+def _poles(model: Model, at: np.ndarray, cov: np.ndarray) -> dict[str, Row]:
+    theta, first, r = model.split(at)[1], model.m + 1, model.problem.structure.free
+
+    def row(logarithm: float, changes: dict[int, float], unit: str, sign: float = 1.0) -> Row:
+        slope = np.zeros(len(at))
+        for k, change in changes.items():
+            slope[first + k] = change
+        return _ratio(logarithm, float(np.sqrt(max(slope @ cov @ slope, 0.0))), unit, sign), slope
+
+    real: list[Row] = []
+    pairs: list[tuple[Row, Row]] = []
+    for k in range(0, r - r % 2, 2):
+        w, zeta = theta[k], theta[k + 1]
+        damping = row(zeta, {k + 1: 1.0}, "")
+        if damping[0].low < 1.0:
+            pairs.append((row(w - np.log(2.0 * np.pi), {k: 1.0}, "Hz"), damping))
+            continue
+        z = np.exp(zeta)
+        root = np.sqrt(z * z - 1.0)
+        for sign in (-1.0, 1.0):
+            # d ln(z +- sqrt(z^2 - 1)) / d ln z = +- z / sqrt(z^2 - 1)
+            log = w + sign * np.log(z + root)
+            real.append(row(log, {k: 1.0, k + 1: sign * z / root}, "1/s", -1.0))
+    if r % 2:
+        real.append(row(theta[r - 1], {r - 1: 1.0}, "1/s", -1.0))
+    found = {f"pole {k + 1}": p for k, p in enumerate(sorted(real, key=lambda p: -p[0].value))}
+    for k, (hertz, damping) in enumerate(sorted(pairs, key=lambda pair: pair[0][0].value)):
+        found |= {f"frequency {k + 1}": hertz, f"damping {k + 1}": damping}
+    return found
+
+
+def _zeros(model: Model, at: np.ndarray, spread: np.ndarray, cov: np.ndarray) -> dict[str, Row]:
+    roots = np.roots(model.split(at)[0][::-1])
+    if not len(roots):
+        return {}
+    pair = abs(roots[0].imag) > 0.0
+
+    def said(x: np.ndarray) -> np.ndarray:
+        found = np.roots(model.split(x)[0][::-1])
+        if pair:
+            return np.array([abs(found[0]) / (2.0 * np.pi), -found[0].real / abs(found[0])])
+        return np.sort(found.real)[::-1]
+
+    by = slopes(said, at, spread[: len(at)])
+    deviation = np.sqrt(np.maximum(np.diag(by @ cov @ by.T), 0.0))
+    names = (
+        (("zero frequency", "Hz"), ("zero damping", ""))
+        if pair
+        else [(f"zero {k + 1}", "1/s") for k in range(len(roots))]
+    )
+    return {n: (_plain(v, d, u), g) for (n, u), v, d, g in zip(names, said(at), deviation, by, strict=True)}
+
+
+def _offset(model: Model, phi: np.ndarray, spread: np.ndarray, cov: np.ndarray, units: tuple[str, str]) -> Interval:
+    s = model.problem.structure
+
+    def offset(x: np.ndarray) -> np.ndarray:
+        if not s.integrators:
+            return x[-1:]
+        b, theta = model.split(x)
+        return np.array([-x[-1] * s.integrators * s.denominator(theta)[s.free] / b[0]])
+
+    by = slopes(offset, phi, spread)
+    found = _plain(offset(phi)[0], float(np.sqrt(max((by @ cov @ by.T)[0, 0], 0.0))), units[0 if s.integrators else 1])
+    return found._replace(told=True)
+
+
+def _band(model: Model, at: np.ndarray, spread: np.ndarray, cov: np.ndarray, hz: np.ndarray) -> Bode:
+    def response(x: np.ndarray) -> np.ndarray:
+        b, theta = model.split(x)
+        step = model.problem.system(theta)[2]
+        weights = np.zeros(model.n)
+        weights[: model.m + 1] = model.weights(step, b)
+        return sampled_response(step, weights, model.problem.period, hz)
+
+    here = response(at)
+    share = slopes(response, at, spread[: len(at)]) / here[:, None]
+    wide = [np.sqrt(np.maximum(np.einsum("ki,ij,kj->k", part, cov, part), 0.0)) for part in (share.real, share.imag)]
+    return Bode(hz, here, NORMAL * wide[0], NORMAL * wide[1])

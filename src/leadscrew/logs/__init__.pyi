@@ -1,0 +1,9 @@
+from .arrays import AxisLog as AxisLog
+from .arrays import LogUnits as LogUnits
+from .arrays import axis_log as axis_log
+from .axis_file import Seen as Seen
+from .axis_file import look_at as look_at
+from .axis_file import read_axis_log as read_axis_log
+from .finding import Finding as Finding
+from .read import read_table as read_table
+from .table import Table as Table

@@ -1,0 +1,13 @@
+from .capture import Capture as Capture
+from .change import Change as Change
+from .operated import Event as Event
+from .operated import Operated as Operated
+from .operated import Rerun as Rerun
+from .operated import Session as Session
+from .operated import Start as Start
+from .profile import Profile as Profile
+from .profile import fitted as fitted
+from .profiles import profile_of as profile_of
+from .scope import Scope as Scope
+from .scope import Trigger as Trigger
+from .why import explainer as explainer

@@ -1,0 +1,16 @@
+from .claims import Measured as Measured
+from .claims import at_least as at_least
+from .claims import at_most as at_most
+from .claims import claim as claim
+from .claims import equals as equals
+from .claims import within as within
+from .exhibits import Table as Table
+from .exhibits import experiment as experiment
+from .exhibits import figure as figure
+from .lab import Assumption as Assumption
+from .lab import Lab as Lab
+from .lab import Scenario as Scenario
+from .lab import Study as Study
+from .lab import measure as measure
+from .results import contents_of as contents_of
+from .results import evaluate as evaluate

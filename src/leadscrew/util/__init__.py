@@ -1,0 +1,1 @@
+"""What the rest is written with: errors, atomic files and folders, reading within limits, escaping."""
