@@ -26,12 +26,13 @@ html_css_files = ["wide.css"]
 html_title = f"Leadscrew {version}"
 html_copy_source = False
 
+add_module_names = False
 autodoc_member_order = "bysource"
 autodoc_typehints = "description"
 autodoc_typehints_description_target = "documented"
 napoleon_numpy_docstring = False
 nitpicky = False
-suppress_warnings = ["myst.header"]
+suppress_warnings = ["myst.header", "ref.python"]
 
 
 def plain_bars(app, what, name, obj, options, lines):

@@ -258,7 +258,7 @@ def test_the_plot_is_drawn(call, tmp_path):
 @pytest.mark.parametrize(
     ("args", "said"),
     [
-        (["-c", "smc"], "no map of the error is declared for it"),
+        (["-c", "tfc"], "no map of the error is declared for it"),
         (["-c", "npid_slope", "--level", "both"], "there are autonomous, driven"),
         (["-c", "npid_slope", "--reserve", "0.5"], "a reserve is a factor from 1 on"),
         (["-c", "npid_slope", "--points", "2"], "a grid has at least 3"),

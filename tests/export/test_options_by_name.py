@@ -14,6 +14,7 @@ from leadscrew.export import fmu, hal
 from leadscrew.export.controller import export_controller
 from leadscrew.references._step import step
 from tests.controllers.xy_loop import xy_loop
+from tests.tools import missing
 
 OPTIONS = ["none", "clamping", "back-calculation"]
 
@@ -26,7 +27,7 @@ def core():
 
 def test_the_header_names_every_option_and_the_defaults_have_the_chosen_one(core, tmp_path):
     if shutil.which("gcc") is None:
-        pytest.skip("no C compiler")
+        missing("gcc", "not installed")
     for name, text in core.files.items():
         (tmp_path / name).write_text(text)
     (tmp_path / "say.c").write_text(
@@ -63,7 +64,7 @@ def test_an_importer_reads_the_names_and_sets_an_option_but_none_that_there_is_n
     from fmpy.validation import validate_fmu
 
     if shutil.which("gcc") is None:
-        pytest.skip("no C compiler")
+        missing("gcc", "not installed")
     (tmp_path / "axis.fmu").write_bytes(fmu.build(core, version, "gcc"))
     assert validate_fmu(tmp_path / "axis.fmu") == []
     about = fmpy.read_model_description(tmp_path / "axis.fmu")

@@ -5,7 +5,7 @@ import warnings
 import pytest
 
 from leadscrew import Loop, controller
-from leadscrew.actuators import torque_drive
+from leadscrew.actuators import saturation, torque_drive
 from leadscrew.controllers import npid, torque_pid
 from leadscrew.kernel.units import UnitWarning
 from leadscrew.plants import mass_lugre, xy_table
@@ -22,6 +22,10 @@ def plain(command, feedback):
     ("blocks", "text"),
     [
         ({"controller": torque_pid, "plant": xy_table}, "torque_pid commands a torque, and xy_table takes a voltage"),
+        (
+            {"controller": torque_pid, "plant": xy_table, "actuator": saturation},
+            "torque_pid commands a torque, and xy_table takes a voltage",
+        ),
         ({"controller": npid, "plant": mass_lugre}, "npid commands a voltage, and mass_lugre takes a force"),
         (
             {"reference": s_curve(), "controller": plain, "plant": mass_lugre},

@@ -1,7 +1,7 @@
 """What meets in a loop: the drive that a controller commands, and the units of command and feedback.
 
-A block that does not say its unit or drive fits everywhere. An actuator with a unit of its own converts: what it gives
-is compared, not what it gets.
+A block that does not say its unit or drive fits everywhere. An actuator with a unit of its own converts, one without
+(a limit, an offset) passes on what it gets.
 """
 
 from __future__ import annotations
@@ -17,8 +17,8 @@ class UnitWarning(UserWarning):
 
 def mismatches(blocks: Mapping[str, Block | None]) -> Iterator[str]:
     """One sentence for each pair that does not fit."""
-    controller, plant = blocks["controller"], blocks["plant"]
-    if controller is not None and plant is not None and blocks["actuator"] is None:
+    controller, plant, actuator = blocks["controller"], blocks["plant"], blocks["actuator"]
+    if controller is not None and plant is not None and (actuator is None or not actuator.unit):
         wanted, given = plant.drive, controller.drive
         if wanted and given and wanted != given:
             yield (
