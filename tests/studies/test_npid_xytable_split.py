@@ -11,6 +11,7 @@ from leadscrew.studies.npid_xytable import search
 from leadscrew.studies.npid_xytable import split_law as split
 from leadscrew.studies.npid_xytable.controllers import BOUNDS, CONTROLLERS
 from leadscrew.studies.npid_xytable.cutting import lines_um
+from leadscrew.studies.npid_xytable.equal import peaks
 from leadscrew.studies.npid_xytable.rejection import let_through, opened
 from leadscrew.studies.npid_xytable.table2 import PID_UM
 from tests.studies.npid_lab import lab
@@ -52,6 +53,18 @@ def test_tuned_laws_keep_their_ms_at_every_error_and_are_proved_on_all_the_box(b
     for plant in ({}, *split.box_plants()):
         assert driven(split.around_large(law, plant), (0.0, 1.0)).grade == "certificate"
         assert opened(CONTROLLERS[f"ours.pid_{bound}"], plant).stable(1.0)
+
+
+@pytest.mark.parametrize("bound", BOUNDS)
+@pytest.mark.parametrize("law", ["pid_low_pass", "pid_lag"])
+def test_laws_behind_filters_keep_their_ms_and_are_stable_on_all_the_box(law, bound):
+    """The search has the filters in closed form; here the loops are those of the steps that run."""
+    block = CONTROLLERS[f"ours.{law}_{bound}"]
+    nominal, box = peaks(law, block.params)
+    loops = [opened(block, plant) for plant in split.box_plants()]
+    assert margins(opened(block)).ms == pytest.approx(nominal, rel=2e-3) and nominal <= 1.602
+    assert all(loop.stable(1.0) for loop in loops)
+    assert max(margins(loop).ms for loop in loops) == pytest.approx(box, rel=5e-3)
 
 
 def test_the_closed_form_of_ms_is_the_largest_over_the_shares():

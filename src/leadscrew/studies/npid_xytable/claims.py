@@ -669,6 +669,7 @@ def conclusion(lab: Lab) -> list[str]:
     below = int((rows < np.minimum(printed, np.concatenate([NPID_UM[rpm] for rpm in SPEEDS]))).sum())
     plain, tooth = (float(let_through(opened(PIDS[name]), (100.0 / 3.0,))[0]) for name in (PID, RETUNED))
     return [
+        engineers_choice(lab),
         f"As printed, with the error in mm, NPID differs from its PID by {traces(lab)[1, 0]:.0e} of the error and "
         "reduces nothing.",
         f"With the error in µm it reduces Table II's rows by {mean:.0f} % at 1 mm, and it chatters by up to "
@@ -676,5 +677,4 @@ def conclusion(lab: Lab) -> list[str]:
         f"{RETUNED}, a linear PID with integral action, is below both printed columns on {below} of {len(rows)} rows, "
         f"at least {100.0 * float((1.0 - rows / printed).min()):.0f} % below PID; near 33 Hz it lets "
         f"{tooth / plain:.1f} times as much through.",
-        engineers_choice(lab),
     ]

@@ -69,7 +69,7 @@ class Law(NamedTuple):
     def peaks(self, values: Settings) -> tuple[np.ndarray, np.ndarray]:
         """Ms at every ``s`` on the nominal axis, and the largest on the box."""
         ends, filters = self.ends(values), self.filters(values, responses()[0])
-        return largest_ms(ends, filters), worst_ms(ends, filters)
+        return largest_ms(ends, filters), worst_ms(self, values)
 
     def filters(self, values: Settings, z: np.ndarray) -> np.ndarray:
         """Response of the filters, ``(settings, frequencies)``."""
@@ -151,13 +151,21 @@ def of_gains(gains: np.ndarray, z: np.ndarray) -> np.ndarray:
     return np.asarray(kp + ki * PERIOD_S * z / (z - 1.0) + kd * (z - 1.0) / ((lag + PERIOD_S) * z - lag))
 
 
-def worst_ms(ends: Ends, filters: np.ndarray | float = 1.0) -> np.ndarray:
+@lru_cache(maxsize=1)
+def box_finely() -> tuple[np.ndarray, np.ndarray]:
+    """``z`` and the plants of the box on a grid of 1.5 rad/s, for peaks that a coarser one misses."""
+    one = pid(kp=1.0, ki=0.0, kd=0.0)
+    w = np.linspace(50.0, np.pi / PERIOD_S, 4000)
+    plants = [dict(zip(BOX, map(float, values), strict=True)) for values in zip(*BOX.values(), strict=True)]
+    return np.exp(1j * w * PERIOD_S), np.array([opened(one, plant).response(w) for plant in plants])
+
+
+def worst_ms(law: Law, values: Settings) -> np.ndarray:
     """Largest Ms of the loops for small and for large errors over the plants of the box."""
-    z, _, box = responses()
-    loops = [of_gains(gains, z) * filters for gains in ends]
-    return np.asarray(
-        np.max([(1.0 / np.abs(1.0 + loop * table)).max(axis=1) for loop in loops for table in box], axis=0)
-    )
+    z, box = box_finely()
+    loops = [of_gains(gains, z) * law.filters(values, z) for gains in law.ends(values)]
+    peaks = [(1.0 / np.abs(1.0 + loop * table)).max(axis=1) for loop in loops for table in box]
+    return np.asarray(np.max(peaks, axis=0))
 
 
 def largest_ms(ends: Ends, filters: np.ndarray | float = 1.0) -> np.ndarray:
