@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from scipy import signal
 
-from leadscrew.controllers._biquad import Coefficients, LowPass, Notch, biquad, coefficients
+from leadscrew.controllers._biquad import Coefficients, LeadLag, LowPass, Notch, biquad, coefficients
 from leadscrew.controllers._inverse_feed_forward import inverse_feed_forward
 from leadscrew.controllers._pid import TUNINGS, pid
 from leadscrew.export import hal_run
@@ -64,6 +64,16 @@ def test_a_notch_leaves_its_depth_at_the_centre_and_everything_far_away(section)
     assert np.std(out) / np.std(wave[-1000:]) == pytest.approx(section.depth, rel=1e-6)
     slow = through(biquad(GAIN, section), np.sin(2.0 * math.pi * 0.5 * t))
     assert np.abs(slow[-1000:]).max() == pytest.approx(1.0, abs=1e-3)
+
+
+@pytest.mark.parametrize(("zero", "pole"), [(30.0, 3.0), (8.0, 80.0)])
+def test_a_lag_and_a_lead_are_those_of_the_bilinear_rule(zero, pole):
+    wz, wp = 2.0 * math.pi * zero, 2.0 * math.pi * pole
+    b, a = signal.bilinear([1.0 / wz, 1.0], [1.0 / wp, 1.0], fs=1.0 / PERIOD)
+    c = coefficients(LeadLag(zero, pole), PERIOD)
+    np.testing.assert_allclose([c.b0, c.b1, c.b2, c.a1, c.a2], [*b, 0.0, a[1], 0.0], rtol=1e-12, atol=1e-15)
+    with pytest.raises(ValueRefused, match="pole_hz"):
+        coefficients(LeadLag(zero, 0.5 / PERIOD), PERIOD)
 
 
 @pytest.mark.parametrize("q", [0.5, 0.7071, 2.0])

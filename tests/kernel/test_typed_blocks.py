@@ -27,6 +27,6 @@ def test_a_wrong_type_and_a_wrong_name_of_a_parameter_are_type_errors(tmp_path):
     words = [sys.executable, "-m", "mypy", "--follow-imports=silent", "--ignore-missing-imports", str(file)]
     done = subprocess.run(words, capture_output=True, text=True, cwd=tmp_path)
     wrong = {n for n, line in enumerate(SCRIPT.splitlines(), 1) if "# wrong" in line}
-    told = [line for line in done.stdout.splitlines() if ": error: " in line]
-    assert {int(line.split(":")[1]) for line in told} == wrong and len(told) == 2, done.stdout + done.stderr
+    errors = [line for line in done.stdout.splitlines() if ": error: " in line]
+    assert {int(line.split(":")[1]) for line in errors} == wrong and len(errors) == 2, done.stdout + done.stderr
     assert 'did you mean "kp"?' in done.stdout

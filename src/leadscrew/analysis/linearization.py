@@ -146,12 +146,12 @@ def margins(
     """
     from leadscrew.analysis.stability.margins import margins as margins_of
 
-    found = linearize(loop, time, state, ideal)
-    if found.cut is None:
+    linear = linearize(loop, time, state, ideal)
+    if linear.cut is None:
         raise ValueRefused(
-            f"{loop.name}: compares {found.open_loop.ninputs} axes, and margins are of one; take linearize().open_loop"
+            f"{loop.name}: compares {linear.open_loop.ninputs} axes, and margins are of one; take linearize().open_loop"
         )
-    return margins_of(found.cut)
+    return margins_of(linear.cut)
 
 
 def step_response(
