@@ -107,9 +107,9 @@ def test_a_wrapper_that_adds_a_feed_forward_changes_nothing():
 
 
 def test_a_limit_of_the_output_is_named_and_left_out():
-    found = lure(npid(max_output=10.0))
-    assert "10 V" in found.notes[0] and found.linear.params.max_output == 0.0
-    assert not lure(pid(max_output=0.01)).nonlinear
+    found = lure(npid(lower=-5.0, upper=10.0))
+    assert "lower = -5, upper = 10 V" in found.notes[0] and found.linear.params.upper == math.inf
+    assert not lure(pid(lower=-0.01, upper=0.01)).nonlinear
 
 
 class Scheduled(NamedTuple):

@@ -82,7 +82,7 @@ def test_weights_of_the_command_do_not_change_the_stability():
 
 
 def test_limits_and_counts_are_left_out_and_named():
-    loop = sampled_loop(drive(actuator=saturation, sensor=ruler, controller=pid(max_output=10.0)))
+    loop = sampled_loop(drive(actuator=saturation, sensor=ruler, controller=pid(lower=-10.0, upper=10.0)))
     assert np.allclose(loop.response(W), sampled_loop(drive()).response(W), rtol=1e-9)
     said = " ".join(loop.notes)
     assert "actuator saturation" in said and "sensor ruler" in said and "limit of its output" in said

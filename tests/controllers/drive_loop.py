@@ -5,4 +5,4 @@ from tests.controllers.stage_loop import stage_loop
 
 
 def pid():
-    return stage_loop(torque_pid(max_torque=40.0), encoder_mm=1e-5)
+    return stage_loop(torque_pid(lower=-40.0, upper=40.0), encoder_mm=1e-5)

@@ -112,14 +112,16 @@ def test_the_first_output_after_an_align_is_the_last_one_before():
 
 @pytest.mark.sweep
 def test_all_engines_give_the_same_bits():
-    loop = table_axis(inverse_feed_forward(PLAIN(max_output=0.02)), spindle_hz=51.0, spindle_v=1e-3, tooth_v=2e-3)
+    loop = table_axis(
+        inverse_feed_forward(PLAIN(lower=-0.02, upper=0.02)), spindle_hz=51.0, spindle_v=1e-3, tooth_v=2e-3
+    )
     fast, plain = (loop.run(0.3, record=("output", "controller"), engine=e) for e in ("llvm", "python"))
     assert all(np.array_equal(fast[name], plain[name]) for name in plain.signals)
 
 
 def test_at_the_limit_of_the_output_the_lines_turn_and_do_not_grow():
     """The same block without a limit, by hand: where the sum is beyond it, the lengths of both lines stay."""
-    block = adaptive_resonant(pid(kp=0.0, ki=0.0, kd=0.0), max_output=2e-3)
+    block = adaptive_resonant(pid(kp=0.0, ki=0.0, kd=0.0), lower=-2e-3, upper=2e-3)
     p, s = block.prepare(block.params, PERIOD), block.state
     lengths, outputs = [], []
     for k in range(4000):
@@ -135,10 +137,10 @@ def test_at_the_limit_of_the_output_the_lines_turn_and_do_not_grow():
 @pytest.mark.slow
 def test_a_limit_outside_holds_the_lines_and_one_inside_does_not():
     """A motion that needs 60 times the voltage: the lines stay within 50 times the limit, or run away."""
-    small = PID["ours.pid_ms_159"](max_output=5e-3, anti_windup=1)
+    small = PID["ours.pid_ms_159"](lower=-5e-3, upper=5e-3, anti_windup=1)
     keys = [f"controller.spindle.{line}.{part}" for line in ("first", "tooth") for part in ("re", "im")]
     sizes = []
-    for block in (adaptive_resonant(small, max_output=5e-3), adaptive_resonant(small)):
+    for block in (adaptive_resonant(small, lower=-5e-3, upper=5e-3), adaptive_resonant(small)):
         run = table_axis(block, spindle_hz=50.0, spindle_v=1e-3, tooth_v=2e-3).run(8.0, record=("output", *keys))
         sizes.append((np.abs(run["output"]).max(), max(np.abs(run[key]).max() for key in keys)))
     assert sizes[0][0] == 5e-3 and sizes[0][1] < 0.25 and sizes[1][1] > 1e6

@@ -28,7 +28,7 @@ def test_with_all_of_the_commanded_speed_it_is_a_pid():
     rng = np.random.default_rng(1)
     r, y = np.cumsum(rng.normal(size=(2, 200)), axis=1)
     r[0] = y[0] = 0.0
-    cascade = axis_cascade(kpos=150.0, kvp=0.2, kvi=3.0, velocity_share=1.0, max_output=0.0)
+    cascade = axis_cascade(kpos=150.0, kvp=0.2, kvi=3.0, velocity_share=1.0)
     same = pid(kp=0.2 * 150.0 + 3.0, ki=3.0 * 150.0, kd=0.2)
     ours = outputs(cascade, [Motion(x, 0.0, 0.0) for x in r], y)
     assert ours == pytest.approx(outputs(same, r, y), rel=1e-9, abs=1e-9)
@@ -64,7 +64,7 @@ def test_it_takes_over_without_a_bump():
 
 
 def test_at_its_limit_the_integral_waits():
-    block = axis_cascade(kvi=3.0, max_output=1.0)
+    block = axis_cascade(kvi=3.0, lower=-1.0, upper=1.0)
     s = AxisCascadeState()
     for _ in range(100):
         s, u = block.step(block.params, s, Motion(50.0, 0.0, 0.0), 0.0, DT)

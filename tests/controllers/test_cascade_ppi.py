@@ -73,7 +73,7 @@ def test_our_tuning_is_at_the_edge_of_what_a_cascade_can_be():
 
 
 def test_at_the_limit_the_integral_waits():
-    block = TAME(max_output=0.5)
+    block = TAME(lower=-0.5, upper=0.5)
     s = block.state
     for _ in range(400):
         s, u = block.step(block.params, s, Motion(0.1), 0.0, PERIOD)

@@ -105,7 +105,7 @@ def test_feed_forward_belongs_inside():
 
 
 def test_a_limit_does_not_wind_it_up():
-    loop = table_axis(input_dob(pid, 150.0, max_output=0.02), amplitude=0.0, disturbance=step_load(size=0.03))
+    loop = table_axis(input_dob(pid, 150.0, lower=-0.02, upper=0.02), amplitude=0.0, disturbance=step_load(size=0.03))
     run = loop.run(1.0, record=("output", "controller"))
     assert np.abs(run["output"]).max() == 0.02
     assert abs(run["controller.observer.disturbance"][-1]) < 0.04
@@ -125,7 +125,7 @@ def test_from_rest_it_takes_over_without_a_bump(block):
 
 @pytest.mark.sweep
 def test_all_engines_give_the_same_bits():
-    loop = table_axis(input_dob(pid, max_output=0.02), disturbance=sine_load(amplitude=1e-2))
+    loop = table_axis(input_dob(pid, lower=-0.02, upper=0.02), disturbance=sine_load(amplitude=1e-2))
     record = ("output", "actual", "controller")
     fast, plain = (loop.run(0.2, record=record, engine=engine) for engine in ("llvm", "python"))
     assert all(np.array_equal(fast[name], plain[name]) for name in plain.signals)

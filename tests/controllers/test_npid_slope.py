@@ -73,7 +73,7 @@ def test_behind_the_pid_the_gain_multiplies_its_output():
 
 
 def test_behind_the_pid_the_limit_is_one_of_the_voltage_and_holds_the_integral():
-    block = npid_after(ki=100.0, max_output=5.0)
+    block = npid_after(ki=100.0, lower=-5.0, upper=5.0)
     s = block.state
     for _ in range(400):
         s, u = block.step(block.params, s, 1.0, 0.0, PERIOD)
@@ -112,7 +112,9 @@ def test_the_first_output_after_an_align_is_the_last_one_before(block):
 
 
 @pytest.mark.sweep
-@pytest.mark.parametrize("block", [npid_slope(max_output=0.02), npid_after(max_output=0.02, anti_windup=2)])
+@pytest.mark.parametrize(
+    "block", [npid_slope(lower=-0.02, upper=0.02), npid_after(lower=-0.02, upper=0.02, anti_windup=2)]
+)
 def test_all_engines_give_the_same_bits(block):
     loop = xy_loop(block, sine(amplitude=4.0, frequency=3.0))
     record = ("output", "actual", "controller")

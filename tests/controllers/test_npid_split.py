@@ -49,7 +49,7 @@ def test_the_start_is_bumpless_and_the_limit_holds_the_integral():
     state = npid_split.align(npid_split.params, 0.02, 0.011, 0.4)
     _, output = npid_split.step(npid_split.params, state, 0.02, 0.011, 5e-4)
     assert output == pytest.approx(0.4, abs=1e-12)
-    limited = npid_split(max_output=0.05)
+    limited = npid_split(lower=-0.05, upper=0.05)
     state = limited.state
     for _ in range(50):
         state, output = limited.step(limited.params, state, 1.0, 0.0, 5e-4)

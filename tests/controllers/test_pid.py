@@ -56,12 +56,12 @@ def wound_up(block, periods=400, error=1.0):
 
 
 def test_without_anti_windup_the_integral_grows_at_the_limit():
-    s, u = wound_up(pid(ki=100.0, max_output=5.0, anti_windup=0))
+    s, u = wound_up(pid(ki=100.0, lower=-5.0, upper=5.0, anti_windup=0))
     assert u == 5.0 and s.integral == pytest.approx(400 * PERIOD)
 
 
 def test_clamping_stops_the_integral_at_the_limit_and_lets_it_return_at_once():
-    block = pid(ki=100.0, kd=0.0, max_output=5.0, anti_windup=1)
+    block = pid(ki=100.0, kd=0.0, lower=-5.0, upper=5.0, anti_windup=1)
     s, u = wound_up(block)
     assert u == 5.0 and 5.0 - 100.0 * PERIOD < 1.32 + 100.0 * s.integral <= 5.0
     after, _ = block.step(block.params, s, -0.1, 0.0, PERIOD)
@@ -73,7 +73,7 @@ def test_clamping_stops_the_integral_at_the_limit_and_lets_it_return_at_once():
 @pytest.mark.parametrize("tracking", [0.004, 0.0])
 def test_back_calculation_balances_the_error_against_the_excess(tracking):
     """Where the integral stands still, ki e T = share (raw - limit), with share = T / max(tracking, T)."""
-    block = pid(ki=100.0, kd=0.0, max_output=5.0, anti_windup=2, tracking_s=tracking)
+    block = pid(ki=100.0, kd=0.0, lower=-5.0, upper=5.0, anti_windup=2, tracking_s=tracking)
     s, u = wound_up(block)
     excess = 1.32 + 100.0 * (s.integral + PERIOD) - 5.0
     assert u == 5.0 and excess == pytest.approx(100.0 * max(tracking, PERIOD))
@@ -83,7 +83,7 @@ def test_back_calculation_balances_the_error_against_the_excess(tracking):
 def test_anti_windup_takes_the_overshoot_of_a_saturated_step(rule):
     tuned = TUNINGS["ours.pid_ms_159"]
     moved = [
-        xy_loop(tuned(max_output=0.5, anti_windup=kind, tracking_s=0.01), step(target=20.0)).run(1.5)
+        xy_loop(tuned(lower=-0.5, upper=0.5, anti_windup=kind, tracking_s=0.01), step(target=20.0)).run(1.5)
         for kind in (0, rule)
     ]
     wound, held = (run["actual"].max() - 20.0 for run in moved)
@@ -146,7 +146,7 @@ def test_another_pid_takes_over_without_a_bump():
     live = xy_loop(TUNINGS["ours.pid_ms_159"], sine(amplitude=5.0, frequency=0.7)).start()
     live.advance(1000)
     expected = live.advance_preview()["output"]
-    after = live.switch(TUNINGS["ours.pid_ms_185"](filter_s=1e-3, b=0.5, c=0.0, max_output=9.0))
+    after = live.switch(TUNINGS["ours.pid_ms_185"](filter_s=1e-3, b=0.5, c=0.0, lower=-9.0, upper=9.0))
     assert after.bumpless
     assert after.advance(1)["output"][0] == pytest.approx(expected, abs=1e-14)
 
@@ -170,7 +170,11 @@ def test_without_integral_action_an_align_starts_from_the_proportional_term():
 @pytest.mark.sweep
 @pytest.mark.parametrize(
     "changes",
-    [{}, {"anti_windup": 2, "filter_s": 1e-3, "max_output": 0.3, "ki": 50.0, "b": 0.3, "c": 0.0}, {"ki": 0.0}],
+    [
+        {},
+        {"anti_windup": 2, "filter_s": 1e-3, "lower": -0.3, "upper": 0.3, "ki": 50.0, "b": 0.3, "c": 0.0},
+        {"ki": 0.0},
+    ],
 )
 def test_all_engines_give_the_same_bits(changes):
     loop = xy_loop(pid(**changes), sine(amplitude=4.0, frequency=3.0))

@@ -2,6 +2,7 @@
 
 from itertools import pairwise
 
+import math
 import numpy as np
 import pytest
 from scipy import signal
@@ -104,13 +105,13 @@ def test_friction_repeats_itself_and_is_learned():
     assert found[1] < 0.5 * found[0]
 
 
-@pytest.mark.parametrize("inner", [ONE, ONE(max_output=1.0)], ids=["", "the same limit inside"])
+@pytest.mark.parametrize("inner", [ONE, ONE(lower=-1.0, upper=1.0)], ids=["", "the same limit inside"])
 def test_what_did_not_act_is_not_learned(inner):
     """Gain one: errors of 0.5 act, of 2.0 they do not; a period later the first are met by the taps, the others not."""
     errors = np.zeros(400)
     errors[100:130], errors[160:190] = 0.5, 2.0
     late = 150
-    block = repetitive(inner, late * PERIOD, cutoff_hz=200.0, lead_s=0.0, strength=0.6, room=300, max_output=1.0)
+    block = repetitive(inner, late * PERIOD, cutoff_hz=200.0, lead_s=0.0, strength=0.6, room=300, lower=-1.0, upper=1.0)
     found = np.array(tried(block, errors, np.zeros(400)))
     taps = low_pass(200.0, PERIOD)
     learned = np.convolve(np.where(errors == 0.5, 0.6 * errors, 0.0), taps)[TAPS : TAPS + 400]
@@ -121,13 +122,13 @@ def test_what_did_not_act_is_not_learned(inner):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("limit", [0.0, 5e-3])
+@pytest.mark.parametrize("limit", [math.inf, 5e-3])
 def test_a_limit_outside_keeps_the_memory_from_winding_up(limit):
     """A motion that needs 60 times the voltage, around a PID with the same limit: what is added to its command."""
-    block = repetitive(TUNED(max_output=5e-3, anti_windup=1), max_output=limit)
+    block = repetitive(TUNED(lower=-5e-3, upper=5e-3, anti_windup=1), lower=-limit, upper=limit)
     run = table_axis(block).run(20.0, record=("output", "controller.added"))
     most = np.abs(run["controller.added"]).max()
-    assert np.abs(run["output"]).max() == 5e-3 and (most < 0.05 if limit else most > 1.0)
+    assert np.abs(run["output"]).max() == 5e-3 and (most > 1.0 if limit == math.inf else most < 0.05)
 
 
 def test_periods_and_cut_offs_that_the_memory_cannot_hold_are_refused():
@@ -150,7 +151,7 @@ def test_the_first_output_after_an_align_is_the_last_one_before():
 
 @pytest.mark.sweep
 def test_all_engines_give_the_same_bits():
-    loop = table_axis(repetitive(TUNED, 0.05 + 1e-4, room=200, max_output=0.05), frequency=20.0)
+    loop = table_axis(repetitive(TUNED, 0.05 + 1e-4, room=200, lower=-0.05, upper=0.05), frequency=20.0)
     record = ("output", "actual", "controller.at", "controller.added")
     fast, plain = (loop.run(0.2, record=record, engine=engine) for engine in ("llvm", "python"))
     assert all(np.array_equal(fast[name], plain[name]) for name in plain.signals)

@@ -129,10 +129,12 @@ def test_with_known_spindle_lines_the_total_error_is_below_100_nm(rpm):
 
 
 def test_at_the_limit_of_the_output_resonators_do_not_grow():
-    block = resonant(SILENT, [2.1], max_output=1e-3)
+    block = resonant(SILENT, [2.1], lower=-1e-3, upper=1e-3)
     t = PERIOD * np.arange(8000)
     outputs = np.array(tried(block, np.sin(2.0 * np.pi * 2.1 * t).tolist(), np.zeros(8000)))
-    free = np.array(tried(block(max_output=0.0), np.sin(2.0 * np.pi * 2.1 * t).tolist(), np.zeros(8000)))
+    free = np.array(
+        tried(block(lower=-math.inf, upper=math.inf), np.sin(2.0 * np.pi * 2.1 * t).tolist(), np.zeros(8000))
+    )
     assert np.abs(outputs).max() == 1e-3 and np.abs(free).max() > 1.5e-3
     assert np.abs(outputs[-500:]).max() < 1.01e-3 and np.ptp(outputs[-1000:]) > 1e-3
 
@@ -168,7 +170,7 @@ def test_a_resonant_controller_takes_over_without_a_bump(block):
 
 @pytest.mark.sweep
 def test_all_engines_give_the_same_bits():
-    loop = table_axis(resonant(PID["ours.pid_ms_159"], max_output=0.02), disturbance=sine_load(amplitude=1e-3))
+    loop = table_axis(resonant(PID["ours.pid_ms_159"], lower=-0.02, upper=0.02), disturbance=sine_load(amplitude=1e-3))
     record = ("output", "actual", "controller")
     fast, plain = (loop.run(0.2, record=record, engine=engine) for engine in ("llvm", "python"))
     assert all(np.array_equal(fast[name], plain[name]) for name in plain.signals)

@@ -156,7 +156,11 @@ def test_a_blow_throws_a_slow_follower_into_a_large_cycle_and_a_fast_one_not():
 
 
 def test_the_other_terms_are_those_of_the_inner_controller():
-    for inner in (pid(kd=0.0, ki=20.0), npid(kd=0.0, max_output=4e-3), npid_after(kd=0.0, ki=20.0, max_output=4e-3)):
+    for inner in (
+        pid(kd=0.0, ki=20.0),
+        npid(kd=0.0, lower=-4e-3, upper=4e-3),
+        npid_after(kd=0.0, ki=20.0, lower=-4e-3, upper=4e-3),
+    ):
         errors = 3e-3 * np.random.default_rng(8).normal(size=300)
         assert outputs(tracking_differentiator(inner), errors, np.zeros(300)) == outputs(inner, errors, np.zeros(300))
 
@@ -169,7 +173,7 @@ def test_the_first_output_after_an_align_is_the_last_one_before(inner):
 
 
 @pytest.mark.sweep
-@pytest.mark.parametrize("inner", [pid(filter_s=1e-3, max_output=0.03), npid_after(max_output=0.03)])
+@pytest.mark.parametrize("inner", [pid(filter_s=1e-3, lower=-0.03, upper=0.03), npid_after(lower=-0.03, upper=0.03)])
 def test_all_engines_give_the_same_bits(inner):
     loop = xy_loop(tracking_differentiator(inner), sine(amplitude=4.0, frequency=3.0))
     record = ("output", "actual", "controller")

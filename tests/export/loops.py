@@ -47,19 +47,21 @@ from tests.fuzzy.systems import mamdani, sugeno
 
 
 def pid():
-    return xy_loop(TUNINGS["ours.pid_ms_159"](max_output=0.03, filter_s=1e-4), sine(amplitude=1.0, frequency=2.0))
+    return xy_loop(
+        TUNINGS["ours.pid_ms_159"](lower=-0.03, upper=0.03, filter_s=1e-4), sine(amplitude=1.0, frequency=2.0)
+    )
 
 
 def npid_of_limited_slope():
-    return xy_loop(LIMITED["ours.npid_slope_159"](max_output=0.03), sine(amplitude=1.0, frequency=2.0))
+    return xy_loop(LIMITED["ours.npid_slope_159"](lower=-0.03, upper=0.03), sine(amplitude=1.0, frequency=2.0))
 
 
 def npid_in_two_paths():
-    return xy_loop(npid_split(max_output=0.03), sine(amplitude=1.0, frequency=2.0))
+    return xy_loop(npid_split(lower=-0.03, upper=0.03), sine(amplitude=1.0, frequency=2.0))
 
 
 def npid_with_the_gain_behind():
-    return xy_loop(npid_after(max_output=0.03, anti_windup=2), sine(amplitude=1.0, frequency=2.0))
+    return xy_loop(npid_after(lower=-0.03, upper=0.03, anti_windup=2), sine(amplitude=1.0, frequency=2.0))
 
 
 def identified_axis():
@@ -74,11 +76,13 @@ def identified_axis():
 
 
 def cascade():
-    return table_axis(cascade_ppi(kpos=150.0, kvp=0.004, kvi=0.6, acceleration_v=1e-5, max_output=0.06), frequency=5.0)
+    return table_axis(
+        cascade_ppi(kpos=150.0, kvp=0.004, kvi=0.6, acceleration_v=1e-5, lower=-0.06, upper=0.06), frequency=5.0
+    )
 
 
 def input_observer():
-    return table_axis(input_dob(TUNINGS["ours.pid_ms_159"], max_output=0.06), frequency=5.0)
+    return table_axis(input_dob(TUNINGS["ours.pid_ms_159"], lower=-0.06, upper=0.06), frequency=5.0)
 
 
 def friction_fed_forward():
@@ -94,7 +98,7 @@ def repeating():
 
 
 def resonant_table():
-    return table_axis(RESONANT["ours.resonant_box"](max_output=0.04), frequency=5.0)
+    return table_axis(RESONANT["ours.resonant_box"](lower=-0.04, upper=0.04), frequency=5.0)
 
 
 def resonant_table_fed_forward():

@@ -21,7 +21,7 @@ OPTIONS = ["none", "clamping", "back-calculation"]
 
 @pytest.fixture(scope="module")
 def core():
-    loop = xy_loop(pid(max_output=5.0, anti_windup="back-calculation"), step(target=1.0))
+    loop = xy_loop(pid(lower=-5.0, upper=5.0, anti_windup="back-calculation"), step(target=1.0))
     return export_controller(loop, 0.05, name="axis", title="axis")[0]
 
 

@@ -29,7 +29,7 @@ def wave(p, t):
 
 
 def pushed(block=wave):
-    return xy_loop(pid(max_output=5.0), step(target=1.0), disturbance=block)
+    return xy_loop(pid(lower=-5.0, upper=5.0), step(target=1.0), disturbance=block)
 
 
 def shapes(block):

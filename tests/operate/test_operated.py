@@ -126,7 +126,7 @@ def test_numbers_that_overflow_put_no_warning_of_numpy_on_the_terminal(machine):
 
 def test_at_the_limit_of_the_output_no_integrator_is_touched(machine):
     operated = machine("pid")
-    operated.set({"controller.max_output": 0.05})
+    operated.set({"controller.lower": -0.05, "controller.upper": 0.05})
     operated.advance(150)
     before = operated.live.values()["controller.integral"]
     assert abs(column(operated, operated.advance(1)[0], "output")[0]) == 0.05

@@ -17,8 +17,9 @@ may have resonators of its own; gains are worked out with those in place, and li
 ``strength`` (in rad/s). A speed outside ``within`` is not followed; a steady drift of 0.2 % a second is, a swing of 2 %
 in 10 s only in part.
 
-``max_output`` limits the sum; at the limit the lines turn but do not grow, and the speed goes on as its drift says. It
-belongs on the outermost block: of a limit inside, the lines know nothing. With ``teeth = 1`` there is one line.
+``lower`` and ``upper`` limit the sum; at the limit the lines turn but do not grow, and the speed goes on as its drift
+says. It belongs on the outermost block: of a limit inside, the lines know nothing. With ``teeth = 1`` there is one
+line.
 
 The problem is that of R. Marino, G. L. Santosuosso, P. Tomei, *Robust adaptive compensation of biased sinusoidal
 disturbances with unknown frequency*, Automatica 39 (10), 2003; this simple form, normalised by ``abs(z)^2``, is ours.
@@ -34,7 +35,7 @@ from typing import Annotated, Any, NamedTuple, cast
 import numpy as np
 
 from leadscrew.controllers._inverse_feed_forward import inverse_feed_forward
-from leadscrew.controllers._parallel import MaxOutput
+from leadscrew.controllers._parallel import Lower, Upper, ordered
 from leadscrew.controllers._pid import TUNINGS as PID
 from leadscrew.controllers._resonant import Strength, Teeth, disturbance_response, resonant
 from leadscrew.controllers._response import TABLE, TableModel
@@ -107,7 +108,8 @@ def adaptive_resonant(
     within: float = 0.03,
     floor_mv: float = 0.1,
     model: TableModel = TABLE,
-    max_output: float = 0.0,
+    lower: float = -math.inf,
+    upper: float = math.inf,
     name: str = "",
 ) -> Block:
     """The controller ``inner`` with adaptive resonators; its parameters are those of ``inner`` below ``inner.``.
@@ -120,16 +122,17 @@ def adaptive_resonant(
     align_law: Any = part.align
     own: list[Any] = [
         ("spindle_hz", Nominal), ("teeth", Teeth), ("strength", Strength), ("rate", Rate), ("within", Within),
-        ("floor_mv", Floor), ("model", TableModel), ("max_output", MaxOutput),
+        ("floor_mv", Floor), ("model", TableModel), ("lower", Lower), ("upper", Upper),
     ]  # fmt: skip
     params_type = cast(Any, NamedTuple("AdaptiveParams", [("inner", type(inner.params)), *own]))
     state_type = cast(Any, NamedTuple("AdaptiveOuter", [("inner", type(inner.state)), ("spindle", AdaptiveState)]))
 
     def prepare(params: Any, dt: float) -> Any:
+        ordered(params, dt)
         ready = params.inner if before is None else before(params.inner, dt)
         plan: list[Any] = [("inner", type(ready)), ("first", LineEntry), ("tooth", LineEntry), ("speed", float),
                            ("most", float), ("rate", float), ("drift_rate", float), ("floor", float),
-                           ("max_output", float)]  # fmt: skip
+                           ("lower", float), ("upper", float)]  # fmt: skip
         plan_type = cast(Any, NamedTuple("AdaptivePlan", plan))
         orders = np.array([1.0, float(params.teeth)])
         highest = float(params.teeth) * params.spindle_hz * (1.0 + params.within)
@@ -144,7 +147,7 @@ def adaptive_resonant(
         lines = [LineEntry(n, e.real, e.imag) for n, e in zip(orders.tolist(), enter.tolist(), strict=True)]
         return plan_type(
             ready, lines[0], lines[1], w, params.within * w, params.rate, 0.25 * params.rate**2,
-            (1e-3 * params.floor_mv) ** 2, params.max_output,
+            (1e-3 * params.floor_mv) ** 2, params.lower, params.upper,
         )  # fmt: skip
 
     def align(params, command, feedback, output):
@@ -162,7 +165,7 @@ def adaptive_resonant(
         z1, i1 = turned(p.first, o.first, w, dt, error)
         z2, i2 = turned(p.tooth, o.tooth, w, dt, error)
         total = u + entered(z1, i1).re + entered(z2, i2).re
-        output = min(max(total, -p.max_output), p.max_output) if p.max_output > 0.0 else total
+        output = min(max(total, p.lower), p.upper)
         acts = 1.0 if total == output else 0.0
         i1, i2 = scaled(i1, acts), scaled(i2, acts)
         first, tooth = entered(z1, i1), entered(z2, i2)
@@ -180,7 +183,7 @@ def adaptive_resonant(
 
     return same_kind(
         following, part,
-        params_type(inner.params, spindle_hz, teeth, strength, rate, within, floor_mv, model, max_output),
+        params_type(inner.params, spindle_hz, teeth, strength, rate, within, floor_mv, model, lower, upper),
         state_type(inner.state, AdaptiveState()), "Resonators follow the spindle's speed.", prepare=prepare,
         align=None if align_law is None else align, name=name or f"{inner.name}_adaptive",
     )  # fmt: skip

@@ -12,11 +12,12 @@ log tells (:mod:`leadscrew.identify.axis.fit`), divided by the force of a unit o
 commanded speed, so it is no feedback; ``tanh`` spreads its leap over the speeds below ``smooth``. ``ahead_s``: dead
 time and half a period, because the output is held.
 
-The command is a :class:`~leadscrew.references.Motion`. Units: those of the position shown (``mm``, say) and of
-the drive (V, A, N). With ``velocity_share = 1``, no lag and ``model_share = 0`` it is the PID of
-:obj:`leadscrew.controllers.cascade_ppi`. At ``max_output`` the integral waits (clamping). Bumpless start: the integral
-is preset. Structure: G. Ellis, *Control System Design Guide*, 4th ed., 2012, chapters 12 and 16; the gains that a
-machine file gets are of :mod:`leadscrew.machine.gains`. Default numbers: the EMPS axis, with the gains of its log.
+The command is a :class:`~leadscrew.references.Motion`. Units: those of the position shown (``mm``, say) and of the
+drive (V, A, N). With ``velocity_share = 1``, no lag and ``model_share = 0`` it is the PID of
+:obj:`leadscrew.controllers.cascade_ppi`. At ``lower`` and ``upper`` the integral waits (clamping). Bumpless start: the
+integral is preset. Structure: G. Ellis, *Control System Design Guide*, 4th ed., 2012, chapters 12 and 16; the gains
+that a machine file gets are of :mod:`leadscrew.machine.gains`. Default numbers: the EMPS axis, with the gains of its
+log.
 """
 
 from __future__ import annotations
@@ -25,6 +26,7 @@ import math
 from typing import Annotated, NamedTuple
 
 from leadscrew.controllers._look_ahead import advanced
+from leadscrew.controllers._parallel import Lower, Upper, ordered
 from leadscrew.kernel.block import controller
 from leadscrew.kernel.parameters import Doc, Ge, Gt, Le, Unit
 
@@ -52,7 +54,8 @@ class AxisCascadeParams(NamedTuple):
     model_share: Annotated[float, Ge(0), Le(2), Doc("share of the model's drive that is added")] = 0.0
     filter_s: Annotated[float, Unit("s"), Ge(0), Doc("lag of the speed, by backward Euler; 0 for none")] = 0.0
     ahead_s: Annotated[float, Unit("s"), Ge(0), Le(0.1), Doc("how far ahead the command is read")] = 5e-4
-    max_output: Annotated[float, Unit("drive"), Ge(0), Doc("largest size of the output; 0 for no limit")] = 10.0
+    lower: Lower = -math.inf
+    upper: Upper = math.inf
     model: AxisModel = AxisModel()
 
 
@@ -82,7 +85,7 @@ def align(params, command, feedback, output):
     return AxisCascadeState(integral, command.position, feedback, 0.0, 2.0)
 
 
-@controller(AxisCascadeParams, AxisCascadeState, align=align, full_scale=10.0)
+@controller(AxisCascadeParams, AxisCascadeState, prepare=ordered, align=align, full_scale=10.0)
 def axis_cascade(p, s, command, feedback, dt):
     """Position loop P around a speed loop PI, with feed-forward of an identified axis; in units of its drive."""
     going = 1.0 if s.fresh == 0.0 else 0.0
@@ -93,7 +96,7 @@ def axis_cascade(p, s, command, feedback, dt):
     integral = s.integral + change
     speed = (p.filter_s * s.speed + moved) / (p.filter_s + dt)
     raw = p.kvp * (position + speed) + p.kvi * integral + model_drive(p, command)
-    output = min(max(raw, -p.max_output), p.max_output) if p.max_output > 0.0 else raw
+    output = min(max(raw, p.lower), p.upper)
     outwards = (raw - output) * change > 0.0
     kept = s.integral if outwards else integral
     slow = speed if abs(speed) > TINY else 0.0

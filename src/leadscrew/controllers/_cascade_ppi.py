@@ -16,7 +16,7 @@ roots of ``kvp kpos^2 - Kp kpos + Ki = 0``, and the one with the fast position l
 is no cascade. Without velocity feed-forward (``velocity_share = 0``) a ramp of speed ``v`` lags by ``v / kpos``,
 whatever the integral does; stability and what the loop does to a disturbance stay the same.
 
-At the limit ``max_output`` the integral waits (clamping). As in the PID, command and feedback count as zero before the
+At ``lower`` and ``upper`` the integral waits (clamping). As in the PID, command and feedback count as zero before the
 first period. Bumpless start: the integral is preset. Gains: Table I of Abdullah et al. (XY table, NPID) as a cascade.
 """
 
@@ -26,7 +26,7 @@ import math
 from typing import Annotated, NamedTuple
 
 from leadscrew.controllers._inverse_feed_forward import inverse_feed_forward
-from leadscrew.controllers._parallel import MaxOutput
+from leadscrew.controllers._parallel import Lower, Upper, ordered
 from leadscrew.controllers._pid import PIDParams, pid
 from leadscrew.kernel.block import Block, controller
 from leadscrew.kernel.parameters import Doc, Ge, Le, Unit
@@ -41,7 +41,8 @@ class CascadeParams(NamedTuple):
     kvi: Annotated[float, Unit("V/mm"), Ge(0), Doc("voltage per integral of the speed error")] = 4.2531388e-6
     velocity_share: Annotated[float, Ge(0), Le(2), Doc("share of the commanded speed; 1 makes it a PID")] = 1.0
     acceleration_v: Annotated[float, Unit("V s^2/mm"), Ge(0), Doc("voltage per commanded acceleration")] = 0.0
-    max_output: MaxOutput = 0.0
+    lower: Lower = -math.inf
+    upper: Upper = math.inf
 
 
 class CascadeState(NamedTuple):
@@ -60,14 +61,14 @@ def align(params, command, feedback, output):
     return CascadeState(integral, command.position, feedback, 1.0)
 
 
-@controller(CascadeParams, CascadeState, align=align, unit="V", drive="voltage", full_scale=10.0)
+@controller(CascadeParams, CascadeState, prepare=ordered, align=align, unit="V", drive="voltage", full_scale=10.0)
 def cascade_ppi(p, s, command, feedback, dt):
     """Position loop P around a speed loop PI, with feed-forward of speed and acceleration; a voltage."""
     position = p.kpos * (command.position - feedback)
     moved = p.velocity_share * (command.position - s.command) - (feedback - s.feedback)
     integral = s.integral + (1.0 - s.aligned) * (position * dt + moved)
     raw = p.kvp * (position + moved / dt) + p.kvi * integral + p.acceleration_v * command.acceleration
-    output = min(max(raw, -p.max_output), p.max_output) if p.max_output > 0.0 else raw
+    output = min(max(raw, p.lower), p.upper)
     outwards = (raw - output) * (position * dt + moved) > 0.0
     return CascadeState(s.integral if outwards else integral, command.position, feedback, 0.0), output
 
@@ -84,7 +85,7 @@ def as_pid(cascade: Block) -> Block:
             f"velocity_share = {p.velocity_share!r}, acceleration_v = {p.acceleration_v!r} (cascade_ppi): it is a PID "
             "with 1 and 0 only"
         )
-    return pid(kp=p.kvp * p.kpos + p.kvi, ki=p.kvi * p.kpos, kd=p.kvp, max_output=p.max_output)
+    return pid(kp=p.kvp * p.kpos + p.kvi, ki=p.kvi * p.kpos, kd=p.kvp, lower=p.lower, upper=p.upper)
 
 
 def of_pid(block: Block) -> Block:
@@ -102,7 +103,7 @@ def of_pid(block: Block) -> Block:
             f"kp = {p.kp!r}, ki = {p.ki!r}, kd = {p.kd!r} (pid): a cascade needs kd > 0 and kp^2 >= 4 kd ki, real zeros"
         )
     kpos = 0.5 * (p.kp + math.sqrt(under)) / p.kd
-    return cascade_ppi(kpos=kpos, kvp=p.kd, kvi=p.ki / kpos, max_output=p.max_output)
+    return cascade_ppi(kpos=kpos, kvp=p.kd, kvi=p.ki / kpos, lower=p.lower, upper=p.upper)
 
 
 TUNINGS: dict[str, Block] = {

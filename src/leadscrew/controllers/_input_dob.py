@@ -16,15 +16,16 @@ Gain and phase of ``d`` enter the loop's stability: look at the peak of sensitiv
 equation (1) of Abdullah et al. (XY table, NPID); the observer is not the paper's. Structure: K. Ohnishi, M. Shibata,
 T. Murakami, *Motion control for advanced mechatronics*, IEEE/ASME Trans. Mechatronics 1 (1), 1996.
 
-``max_output`` limits the sum, and the observer is told the limited one, so nothing winds up. Bumpless start: from rest
-with a voltage that holds the axis where it is.
+``lower`` and ``upper`` limit the sum, and the observer is told the limited one, so nothing winds up. Bumpless start:
+from rest with a voltage that holds the axis where it is.
 """
 
 from __future__ import annotations
 
+import math
 from typing import Annotated, Any, NamedTuple, cast
 
-from leadscrew.controllers._parallel import MaxOutput
+from leadscrew.controllers._parallel import Lower, Upper, ordered
 from leadscrew.controllers._pid import pid
 from leadscrew.controllers._response import TABLE, TableModel
 from leadscrew.controllers._wrapping import same_kind, wrapped
@@ -107,7 +108,12 @@ def flushed(x):
 
 @entry_point
 def input_dob(
-    inner: Block, bandwidth: float = 100.0, model: TableModel = TABLE, max_output: float = 0.0, name: str = ""
+    inner: Block,
+    bandwidth: float = 100.0,
+    model: TableModel = TABLE,
+    lower: float = -math.inf,
+    upper: float = math.inf,
+    name: str = "",
 ) -> Block:
     """The controller ``inner`` with a disturbance observer; its parameters are those of ``inner`` below ``inner.``.
 
@@ -119,22 +125,23 @@ def input_dob(
     part = wrapped(inner, "input_dob")
     law, before = part.law, inner.prepare
     align_law: Any = part.align
-    own: list[Any] = [("bandwidth", Bandwidth), ("model", TableModel), ("max_output", MaxOutput)]
+    own: list[Any] = [("bandwidth", Bandwidth), ("model", TableModel), ("lower", Lower), ("upper", Upper)]
     params_type = cast(Any, NamedTuple("InputDobParams", [("inner", type(inner.params)), *own]))
     fields: list[Any] = [("inner", type(inner.state)), ("observer", ObserverState)]
     state_type = cast(Any, NamedTuple("InputDobState", fields))
 
     def prepare(params: Any, dt: float) -> Any:
+        ordered(params, dt)
         ready = params.inner if before is None else before(params.inner, dt)
         plan: list[Any] = [("inner", type(ready)), ("inverse", Second), ("filter", Second), ("weights", Weights),
-                           ("held_per_mm", float), ("max_output", float)]  # fmt: skip
+                           ("held_per_mm", float), ("lower", float), ("upper", float)]  # fmt: skip
         plan_type = cast(Any, NamedTuple("InputDobPlan", plan))
         m, w = params.model, params.bandwidth
         k = w * w / m.gain
         inverse = tustin((k, k * m.damping, k * m.stiffness), w, dt)
         weights = delay_weights(m.dead_time_s / dt + 0.5)
         return plan_type(
-            ready, inverse, tustin((0.0, 0.0, w * w), w, dt), weights, m.stiffness / m.gain, params.max_output
+            ready, inverse, tustin((0.0, 0.0, w * w), w, dt), weights, m.stiffness / m.gain, params.lower, params.upper
         )
 
     def align(params, command, feedback, output):
@@ -156,7 +163,7 @@ def input_dob(
         given = g.b0 * delayed + o.u1
         d = needed - given
         raw = u - d
-        output = min(max(raw, -p.max_output), p.max_output) if p.max_output > 0.0 else raw
+        output = min(max(raw, p.lower), p.upper)
         observer = ObserverState(
             flushed(f.b1 * feedback - f.a1 * needed + o.y2), flushed(f.b2 * feedback - f.a2 * needed),
             flushed(g.b1 * delayed - g.a1 * given + o.u2), flushed(g.b2 * delayed - g.a2 * given),
@@ -165,7 +172,7 @@ def input_dob(
         return state_type(after, observer), output
 
     return same_kind(
-        observed, part, params_type(inner.params, bandwidth, model, max_output),
+        observed, part, params_type(inner.params, bandwidth, model, lower, upper),
         state_type(inner.state, ObserverState()), "A disturbance observer corrects its output.", prepare=prepare,
         align=None if align_law is None else align, name=name or f"{inner.name}_dob",
     )  # fmt: skip

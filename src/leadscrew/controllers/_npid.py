@@ -36,12 +36,14 @@ from leadscrew.controllers._parallel import (
     Kd,
     Ki,
     Kp,
-    MaxOutput,
+    Lower,
     PIDState,
     Terms,
     Tracking,
+    Upper,
     aligned,
     gains,
+    ordered,
     parallel,
 )
 from leadscrew.kernel.block import Block, controller
@@ -64,7 +66,8 @@ class NPIDParams(NamedTuple):
     ] = 1000.0
     clip_error: Annotated[bool, Doc("clip the error itself at e_max, not only inside the gain")] = False
     filter_s: Filter = 0.0
-    max_output: MaxOutput = 0.0
+    lower: Lower = -math.inf
+    upper: Upper = math.inf
     anti_windup: AntiWindup = 1
     tracking_s: Tracking = 0.1
 
@@ -105,7 +108,7 @@ def align(params, command, feedback, output):
     return aligned(gains(params), scaled, scaled, output)
 
 
-@controller(NPIDParams, PIDState, align=align, unit="V", drive="voltage", full_scale=10.0)
+@controller(NPIDParams, PIDState, prepare=ordered, align=align, unit="V", drive="voltage", full_scale=10.0)
 def npid(p, s, command, feedback, dt):
     """Nonlinear PID of the XY table: a gain that grows with the error, in front of a PID; a voltage."""
     scaled = scaled_error(p, command - feedback)

@@ -9,7 +9,7 @@ sees the slope ``K + e dK/de``, up to 5.546 times the gain of the PID with Table
 2.352. The proportional part is the same in both places. The integral here is that of the error itself: a load that is
 held by the integral is held by ``K`` times it, so the output moves with the error even where the integral stands still.
 
-A limit is one of the voltage: ``|u| <= max_output``. Gains, filter, anti-windup, all in front of ``K``:
+The limits are those of the voltage: ``lower <= u <= upper``. Gains, filter, anti-windup, all in front of ``K``:
 :mod:`leadscrew.controllers._parallel`. A positive output moves the axis in the positive direction. Bumpless start: as
 :obj:`leadscrew.controllers.pid`.
 """
@@ -26,12 +26,14 @@ from leadscrew.controllers._parallel import (
     Kd,
     Ki,
     Kp,
-    MaxOutput,
+    Lower,
     PIDState,
     Terms,
     Tracking,
+    Upper,
     aligned,
     gains,
+    ordered,
     parallel,
 )
 from leadscrew.kernel.block import Block, controller
@@ -50,7 +52,8 @@ class NPIDAfterParams(NamedTuple):
         float, Unit("error unit/mm"), Gt(0), Doc("unit of the error inside the gain: 1000 for um, 1 for mm")
     ] = 1000.0
     filter_s: Filter = 0.0
-    max_output: MaxOutput = 0.0
+    lower: Lower = -math.inf
+    upper: Upper = math.inf
     anti_windup: AntiWindup = 1
     tracking_s: Tracking = 0.1
 
@@ -84,12 +87,12 @@ def align(params, command, feedback, output):
     return aligned(gains(params), error, error, output / gain(params, error))
 
 
-@controller(NPIDAfterParams, PIDState, align=align, unit="V", drive="voltage", full_scale=10.0)
+@controller(NPIDAfterParams, PIDState, prepare=ordered, align=align, unit="V", drive="voltage", full_scale=10.0)
 def npid_after(p, s, command, feedback, dt):
     """Nonlinear PID with the gain behind the PID; a voltage."""
     error = command - feedback
     factor = gain(p, error)
-    g = Gains(p.kp, p.ki, p.kd, p.filter_s, p.max_output / factor, p.anti_windup, p.tracking_s)
+    g = Gains(p.kp, p.ki, p.kd, p.filter_s, p.lower / factor, p.upper / factor, p.anti_windup, p.tracking_s)
     after, output = parallel(g, s, error, error, error, dt)
     return after, factor * output
 

@@ -25,12 +25,14 @@ from leadscrew.controllers._parallel import (
     Kd,
     Ki,
     Kp,
-    MaxOutput,
+    Lower,
     PIDState,
     Terms,
     Tracking,
+    Upper,
     aligned,
     gains,
+    ordered,
     parallel,
 )
 from leadscrew.kernel.block import Block, controller
@@ -48,7 +50,8 @@ class NPIDSlopeParams(NamedTuple):
     k: Annotated[float, Ge(1), Doc("gain for large errors, and the largest slope of the curve")] = 2.2
     es_um: Annotated[float, Unit("um"), Gt(0), Doc("error at which the slope is half-way from 1 to k")] = 0.5
     filter_s: Filter = 0.0
-    max_output: MaxOutput = 0.0
+    lower: Lower = -math.inf
+    upper: Upper = math.inf
     anti_windup: AntiWindup = 1
     tracking_s: Tracking = 0.1
 
@@ -78,7 +81,7 @@ def align(params, command, feedback, output):
     return aligned(gains(params), scaled, scaled, output)
 
 
-@controller(NPIDSlopeParams, PIDState, align=align, unit="V", drive="voltage", full_scale=10.0)
+@controller(NPIDSlopeParams, PIDState, prepare=ordered, align=align, unit="V", drive="voltage", full_scale=10.0)
 def npid_slope(p, s, command, feedback, dt):
     """Slope-limited nonlinear PID: a curve of limited slope in front of a PID; a voltage."""
     scaled = curve(p, command - feedback)

@@ -14,7 +14,7 @@ differ in their filters too, and that is what a loop needs that is to be firm wi
 The law is ours. With the quiet loop closed, the firm path is a Lur'e system around ``large``, whose slope lies in
 [0, 1]: :mod:`leadscrew.studies.npid_xytable.split_law` proves it under every load and command.
 
-``max_output`` limits the output, 0 does not; the integral of both stands while the output is at its limit and would be
+``lower`` and ``upper`` limit the output; the integral of both stands while the output is at its limit and would be
 driven further out. A positive output moves the axis in the positive direction. Bumpless start: the integral is preset
 so that the next output is the last one.
 """
@@ -24,7 +24,7 @@ from __future__ import annotations
 import math
 from typing import Annotated, NamedTuple
 
-from leadscrew.controllers._parallel import TINY, Filter, Kd, Ki, Kp, MaxOutput
+from leadscrew.controllers._parallel import TINY, Filter, Kd, Ki, Kp, Lower, Upper, ordered
 from leadscrew.kernel.block import Block, controller
 from leadscrew.kernel.parameters import Doc, Gt, Unit
 
@@ -46,7 +46,8 @@ class NPIDSplitParams(NamedTuple):
     quiet: Path = Path(0.358, 42.5, 0.0022, 0.00205)
     firm: Path = Path(0.85, 145.0, 0.0048, 0.000178)
     es_um: Annotated[float, Unit("um"), Gt(0), Doc("error that is shared evenly, as its slope counts")] = 0.722
-    max_output: MaxOutput = 0.0
+    lower: Lower = -math.inf
+    upper: Upper = math.inf
 
 
 class NPIDSplitState(NamedTuple):
@@ -79,7 +80,7 @@ def paths(p, s, small, large, dt):
     quiet = lagged(p.quiet, s.quiet_slope, small - s.small, dt)
     firm = lagged(p.firm, s.firm_slope, large - s.large, dt)
     raw = p.quiet.kp * small + p.firm.kp * large + integral + quiet + firm
-    output = min(max(raw, -p.max_output), p.max_output) if p.max_output > 0.0 else raw
+    output = min(max(raw, p.lower), p.upper)
     kept = s.integral if (raw - output) * growth > 0.0 else integral
     return NPIDSplitState(kept, small, large, quiet, firm, 0.0), output
 
@@ -93,7 +94,7 @@ def align(params, command, feedback, output):
     return NPIDSplitState(integral, small, large, 0.0, 0.0, 1.0)
 
 
-@controller(NPIDSplitParams, NPIDSplitState, align=align, unit="V", drive="voltage", full_scale=10.0)
+@controller(NPIDSplitParams, NPIDSplitState, prepare=ordered, align=align, unit="V", drive="voltage", full_scale=10.0)
 def npid_split(p, s, command, feedback, dt):
     """Nonlinear PID in two paths: small errors to a quiet PID, what is beyond to a firm one; a voltage."""
     error = command - feedback

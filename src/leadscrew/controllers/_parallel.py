@@ -5,7 +5,7 @@ In the order in which it happens, with ``x_p``, ``x_i``, ``x_d`` what the three 
 1. ``integral = integral + x_i dt``                              backward rectangle; waits in the period after an align
 2. ``slope = (filter_s slope + kd (x_d - x_d_last)) / (filter_s + dt)``    backward difference, backward-Euler lag
 3. ``raw = kp x_p + ki integral + slope``
-4. ``output = clip(raw, -max_output, max_output)``               not clipped where ``max_output`` is 0
+4. ``output = min(max(raw, lower), upper)``
 5. ``anti_windup`` ``clamping`` (conditional integration): the integral stays as it was while ``raw`` lies outside the
    limit and ``x_i`` drives it further out.
    ``back-calculation``: ``integral += dt / max(tracking_s, dt) (output - raw) / ki``, which brings
@@ -21,9 +21,10 @@ A controller that ends in this law has in its module a function ``terms(params, 
 
 from __future__ import annotations
 
-from typing import Annotated, Literal, NamedTuple
+from typing import Annotated, Any, Literal, NamedTuple
 
 from leadscrew.kernel.parameters import Doc, Ge, Unit
+from leadscrew.util.errors import ValueRefused
 
 TINY = 1e-30
 """Below this a filtered derivative is remembered as 0: its tail would end in denormal numbers, which are slow."""
@@ -32,7 +33,8 @@ Kp = Annotated[float, Unit("V/mm"), Ge(0), Doc("proportional gain, Table I")]
 Ki = Annotated[float, Unit("V/(mm s)"), Ge(0), Doc("integral gain, Table I")]
 Kd = Annotated[float, Unit("V s/mm"), Ge(0), Doc("derivative gain, Table I")]
 Filter = Annotated[float, Unit("s"), Ge(0), Doc("lag of the derivative, by backward Euler; 0 for none")]
-MaxOutput = Annotated[float, Unit("V"), Ge(0), Doc("largest size of the output; 0 for no limit")]
+Lower = Annotated[float, Doc("lowest output; -inf for no limit")]
+Upper = Annotated[float, Doc("highest output; inf for no limit")]
 AntiWindup = Annotated[
     Literal["none", "clamping", "back-calculation"] | int, Doc("of the integral, at the limit of output")
 ]
@@ -46,7 +48,8 @@ class Gains(NamedTuple):
     ki: float
     kd: float
     filter_s: float
-    max_output: float
+    lower: float
+    upper: float
     anti_windup: int
     tracking_s: float
 
@@ -69,9 +72,22 @@ class PIDState(NamedTuple):
     aligned: Annotated[float, Doc("1 in the first period after a bumpless start, else 0")] = 0.0
 
 
+def ordered(params: Any, dt: float) -> Any:
+    """The parameters as they are.
+
+    Raises:
+        ValueRefused: ``lower`` lies above ``upper``.
+    """
+    if params.lower > params.upper:
+        raise ValueRefused(
+            f"lower = {params.lower!r} ({type(params).__name__}): must not lie above upper = {params.upper!r}"
+        )
+    return params
+
+
 def gains(p):
     """The gains among the parameters of a controller."""
-    return Gains(p.kp, p.ki, p.kd, p.filter_s, p.max_output, p.anti_windup, p.tracking_s)
+    return Gains(p.kp, p.ki, p.kd, p.filter_s, p.lower, p.upper, p.anti_windup, p.tracking_s)
 
 
 def parallel(g, s, proportional, integrated, differentiated, dt):
@@ -84,7 +100,7 @@ def from_change(g, s, proportional, integrated, differentiated, change, dt):
     integral = s.integral + (1.0 - s.aligned) * integrated * dt
     slope = (g.filter_s * s.slope + g.kd * change) / (g.filter_s + dt)
     raw = g.kp * proportional + g.ki * integral + slope
-    output = min(max(raw, -g.max_output), g.max_output) if g.max_output > 0.0 else raw
+    output = min(max(raw, g.lower), g.upper)
     outwards = (raw - output) * integrated > 0.0
     share = dt / max(g.tracking_s, dt)
     brought_back = integral + share * (output - raw) / g.ki if g.ki > 0.0 else integral

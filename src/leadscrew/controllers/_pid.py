@@ -9,7 +9,7 @@ filter and no limit, the defaults, make it the plain law
 
 ``c = 0`` differentiates the measurement alone, ``b < 1`` softens steps of the command. The order of computation, the
 limit and both anti-windup rules: :mod:`leadscrew.controllers._parallel`. A positive output moves the axis in the
-positive direction. If the drive saturates, say so in ``max_output``: the controller does not see the actuator.
+positive direction. If the drive saturates, say so in ``lower`` and ``upper``: the controller does not see the actuator.
 
 Gains: Table I of Abdullah et al. (XY table, NPID), with Ki / Kp = 1/1600 s: nearly a PD. Better ones: :data:`TUNINGS`.
 
@@ -19,6 +19,7 @@ the output starts from the proportional term; with very little, it takes as long
 
 from __future__ import annotations
 
+import math
 from typing import Annotated, NamedTuple
 
 from leadscrew.controllers._parallel import (
@@ -27,12 +28,14 @@ from leadscrew.controllers._parallel import (
     Kd,
     Ki,
     Kp,
-    MaxOutput,
+    Lower,
     PIDState,
     Terms,
     Tracking,
+    Upper,
     aligned,
     gains,
+    ordered,
     parallel,
 )
 from leadscrew.kernel.block import Block, controller
@@ -48,7 +51,8 @@ class PIDParams(NamedTuple):
     b: Annotated[float, Ge(0), Le(2), Doc("weight of the command in the proportional term")] = 1.0
     c: Annotated[float, Ge(0), Le(2), Doc("weight of the command in the derivative; 0 for the measurement alone")] = 1.0
     filter_s: Filter = 0.0
-    max_output: MaxOutput = 0.0
+    lower: Lower = -math.inf
+    upper: Upper = math.inf
     anti_windup: AntiWindup = 1
     tracking_s: Tracking = 0.1
 
@@ -64,7 +68,7 @@ def align(params, command, feedback, output):
     return aligned(gains(params), t.proportional, t.differentiated, output)
 
 
-@controller(PIDParams, PIDState, align=align, unit="V", drive="voltage", full_scale=10.0)
+@controller(PIDParams, PIDState, prepare=ordered, align=align, unit="V", drive="voltage", full_scale=10.0)
 def pid(p, s, command, feedback, dt):
     """Parallel PID with weights of the command, a filtered derivative, a limit and anti-windup; a voltage."""
     t = terms(p, command, feedback)

@@ -18,8 +18,9 @@ and synthesis of discrete-time repetitive controllers*, ASME J. Dynamic Systems 
 The price: between the multiples of ``1 / period_s`` errors grow, up to twofold, and it takes some periods to learn. A
 line that is no multiple (a spindle's) stays.
 
-``max_output`` limits the output; while it is at the limit, its own or the same one of the inner controller, the error
-is not learned, and what is remembered fades by ``q``. Bumpless start as the inner controller's, with an empty memory.
+``lower`` and ``upper`` limit the output; while it is at the limit, its own or the same one of the inner controller, the
+error is not learned, and what is remembered fades by ``q``. Bumpless start as the inner controller's, with an empty
+memory.
 """
 
 from __future__ import annotations
@@ -30,7 +31,7 @@ from typing import Annotated, Any, NamedTuple, cast
 import numpy as np
 
 from leadscrew.controllers._inverse_feed_forward import inverse_feed_forward
-from leadscrew.controllers._parallel import MaxOutput
+from leadscrew.controllers._parallel import Lower, Upper, ordered
 from leadscrew.controllers._pid import TUNINGS as PID
 from leadscrew.controllers._response import TABLE, TableModel, law_response, table_response
 from leadscrew.controllers._wrapping import same_kind, wrapped
@@ -72,7 +73,8 @@ def repetitive(
     lead_s: float = 2e-3,
     strength: float = 0.7,
     room: int = 4096,
-    max_output: float = 0.0,
+    lower: float = -math.inf,
+    upper: float = math.inf,
     name: str = "",
 ) -> Block:
     """The controller ``inner`` with repetitive control; its parameters are those of ``inner`` below ``inner.``.
@@ -89,16 +91,17 @@ def repetitive(
     law, before, place = part.law, inner.prepare, part.place
     align_law: Any = part.align
     own: list[Any] = [("period_s", PeriodS), ("cutoff_hz", CutoffHz), ("lead_s", LeadS), ("strength", Share),
-                      ("max_output", MaxOutput)]  # fmt: skip
+                      ("lower", Lower), ("upper", Upper)]  # fmt: skip
     params_type = cast(Any, NamedTuple("RepetitiveParams", [("inner", type(inner.params)), *own]))
     fields: list[Any] = [("inner", type(inner.state)), ("memory", np.ndarray), ("at", int), ("added", float)]
     state_type = cast(Any, NamedTuple("RepetitiveState", fields))
     rest = state_type(inner.state, np.zeros(room), 0, 0.0)
 
     def prepare(params: Any, dt: float) -> Any:
+        ordered(params, dt)
         ready = params.inner if before is None else before(params.inner, dt)
         plan: list[Any] = [("inner", type(ready)), ("taps", np.ndarray), ("back", int), ("strength", float),
-                           ("lead", int), ("max_output", float), ("still", np.ndarray)]  # fmt: skip
+                           ("lead", int), ("lower", float), ("upper", float), ("still", np.ndarray)]  # fmt: skip
         plan_type = cast(Any, NamedTuple("RepetitivePlan", plan))
         late = params.period_s / dt
         near = round(late)
@@ -110,7 +113,7 @@ def repetitive(
             )
         taps = low_pass(params.cutoff_hz, dt, near - late)  # tap i is near + TAPS - i samples old
         return plan_type(
-            ready, taps, near, params.strength, round(params.lead_s / dt), params.max_output, np.zeros(room)
+            ready, taps, near, params.strength, round(params.lead_s / dt), params.lower, params.upper, np.zeros(room)
         )
 
     def align(params, command, feedback, output):
@@ -128,8 +131,8 @@ def repetitive(
             added = added + p.taps[i] * s.memory[k - n if k >= n else k]
         error = place(command) - feedback
         after, u = law(p.inner, s.inner, command, feedback - added, dt)
-        output = min(max(u, -p.max_output), p.max_output) if p.max_output > 0.0 else u
-        acts = abs(u) < p.max_output if p.max_output > 0.0 else True
+        output = min(max(u, p.lower), p.upper)
+        acts = u > p.lower and u < p.upper
         learned = error if acts else 0.0
         s.memory[s.at] = added if abs(added) > TINY else 0.0
         ahead = s.at - p.lead if s.at >= p.lead else s.at - p.lead + n
@@ -137,7 +140,7 @@ def repetitive(
         return state_type(after, s.memory, s.at + 1 if s.at + 1 < n else 0, added), output
 
     return same_kind(
-        remembering, part, params_type(inner.params, period_s, cutoff_hz, lead_s, strength, max_output), rest,
+        remembering, part, params_type(inner.params, period_s, cutoff_hz, lead_s, strength, lower, upper), rest,
         "A memory of one period corrects its command.", prepare=prepare, align=None if align_law is None else align,
         name=name or f"{inner.name}_repetitive",
     )  # fmt: skip

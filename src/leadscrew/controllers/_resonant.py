@@ -22,8 +22,9 @@ at ``teeth`` times it. A line above half the sampling frequency is refused. Freq
 off by ``d`` rad/s keeps the share ``|d| / sqrt(d^2 + (strength/2)^2)`` of itself. Where they are not known:
 :obj:`leadscrew.controllers.adaptive_resonant`.
 
-``max_output`` limits the sum; at the limit the resonators turn but do not grow. It belongs on the outermost block: of a
-limit inside, the resonators know nothing. Bumpless start as the inner controller's, with resonators at rest.
+``lower`` and ``upper`` limit the sum; at the limit the resonators turn but do not grow. It belongs on the outermost
+block: of a limit inside, the resonators know nothing. Bumpless start as the inner controller's, with resonators at
+rest.
 """
 
 from __future__ import annotations
@@ -34,7 +35,7 @@ from typing import Annotated, Any, NamedTuple, cast
 import numpy as np
 
 from leadscrew.controllers._inverse_feed_forward import inverse_feed_forward
-from leadscrew.controllers._parallel import MaxOutput
+from leadscrew.controllers._parallel import Lower, Upper, ordered
 from leadscrew.controllers._pid import TUNINGS as PID
 from leadscrew.controllers._response import TABLE, TableModel, law_response, table_response
 from leadscrew.controllers._wrapping import Inner, same_kind, wrapped
@@ -111,7 +112,8 @@ def resonant(
     spindle_hz: float = 0.0,
     teeth: int = 2,
     model: TableModel = TABLE,
-    max_output: float = 0.0,
+    lower: float = -math.inf,
+    upper: float = math.inf,
     name: str = "",
 ) -> Block:
     """The controller ``inner`` with resonators; its parameters are those of ``inner`` below ``inner.``.
@@ -124,7 +126,7 @@ def resonant(
     law, before, place = part.law, inner.prepare, part.place
     align_law: Any = part.align
     own: list[Any] = [("frequencies_hz", Frequencies), ("strength", Strength), ("spindle_hz", SpindleHz),
-                      ("teeth", Teeth), ("model", TableModel), ("max_output", MaxOutput)]  # fmt: skip
+                      ("teeth", Teeth), ("model", TableModel), ("lower", Lower), ("upper", Upper)]  # fmt: skip
     params_type = cast(Any, NamedTuple("ResonantParams", [("inner", type(inner.params)), *own]))
     fields: list[Any] = [("inner", type(inner.state)), ("re", np.ndarray), ("im", np.ndarray), ("aligned", float)]
     state_type = cast(Any, NamedTuple("ResonantState", fields))
@@ -132,12 +134,15 @@ def resonant(
     rest = state_type(inner.state, np.zeros(lines.size + 2), np.zeros(lines.size + 2), 0.0)
 
     def prepare(params: Any, dt: float) -> Any:
+        ordered(params, dt)
         ready = params.inner if before is None else before(params.inner, dt)
-        plan: list[Any] = [("inner", type(ready)), ("lines", Resonators), ("max_output", float),
+        plan: list[Any] = [("inner", type(ready)), ("lines", Resonators), ("lower", float), ("upper", float),
                            ("still_re", np.ndarray), ("still_im", np.ndarray)]  # fmt: skip
         plan_type = cast(Any, NamedTuple("ResonantPlan", plan))
         lines = resonators(part, ready, params, dt)
-        return plan_type(ready, lines, params.max_output, np.zeros(len(lines.in_re)), np.zeros(len(lines.in_re)))
+        return plan_type(
+            ready, lines, params.lower, params.upper, np.zeros(len(lines.in_re)), np.zeros(len(lines.in_re))
+        )
 
     def align(params, command, feedback, output):
         """The state from which the next output is ``output``."""
@@ -151,7 +156,7 @@ def resonant(
         total = u
         for i in range(s.re.shape[0]):
             total = total + p.lines.turn_re[i] * s.re[i] - p.lines.turn_im[i] * s.im[i] + p.lines.in_re[i] * error
-        output = min(max(total, -p.max_output), p.max_output) if p.max_output > 0.0 else total
+        output = min(max(total, p.lower), p.upper)
         grown = error if total == output else 0.0
         for i in range(s.re.shape[0]):
             re = p.lines.turn_re[i] * s.re[i] - p.lines.turn_im[i] * s.im[i] + p.lines.in_re[i] * grown
@@ -162,7 +167,7 @@ def resonant(
 
     return same_kind(
         with_resonators, part,
-        params_type(inner.params, lines, strength, spindle_hz, teeth, model, max_output), rest,
+        params_type(inner.params, lines, strength, spindle_hz, teeth, model, lower, upper), rest,
         "Resonators are added.", prepare=prepare, align=None if align_law is None else align,
         name=name or f"{inner.name}_resonant",
     )  # fmt: skip

@@ -15,10 +15,11 @@ Bumpless start: the integral is preset so that the next output is the last one.
 
 from __future__ import annotations
 
+import math
 from typing import Annotated, NamedTuple
 
-from leadscrew.controllers._parallel import Gains, PIDState, aligned, parallel
-from leadscrew.controllers._sliding.fields import MaxTorque, Travel
+from leadscrew.controllers._parallel import Gains, Lower, PIDState, Upper, aligned, ordered, parallel
+from leadscrew.controllers._sliding.fields import Travel
 from leadscrew.kernel.block import controller
 from leadscrew.kernel.parameters import Doc, Ge, Unit
 
@@ -31,12 +32,13 @@ class TorquePidParams(NamedTuple):
     kd: Annotated[float, Unit("N m s/rad"), Ge(0), Doc("torque per rate of the error")] = 0.9
     filter_s: Annotated[float, Unit("s"), Ge(0), Doc("lag of the rate, by backward Euler; 0 for none")] = 8e-5
     travel_per_rad: Travel = 1.0
-    max_torque: MaxTorque = 0.0
+    lower: Lower = -math.inf
+    upper: Upper = math.inf
 
 
 def gains(p):
     """The gains as the parallel law takes them; clamping at the limit."""
-    return Gains(p.kp, p.ki, p.kd, p.filter_s, p.max_torque, 1, 0.0)
+    return Gains(p.kp, p.ki, p.kd, p.filter_s, p.lower, p.upper, 1, 0.0)
 
 
 def align(params, command, feedback, output):
@@ -45,7 +47,7 @@ def align(params, command, feedback, output):
     return aligned(gains(params), e, e, output)
 
 
-@controller(TorquePidParams, PIDState, align=align, unit="N m", drive="torque")
+@controller(TorquePidParams, PIDState, prepare=ordered, align=align, unit="N m", drive="torque")
 def torque_pid(p, s, command, feedback, dt):
     """Parallel PID on a motion command, without a model of friction; a torque."""
     e = (command.position - feedback) / p.travel_per_rad

@@ -28,7 +28,7 @@ import math
 import sys
 from typing import Annotated, Any, NamedTuple, cast
 
-from leadscrew.controllers._parallel import TINY, Gains, PIDState, from_change
+from leadscrew.controllers._parallel import TINY, Gains, PIDState, from_change, ordered
 from leadscrew.controllers._pid import TUNINGS as PID
 from leadscrew.kernel.block import Block, make
 from leadscrew.kernel.parameters import Doc, Gt, Le, Unit
@@ -79,7 +79,7 @@ def tracking_differentiator(inner: Block, name: str = "", r_mm_s2: float = 1000.
         inner.kind != "controller"
         or not isinstance(inner.state, PIDState)
         or terms is None
-        or inner.prepare is not None
+        or inner.prepare is not ordered
     ):
         raise BlockError(
             f"tracking_differentiator({inner.name}): needs a controller that ends in a parallel PID: pid, npid, "
@@ -90,6 +90,7 @@ def tracking_differentiator(inner: Block, name: str = "", r_mm_s2: float = 1000.
     params_type = cast(Any, NamedTuple("TrackingDifferentiatorParams", own))
 
     def prepare(params: Any, dt: float) -> Any:
+        ordered(params.inner, dt)
         if params.h_s < dt * (1.0 - 1e-9):
             raise ValueRefused(
                 f"h_s = {params.h_s!r} s ({inner.name} with a tracking differentiator): shorter than the control "
@@ -107,7 +108,9 @@ def tracking_differentiator(inner: Block, name: str = "", r_mm_s2: float = 1000.
         q = p.inner
         t = terms(q, command, feedback)
         followed, rate = follow(s.followed, s.rate, t.differentiated, p.r_mm_s2, p.h_s, dt)
-        g = Gains(q.kp, q.ki, q.kd, q.filter_s, q.max_output / t.gain_behind, q.anti_windup, q.tracking_s)
+        g = Gains(
+            q.kp, q.ki, q.kd, q.filter_s, q.lower / t.gain_behind, q.upper / t.gain_behind, q.anti_windup, q.tracking_s
+        )
         after, output = from_change(g, s.pid, t.proportional, t.integrated, t.differentiated, dt * rate, dt)
         return FollowerState(after, followed, rate), t.gain_behind * output
 

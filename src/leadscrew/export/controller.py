@@ -42,6 +42,8 @@ def _others(entry: ParameterSpec) -> Iterator[Any]:
         yield not value
         return
     steps = (1, -1, 2, -2) if entry.type == "int" else (0.01, -0.01, 1e-3, -1e-3, 1e-6, -1e-6)
+    if math.isinf(value):
+        value = 0.0
     scale = 1 if entry.type == "int" else max(abs(value), 1e-3)
     for step in steps:
         try:
@@ -314,6 +316,21 @@ def _depends_on_period(block: Block, period: float) -> bool:
     return both[0] != both[1]
 
 
+NO_LIMIT = 1e30
+"""What stands in an export for a limit at infinity: HAL and FMI take finite parameters only."""
+
+
+def _with_finite_parameters(loop: Loop) -> Loop:
+    """The loop, with 1e30 in the place of infinite parameters of its controller."""
+    return loop.using(
+        {
+            key: math.copysign(NO_LIMIT, value)
+            for key, value in loop.parameters.items()
+            if key.startswith("controller.") and isinstance(value, float) and math.isinf(value)
+        }
+    )
+
+
 def export_controller(
     loop: Loop, duration: float, *, name: str, title: str, real: str = "double", drive: str | None = None
 ) -> tuple[Core, Record]:
@@ -332,6 +349,7 @@ def export_controller(
         ValueRefused: a bad name, drive or number type; a loop that diverges.
         BlockError: a loop without a control period.
     """
+    loop = _with_finite_parameters(loop)
     block, plant = loop.blocks["controller"], loop.blocks["plant"]
     assert block is not None and plant is not None
     if real not in REALS:

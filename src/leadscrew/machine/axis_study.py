@@ -104,7 +104,11 @@ def controllers_of(machine: MachineFile) -> dict[str, Block]:
     if machine.model == "linear":
         from leadscrew.controllers._pid import pid
 
-        return {"ours.pid": _driving(pid(**gains.pid(machine)._asdict(), max_output=machine.drive), machine)}
+        return {
+            "ours.pid": _driving(
+                pid(**gains.pid(machine)._asdict(), lower=-machine.drive, upper=machine.drive), machine
+            )
+        }
     from leadscrew.controllers._axis_cascade import AxisModel, axis_cascade
 
     p, scale = machine.parameters, gains.per_si(machine)
@@ -117,7 +121,11 @@ def controllers_of(machine: MachineFile) -> dict[str, Block]:
         offset=float(p.get("offset", 0.0)) / force, smooth=max(5e-3 * machine.speed, 1e-9),
     )  # fmt: skip
     common: dict[str, Any] = {f"model.{key}": value for key, value in model._asdict().items()}
-    common |= {"max_output": machine.drive, "ahead_s": min(machine.delay_s + 0.5 * machine.period, 0.1)}
+    common |= {
+        "lower": -machine.drive,
+        "upper": machine.drive,
+        "ahead_s": min(machine.delay_s + 0.5 * machine.period, 0.1),
+    }
     first = gains.cascade(machine)._asdict()
     found = {
         "ours.cascade": replace(

@@ -298,12 +298,12 @@ def lure(block: Block, period: float = 5e-4) -> Lure:
     if block.kind != "controller" or block.continuous:
         raise ValueRefused(f"{block.name}: a loop is taken apart at a sampled controller, and this is none")
     notes: list[str] = []
-    limits = {key: 0.0 for key, p in _parts(block.params) if _limited(p)}
+    limits = dict(_limits(block.params))
     if limits:
-        first = next(iter(limits))
+        values = ", ".join(f"{key} = {_at(block.params, key):g}" for key in limits)
+        unit = f" {block.unit}" if block.unit else ""
         notes.append(
-            f"the limit of the output, {_at(block.params, first):g} {block.unit}, is not in the proof: it holds while "
-            "the output stays inside"
+            f"the limit of the output, {values}{unit}, is not in the proof: it holds while the output stays inside"
         )
     free = _with(block, limits)
     found = [(prefix, _maps()[type(p)](p)) for prefix, p in _own(free.params) if type(p) in _maps()]
@@ -439,14 +439,17 @@ def _own(params: Any, prefix: str = "") -> Iterator[tuple[str, Any]]:
             yield from _own(value, f"{prefix}{name}.")
 
 
-def _parts(params: Any) -> Iterator[tuple[str, Any]]:
+UNLIMITED = {"lower": -math.inf, "upper": math.inf, "max_output": 0.0}
+"""Parameters that limit an output, with the value that does not."""
+
+
+def _limits(params: Any) -> Iterator[tuple[str, float]]:
+    """The keys of limits that act, with the value that lifts them."""
     for prefix, p in _own(params):
-        yield f"{prefix}max_output", p
-
-
-def _limited(p: Any) -> bool:
-    value = getattr(p, "max_output", 0.0)
-    return isinstance(value, float | int) and value > 0.0
+        for name, unlimited in UNLIMITED.items():
+            value = getattr(p, name, unlimited)
+            if isinstance(value, float | int) and value != unlimited:
+                yield f"{prefix}{name}", unlimited
 
 
 def _at(params: Any, key: str) -> Any:

@@ -51,7 +51,7 @@ class DutyPIDState(NamedTuple):
 
 def gains(p):
     """The gains as the parallel law takes them."""
-    return Gains(p.kp, p.ki, p.kd, p.filter_s, p.max_duty, p.anti_windup, p.tracking_s)
+    return Gains(p.kp, p.ki, p.kd, p.filter_s, -p.max_duty, p.max_duty, p.anti_windup, p.tracking_s)
 
 
 def align(params, command, feedback, output):

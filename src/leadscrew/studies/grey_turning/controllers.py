@@ -30,7 +30,7 @@ KNOWN: dict[str, Block] = {
     **{name: block for name, block in GREY_FUZZY.items() if not name.startswith("ours.")},
     **{name: GREY_FUZZY[name] for name in OTHERS},
     **FORCE,
-    "ours.pid": pid(kp=0.0013, ki=0.0145, kd=2e-5, b=0.0, c=0.0, max_output=1.0),
+    "ours.pid": pid(kp=0.0013, ki=0.0145, kd=2e-5, b=0.0, c=0.0, lower=-1.0, upper=1.0),
     "ours.pi_normalised": gain_normalised(PI),
     "ours.pi_ff": depth_feed_forward(PI),
     "ours.pi_normalised_ff": depth_feed_forward(gain_normalised(PI)),

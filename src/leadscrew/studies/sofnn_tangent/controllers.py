@@ -28,7 +28,7 @@ LAG_S = 0.02
 def offset_pid(name: str, kp: float, ki: float, kd: float, **values: Any) -> Block:
     """A PID of the deviation; its output is the offset of the tangential axis, held to 15 degrees."""
     law = replace(pid, name=name, unit="deg", drive="", full_scale=15.0)
-    return law(kp=kp, ki=ki, kd=kd, max_output=15.0, **values)
+    return law(kp=kp, ki=ki, kd=kd, lower=-15.0, upper=15.0, **values)
 
 
 UNTUNED: Mapping[str, Block] = {
