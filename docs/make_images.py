@@ -98,7 +98,7 @@ def identification_images(folder: Path) -> None:
     places = [0, 200, 20, 120, 80, 100, 90, 95, 94, 96, 60, 61, 20, 180, 100, 101, 90, 40, 42, 0, 150, 50, 53, 0]
     loop = Loop(
         reference=waypoints(places, dwell=0.15, max_velocity=150.0, max_acceleration=1500.0, max_jerk=5e4),
-        controller=axis_cascade(kpos=40.0, kvp=0.4, kvi=0.0, max_output=10.0), plant=stage,
+        controller=axis_cascade(kpos=40.0, kvp=0.4, kvi=0.0, lower=-10.0, upper=10.0), plant=stage,
         sensor=axis_reading(resolution=1e-4, noise=1e-4), period=1e-3, seed=3, metrics={},
     )  # fmt: skip
     run = loop.run(16.0, record=("output", "feedback"))

@@ -7,8 +7,9 @@ import pytest
 
 from leadscrew.analysis.stability.harmonic_balance import biggest, describing_function, harmonic_balance, limit_cycles
 from leadscrew.analysis.stability.linear import LinearLoop
-from leadscrew.analysis.stability.loop import continuous_loop, reference_loops
+from leadscrew.analysis.stability.loop import continuous_loop
 from leadscrew.controllers._npid import npid, scaled_error
+from leadscrew.studies.npid_xytable.reference_loops import reference_loops
 from leadscrew.util.errors import ValueRefused
 
 STATIC = 1.32 * 69380.0 / 166.3
@@ -161,13 +162,13 @@ def simulate(loop, curve, load, periods, start):
 def l_star():
     """L* without its integral, which would take over the load in half an hour."""
     from leadscrew.analysis.stability.loop import sampled_loop
-    from leadscrew.controllers._pid import pid
     from leadscrew.kernel.loop import Loop
     from leadscrew.plants._xy_table_cutting import xy_table_cutting
     from leadscrew.references._step import step
+    from leadscrew.studies.npid_xytable.tunings import table_pid
 
     return sampled_loop(
-        Loop(reference=step, controller=pid(ki=0.0), plant=xy_table_cutting, period=5e-4, metrics={}), "L*"
+        Loop(reference=step, controller=table_pid(ki=0.0), plant=xy_table_cutting, period=5e-4, metrics={}), "L*"
     )
 
 

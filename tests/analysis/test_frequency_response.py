@@ -12,12 +12,12 @@ from leadscrew.analysis.frequency_response import (
     measured_margins,
     periodic_response,
 )
-from leadscrew.controllers._pid import pid
 from leadscrew.disturbances._white_noise import white_noise
 from leadscrew.kernel.loop import Loop
 from leadscrew.plants._xy_table import xy_table
 from leadscrew.references._chirp import log_chirp
 from leadscrew.sensors._noisy_ruler import noisy_ruler
+from leadscrew.studies.npid_xytable.tunings import table_pid
 from leadscrew.util.errors import DataError, ValueRefused
 
 PERIOD, DELAY = 0.5e-3, 0.775e-3
@@ -25,8 +25,8 @@ PERIOD, DELAY = 0.5e-3, 0.775e-3
 
 def swept(**more):
     return Loop(
-        reference=log_chirp(amplitude=0.1, start_frequency=0.5, end_frequency=900.0, duration=20.0), controller=pid,
-        plant=xy_table, period=PERIOD, substeps=20, computation_delay=DELAY, metrics={}, **more,
+        reference=log_chirp(amplitude=0.1, start_frequency=0.5, end_frequency=900.0, duration=20.0),
+        controller=table_pid, plant=xy_table, period=PERIOD, substeps=20, computation_delay=DELAY, metrics={}, **more,
     )  # fmt: skip
 
 
@@ -51,7 +51,7 @@ def l_star():
     row, late_one = np.array([[1.0, 0.0]]), control.tf([1], [1, 0], PERIOD)
     parts = [control.ss(whole, part, row, 0.0, PERIOD) for part in (now, after @ late)]
     table = control.tf(parts[0]) * late_one + control.tf(parts[1]) * late_one * late_one
-    g = pid.params
+    g = table_pid.params
     law = (
         g.kp + g.ki * PERIOD * control.tf([1, 0], [1, -1], PERIOD)
         + g.kd / PERIOD * control.tf([1, -1], [1, 0], PERIOD)
@@ -98,8 +98,9 @@ def test_the_measured_margins_are_those_of_python_control(log, l_star):
 def noisy():
     """The same loop at rest, shaken by a white load at the plant's input, read by a noisy encoder."""
     loop = Loop(
-        reference=log_chirp(amplitude=0.0), controller=pid, plant=xy_table, disturbance=white_noise(deviation=0.003),
-        sensor=noisy_ruler(resolution_mm=1e-9, noise_mm=2e-3), period=PERIOD, substeps=20, computation_delay=DELAY,
+        reference=log_chirp(amplitude=0.0), controller=table_pid, plant=xy_table,
+        disturbance=white_noise(deviation=0.003), sensor=noisy_ruler(resolution_mm=1e-9, noise_mm=2e-3),
+        period=PERIOD, substeps=20, computation_delay=DELAY,
         metrics={},
     )  # fmt: skip
     return loop.run(40.0, record=("output", "feedback", "disturbance"))

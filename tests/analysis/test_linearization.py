@@ -10,7 +10,6 @@ import pytest
 import leadscrew as ls
 from leadscrew.actuators._limits import limits
 from leadscrew.analysis.stability import margins, sampled_loop
-from leadscrew.controllers._pid import pid
 from leadscrew.friction.asymmetric import one_way_lugre
 from leadscrew.plants._mass_lugre import mass_lugre
 from leadscrew.plants._xy_table import xy_table
@@ -18,6 +17,7 @@ from leadscrew.references._ramp import ramp
 from leadscrew.references._sine import sine, sine_motion
 from leadscrew.references._step import step
 from leadscrew.sensors._ruler import ruler
+from leadscrew.studies.npid_xytable.tunings import table_pid
 from leadscrew.util.errors import NameUnknown, ValueRefused
 
 
@@ -83,7 +83,7 @@ def pendulum(p, s, u):
 
 def xy(**more):
     return ls.Loop(**{
-        "reference": step(target=1.0), "controller": pid(kp=1.17, ki=175.5, kd=0.00433), "plant": xy_table,
+        "reference": step(target=1.0), "controller": table_pid(kp=1.17, ki=175.5, kd=0.00433), "plant": xy_table,
         "period": 0.5e-3, "substeps": 20, "metrics": {}, **more,
     })  # fmt: skip
 

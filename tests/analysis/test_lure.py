@@ -11,18 +11,18 @@ from leadscrew.analysis.stability.lure import ErrorMap, declare, lure
 from leadscrew.controllers._feed_forward_table import feed_forward_table
 from leadscrew.controllers._learned_feed_forward import learned_feed_forward
 from leadscrew.controllers._look_ahead import look_ahead
-from leadscrew.controllers._npid import READINGS, NPIDParams, npid
+from leadscrew.controllers._npid import NPIDParams, npid
 from leadscrew.controllers._npid_after import npid_after
 from leadscrew.controllers._npid_slope import npid_slope
 from leadscrew.controllers._parallel import PIDState
 from leadscrew.controllers._pd_dob import pd_dob
-from leadscrew.controllers._pid import pid
 from leadscrew.kernel.block import controller, make
 from leadscrew.kernel.loop import Loop
 from leadscrew.plants._xy_table_cutting import xy_table_cutting
 from leadscrew.references._eased_sine import eased_sine_motion
 from leadscrew.resolve import block
 from leadscrew.studies.npid_xytable.controllers import CONTROLLERS
+from leadscrew.studies.npid_xytable.tunings import TUNINGS, table_pid
 from leadscrew.util.errors import ValueRefused
 from tests.controllers.xy_loop import outputs
 
@@ -33,7 +33,7 @@ UM = 1e-3
     ("name", "unit", "scale_mm"), [("paper.npid_mm", "mm", 3.0), ("corrected.npid_um", "um", 3e-3)]
 )
 def test_table_1_has_the_printed_sector_and_the_slope_of_5_55(name, unit, scale_mm):
-    found = lure(READINGS[name])
+    found = lure(TUNINGS[name])
     assert found.sector == pytest.approx((1.0, 2.35241), abs=1e-5)
     assert found.slope_sector == pytest.approx((1.0, 5.5463), abs=5e-5)
     assert (found.error_unit, found.scale_mm) == (unit, pytest.approx(scale_mm)) and not found.dependent
@@ -42,7 +42,7 @@ def test_table_1_has_the_printed_sector_and_the_slope_of_5_55(name, unit, scale_
 
 
 def test_a_clipped_error_has_a_lower_bound_of_zero_and_says_so():
-    found = lure(READINGS["corrected.npid_um_clipped"])
+    found = lure(TUNINGS["corrected.npid_um_clipped"])
     assert found.sector == pytest.approx((0.0, 2.35241), abs=1e-5)
     assert found.slope_sector == pytest.approx((0.0, 5.5463), abs=5e-5)
     assert found.gain(3.0) < 3e-3 and found.slope(3.0) == 0.0
@@ -66,12 +66,12 @@ def test_a_gain_behind_the_pid_is_no_static_map():
 @pytest.mark.parametrize(
     "linear",
     [
-        pid,
+        table_pid,
         block("torque_pid"),
         pd_dob(kp_slow=0.0, kd_slow=0.0),
         look_ahead(pd_dob(kp_slow=0.0, kd_slow=0.0), acts_late_s=1e-4, seen_late_s=1e-4),
         *(CONTROLLERS[f"ours.{k}"] for k in ("pid_ff", "cascade", "pid_dob_150", "resonant_full", "repetitive")),
-        learned_feed_forward(pid, rate=0.0),
+        learned_feed_forward(table_pid, rate=0.0),
     ],
     ids=lambda b: b.name,
 )
@@ -83,7 +83,7 @@ def test_linear_controllers_have_the_sector_one_whatever_their_command_adds(line
 def test_the_linear_part_is_the_pid():
     errors = np.random.default_rng(5).normal(scale=3.0 * UM, size=100)
     zeros = np.zeros(100)
-    assert outputs(lure(npid).linear, errors, zeros) == outputs(pid, errors, zeros)
+    assert outputs(lure(npid).linear, errors, zeros) == outputs(table_pid, errors, zeros)
 
 
 @pytest.mark.parametrize("inner", [npid, npid_slope])
@@ -109,7 +109,7 @@ def test_a_wrapper_that_adds_a_feed_forward_changes_nothing():
 def test_a_limit_of_the_output_is_named_and_left_out():
     found = lure(npid(lower=-5.0, upper=10.0))
     assert "lower = -5, upper = 10 V" in found.notes[0] and found.linear.params.upper == math.inf
-    assert not lure(pid(lower=-0.01, upper=0.01)).nonlinear
+    assert not lure(table_pid(lower=-0.01, upper=0.01)).nonlinear
 
 
 class Scheduled(NamedTuple):
@@ -150,7 +150,7 @@ def test_a_gain_that_is_scheduled_on_the_command_is_refused(gain):
 def test_so_is_one_behind_a_declared_map_and_shares_that_are_learned_and_gains_by_speed():
     by_command = make("controller", weighted, Weighted(), PIDState())
     assert lure(by_command).nonlinear
-    for changing in (by_command(per_mm=0.01), learned_feed_forward(pid), pd_dob):
+    for changing in (by_command(per_mm=0.01), learned_feed_forward(table_pid), pd_dob):
         with pytest.raises(ValueRefused, match="schedules on the command or adapts to it"):
             lure(changing)
 
@@ -161,10 +161,10 @@ def test_sampled_loop_refuses_them_too():
 
     still = sampled_loop(loop(scheduled)).closed_poles()
     assert np.abs(still).max() < 1.0
-    for changing in (scheduled(per_mm=50.0), scheduled(per_speed=1e-3), learned_feed_forward(pid)):
+    for changing in (scheduled(per_mm=50.0), scheduled(per_speed=1e-3), learned_feed_forward(table_pid)):
         with pytest.raises(ValueRefused, match="it answers an error otherwise"):
             sampled_loop(loop(changing))
-    held = sampled_loop(loop(learned_feed_forward(pid, rate=0.0)))
+    held = sampled_loop(loop(learned_feed_forward(table_pid, rate=0.0)))
     assert held.gain_limit() == pytest.approx(2.51, abs=1e-3)
 
 

@@ -10,13 +10,14 @@ from scipy.optimize import minimize_scalar
 from leadscrew.analysis.stability.circle import circle
 from leadscrew.analysis.stability.jury_lee import jury_lee
 from leadscrew.analysis.stability.linear import LinearLoop
-from leadscrew.analysis.stability.loop import continuous_loop, reference_loops, sampled_loop
+from leadscrew.analysis.stability.loop import continuous_loop, sampled_loop
 from leadscrew.analysis.stability.lure import lure
 from leadscrew.analysis.stability.popov import popov
 from leadscrew.analysis.stability.tsypkin import tsypkin
 from leadscrew.controllers._npid import npid
-from leadscrew.controllers._pid import TUNINGS
 from leadscrew.references._sine import sine
+from leadscrew.studies.npid_xytable.reference_loops import reference_loops
+from leadscrew.studies.npid_xytable.tunings import TUNINGS
 from leadscrew.util.errors import ValueRefused
 from tests.analysis.test_stability_margins import random_rational
 from tests.controllers.xy_loop import xy_loop

@@ -24,11 +24,12 @@ from leadscrew.analysis.stability.lmi import (
     tsypkin_inequality,
     zames_falb_inequality,
 )
-from leadscrew.analysis.stability.loop import continuous_loop, reference_loops
+from leadscrew.analysis.stability.loop import continuous_loop
 from leadscrew.analysis.stability.lure import lure
 from leadscrew.analysis.stability.tsypkin import tsypkin
 from leadscrew.controllers._npid import npid
 from leadscrew.controllers._npid_slope import npid_slope
+from leadscrew.studies.npid_xytable.reference_loops import reference_loops
 from leadscrew.util.errors import ValueRefused
 
 
@@ -213,8 +214,8 @@ def test_the_remembering_multiplier_is_what_the_inequality_says_at_every_frequen
 
 
 def test_resonators_on_the_unit_circle_are_no_obstacle_to_a_proof():
-    from leadscrew.controllers._resonant import TUNINGS
     from leadscrew.studies.npid_xytable.rejection import opened
+    from leadscrew.studies.npid_xytable.tunings import TUNINGS
 
     loop = opened(TUNINGS["ours.resonant"])
     assert len(loop.a) == 18 and np.abs(np.linalg.eigvals(loop.a)).max() > 1.0 - 1e-9

@@ -6,9 +6,8 @@ import pytest
 from leadscrew import Loop
 from leadscrew.actuators._saturation import saturation
 from leadscrew.analysis.stability.linear import LinearLoop
-from leadscrew.analysis.stability.loop import continuous_loop, reference_loops, sampled_loop, table_i_sampled
+from leadscrew.analysis.stability.loop import continuous_loop, sampled_loop
 from leadscrew.controllers._npid import npid
-from leadscrew.controllers._pid import pid
 from leadscrew.kernel.block import plant
 from leadscrew.plants._linear import transfer_function
 from leadscrew.plants._mass_dahl import mass_dahl
@@ -16,6 +15,8 @@ from leadscrew.plants._xy_table import XYTableState, xy_table
 from leadscrew.references._sine import sine
 from leadscrew.references._step import step
 from leadscrew.sensors._ruler import ruler
+from leadscrew.studies.npid_xytable.reference_loops import reference_loops, table_i_sampled
+from leadscrew.studies.npid_xytable.tunings import table_pid
 from leadscrew.util.errors import ValueRefused
 from tests.controllers.xy_loop import PERIOD, xy_loop
 
@@ -23,7 +24,7 @@ W = np.geomspace(1.0, 6000.0, 60)
 
 
 def drive(period=PERIOD, **more):
-    parts = {"reference": sine, "controller": pid, "plant": xy_table, "metrics": {}, "period": period, **more}
+    parts = {"reference": sine, "controller": table_pid, "plant": xy_table, "metrics": {}, "period": period, **more}
     return Loop(**parts)
 
 
@@ -47,7 +48,7 @@ def test_a_delay_of_whole_periods_turns_the_phase_and_nothing_else():
 
 def test_the_compiled_loop_has_the_error_that_the_linear_loop_foretells():
     """Closed by hand: x+ = a x + b e, e = command - y, on a step of 10 um, with a delay of 1.55 periods."""
-    loop = xy_loop(pid, step(target=0.01, time=0.0))
+    loop = xy_loop(table_pid, step(target=0.01, time=0.0))
     linear = sampled_loop(loop)
     x, foretold = np.zeros((len(linear.a), 1)), []
     for _ in range(120):
@@ -77,12 +78,12 @@ def test_a_plant_of_matrices_gives_the_same_loop_as_one_of_equations():
 
 
 def test_weights_of_the_command_do_not_change_the_stability():
-    soft = sampled_loop(drive(controller=pid(b=0.0, c=0.0)))
+    soft = sampled_loop(drive(controller=table_pid(b=0.0, c=0.0)))
     assert np.allclose(soft.response(W), sampled_loop(drive()).response(W), rtol=1e-12)
 
 
 def test_limits_and_counts_are_left_out_and_named():
-    loop = sampled_loop(drive(actuator=saturation, sensor=ruler, controller=pid(lower=-10.0, upper=10.0)))
+    loop = sampled_loop(drive(actuator=saturation, sensor=ruler, controller=table_pid(lower=-10.0, upper=10.0)))
     assert np.allclose(loop.response(W), sampled_loop(drive()).response(W), rtol=1e-9)
     said = " ".join(loop.notes)
     assert "actuator saturation" in said and "sensor ruler" in said and "limit of its output" in said
@@ -94,7 +95,7 @@ def test_a_filtered_derivative_is_a_state():
     held = control.sample_system(control.tf([69380.0], [1.0, 144.8, 166.3]), PERIOD, method="zoh")
     z = np.exp(1j * W * PERIOD)
     law = 1.32 + 0.000825 * PERIOD * z / (z - 1.0) + 0.006805 * (z - 1.0) / ((1e-3 + PERIOD) * z - 1e-3)
-    assert np.allclose(sampled_loop(drive(controller=pid(filter_s=1e-3))).response(W), law * held(z), rtol=1e-9)
+    assert np.allclose(sampled_loop(drive(controller=table_pid(filter_s=1e-3))).response(W), law * held(z), rtol=1e-9)
 
 
 def test_a_nonlinear_controller_is_sent_to_lure():

@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 from leadscrew.analysis.stability.linear import LinearLoop, own_grid, phase_crossings
-from leadscrew.analysis.stability.loop import continuous_loop, reference_loops
+from leadscrew.analysis.stability.loop import continuous_loop
 from leadscrew.analysis.stability.margins import margins
+from leadscrew.studies.npid_xytable.reference_loops import reference_loops
 
 
 def random_rational(seed: int, dt: float | None) -> LinearLoop:

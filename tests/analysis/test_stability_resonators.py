@@ -12,13 +12,13 @@ from leadscrew.analysis.stability.loop import continuous_loop, sampled_loop
 from leadscrew.analysis.stability.margins import margins
 from leadscrew.analysis.stability.tsypkin import tsypkin
 from leadscrew.analysis.stability.zames_falb import zames_falb
-from leadscrew.controllers._pid import TUNINGS as PID
 from leadscrew.controllers._repetitive import repetitive
-from leadscrew.controllers._resonant import ODD_HZ, TUNINGS
+from leadscrew.controllers._resonant import ODD_HZ
 from leadscrew.disturbances._sine_load import sine_load
 from leadscrew.kernel.loop import Loop
 from leadscrew.plants._xy_table import xy_table
 from leadscrew.references._sine import sine
+from leadscrew.studies.npid_xytable.tunings import TUNINGS
 from leadscrew.util.errors import ValueRefused
 
 BOX = TUNINGS["ours.resonant_box"]
@@ -106,7 +106,7 @@ def test_criteria_reach_from_the_circle_to_the_nyquist_limit(box):
 
 
 def test_a_resonator_does_not_change_the_circle_limit_when_it_is_weak(box):
-    inner = sampled_loop(table(PID["ours.pid_ms_159"]))
+    inner = sampled_loop(table(TUNINGS["ours.pid_ms_159"]))
     assert circle(box, 0.9).limit == pytest.approx(circle(inner, 0.9).limit, rel=2e-3)
 
 

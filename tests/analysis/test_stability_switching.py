@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from leadscrew.analysis.stability.circle import circle
-from leadscrew.analysis.stability.loop import reference_loops
 from leadscrew.analysis.stability.switching import pattern_radius, worst_switching
+from leadscrew.studies.npid_xytable.reference_loops import reference_loops
 from leadscrew.util.errors import ValueRefused
 
 

@@ -6,11 +6,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from leadscrew.analysis.stability.loop import reference_loops
 from leadscrew.analysis.stability.lure import lure
 from leadscrew.analysis.stability.tsypkin import tsypkin
 from leadscrew.analysis.stability.zames_falb import zames_falb
 from leadscrew.controllers._npid import npid
+from leadscrew.studies.npid_xytable.reference_loops import reference_loops
 from leadscrew.util.errors import ValueRefused
 from tests.analysis.test_stability_criteria import run
 from tests.analysis.test_stability_margins import random_rational

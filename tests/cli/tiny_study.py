@@ -3,10 +3,10 @@
 from pathlib import Path
 
 from leadscrew import Loop
-from leadscrew.controllers._pid import pid
 from leadscrew.plants._linear import transfer_function
 from leadscrew.references._step import step
 from leadscrew.studies import Measured, Scenario, Study, Table, claim, contents_of, experiment, figure, measure
+from leadscrew.studies.npid_xytable.tunings import table_pid
 
 
 def build(controller, scenario):
@@ -43,7 +43,7 @@ def conclusion(lab):
 
 STUDY = Study(
     name="tiny", title="The error of a <proportional> controller", paper="A textbook.", build=build,
-    controllers={"paper.p": pid(kp=9.0, ki=0.0, kd=0.0), "ours.pi": pid(kp=9.0, ki=90.0, kd=0.0)},
+    controllers={"paper.p": table_pid(kp=9.0, ki=0.0, kd=0.0), "ours.pi": table_pid(kp=9.0, ki=90.0, kd=0.0)},
     scenarios={"step": Scenario("step", None, "a step of 1 mm", 0.5)},
     contents=contents_of(globals()), folder=Path(),
 )  # fmt: skip

@@ -5,19 +5,17 @@ from itertools import product
 import numpy as np
 import pytest
 
-from leadscrew.controllers._adaptive_resonant import TUNINGS, adaptive_resonant
+from leadscrew.controllers._adaptive_resonant import adaptive_resonant
 from leadscrew.controllers._inverse_feed_forward import inverse_feed_forward
-from leadscrew.controllers._pid import TUNINGS as PID
-from leadscrew.controllers._pid import pid
-from leadscrew.controllers._resonant import TUNINGS as RESONANT
 from leadscrew.controllers._resonant import resonant
 from leadscrew.disturbances._wandering_spindle import speed_hz, wandering_spindle
 from leadscrew.sensors._noisy_ruler import noisy_ruler
+from leadscrew.studies.npid_xytable.tunings import TUNINGS, table_pid
 from leadscrew.util.errors import ValueRefused
 from tests.controllers.table_axis import PERIOD, rms_um, table_axis, tried
 
 RPM, SHARES = (1000, 2000, 3000), (0.98, 1.0, 1.02)
-PLAIN = adaptive_resonant(PID["ours.pid_ms_159"])
+PLAIN = adaptive_resonant(TUNINGS["ours.pid_ms_159"])
 FOUND = "controller.spindle.spindle_hz"
 READ = noisy_ruler(resolution_mm=5e-4, noise_mm=1e-4)
 
@@ -43,7 +41,7 @@ def test_the_speed_is_found_and_the_error_is_as_small_as_with_a_known_one(rpm, s
 
 @pytest.mark.slow
 def test_known_resonators_that_are_told_a_wrong_speed_leave_most_of_the_lines():
-    block = RESONANT["ours.resonant_full"](**{"inner.spindle_hz": 50.0})
+    block = TUNINGS["ours.resonant_full"](**{"inner.spindle_hz": 50.0})
     right, wrong = (rms_um(cut(block, hz)[0]) for hz in (50.0, 51.0))
     assert right < 0.1 and wrong > 0.5
 
@@ -51,7 +49,7 @@ def test_known_resonators_that_are_told_a_wrong_speed_leave_most_of_the_lines():
 def test_without_adaptation_and_at_the_right_speed_it_is_the_resonators_of_two_lines():
     t = PERIOD * np.arange(600)
     errors = np.sin(300.0 * t) + 0.3 * np.sin(650.0 * t)
-    blocks = (resonant(pid, [50.0, 100.0], strength=6.0), adaptive_resonant(pid, strength=6.0, rate=0.0))
+    blocks = (resonant(table_pid, [50.0, 100.0], strength=6.0), adaptive_resonant(table_pid, strength=6.0, rate=0.0))
     same, found = (np.array(tried(block, errors, np.zeros(600))) for block in blocks)
     assert found == pytest.approx(same, abs=1e-9 * np.abs(same).max())
 
@@ -90,7 +88,7 @@ def test_the_lines_of_the_wandering_spindle_turn_at_its_speed():
 def test_where_no_spindle_turns_nothing_gets_worse():
     without, with_it = (
         rms_um(table_axis(block, sensor=READ).run(20.0))
-        for block in (RESONANT["ours.resonant_full"], TUNINGS["ours.resonant_adaptive"])
+        for block in (TUNINGS["ours.resonant_full"], TUNINGS["ours.resonant_adaptive"])
     )
     assert with_it < 1.05 * without
 
@@ -103,7 +101,7 @@ def test_a_speed_outside_its_range_is_not_followed_beyond_it():
 
 @pytest.mark.slow
 def test_the_first_output_after_an_align_is_the_last_one_before():
-    live = table_axis(pid).start()
+    live = table_axis(table_pid).start()
     live.advance(3000)
     expected = live.advance_preview()["output"]
     after = live.switch(PLAIN)
@@ -121,7 +119,7 @@ def test_all_engines_give_the_same_bits():
 
 def test_at_the_limit_of_the_output_the_lines_turn_and_do_not_grow():
     """The same block without a limit, by hand: where the sum is beyond it, the lengths of both lines stay."""
-    block = adaptive_resonant(pid(kp=0.0, ki=0.0, kd=0.0), lower=-2e-3, upper=2e-3)
+    block = adaptive_resonant(table_pid(kp=0.0, ki=0.0, kd=0.0), lower=-2e-3, upper=2e-3)
     p, s = block.prepare(block.params, PERIOD), block.state
     lengths, outputs = [], []
     for k in range(4000):
@@ -137,7 +135,7 @@ def test_at_the_limit_of_the_output_the_lines_turn_and_do_not_grow():
 @pytest.mark.slow
 def test_a_limit_outside_holds_the_lines_and_one_inside_does_not():
     """A motion that needs 60 times the voltage: the lines stay within 50 times the limit, or run away."""
-    small = PID["ours.pid_ms_159"](lower=-5e-3, upper=5e-3, anti_windup=1)
+    small = TUNINGS["ours.pid_ms_159"](lower=-5e-3, upper=5e-3, anti_windup=1)
     keys = [f"controller.spindle.{line}.{part}" for line in ("first", "tooth") for part in ("re", "im")]
     sizes = []
     for block in (adaptive_resonant(small, lower=-5e-3, upper=5e-3), adaptive_resonant(small)):
@@ -149,8 +147,8 @@ def test_a_limit_outside_holds_the_lines_and_one_inside_does_not():
 def test_a_cutter_of_one_tooth_has_one_line():
     t = PERIOD * np.arange(600)
     errors = np.sin(300.0 * t)
-    one = np.array(tried(adaptive_resonant(pid, teeth=1, strength=6.0, rate=0.0), errors, np.zeros(600)))
-    same = np.array(tried(resonant(pid, [50.0], strength=6.0), errors, np.zeros(600)))
+    one = np.array(tried(adaptive_resonant(table_pid, teeth=1, strength=6.0, rate=0.0), errors, np.zeros(600)))
+    same = np.array(tried(resonant(table_pid, [50.0], strength=6.0), errors, np.zeros(600)))
     assert one == pytest.approx(same, abs=1e-9 * np.abs(same).max())
 
 

@@ -9,18 +9,18 @@ from scipy import signal
 
 from leadscrew.controllers._biquad import Coefficients, LeadLag, LowPass, Notch, biquad, coefficients
 from leadscrew.controllers._inverse_feed_forward import inverse_feed_forward
-from leadscrew.controllers._pid import TUNINGS, pid
 from leadscrew.export import hal_run
 from leadscrew.kernel.loop import DivergenceWarning
 from leadscrew.plants._xy_table import xy_table
 from leadscrew.references._sine import sine, sine_motion
+from leadscrew.studies.npid_xytable.tunings import TUNINGS, table_pid
 from leadscrew.util.errors import BlockError, ValueRefused
 from tests.controllers.xy_loop import PERIOD, xy_loop
 from tests.export.hal_bench import Bench
 from tests.export.hal_bench import needed as hal_needed
 
 RNG = np.random.default_rng(3)
-GAIN = pid(kp=1.0, ki=0.0, kd=0.0)
+GAIN = table_pid(kp=1.0, ki=0.0, kd=0.0)
 TUNED = TUNINGS["ours.pid_ms_159"]
 HIGH = Notch(centre_hz=800.0, width_hz=100.0, depth=0.3)
 
@@ -160,7 +160,7 @@ def test_it_goes_around_controllers_of_a_motion_command():
 )
 def test_what_cannot_be_a_section_is_refused(section, words):
     with pytest.raises(ValueRefused, match=words):
-        xy_loop(biquad(pid, section), sine()).run(0.01)
+        xy_loop(biquad(table_pid, section), sine()).run(0.01)
 
 
 def test_a_plant_cannot_be_filtered():

@@ -4,11 +4,10 @@ import numpy as np
 import pytest
 
 from leadscrew.analysis.stability.loop import sampled_loop
-from leadscrew.controllers._cascade_ppi import TUNINGS, as_pid, cascade_ppi, of_pid
-from leadscrew.controllers._pid import TUNINGS as PID
-from leadscrew.controllers._pid import pid
+from leadscrew.controllers._cascade_ppi import as_pid, cascade_ppi, of_pid
 from leadscrew.references._motion import Motion
 from leadscrew.references._ramp import ramp_motion
+from leadscrew.studies.npid_xytable.tunings import TUNINGS, table_cascade, table_pid
 from leadscrew.util.errors import ValueRefused
 from tests.controllers.table_axis import PERIOD, table_axis, tried
 
@@ -17,27 +16,27 @@ COMMANDS, FEEDBACKS = RNG.normal(size=300).tolist(), RNG.normal(size=300).tolist
 TAME = cascade_ppi(kpos=150.0, kvp=0.004, kvi=0.6)
 
 
-@pytest.mark.parametrize("block", [cascade_ppi, TAME])
+@pytest.mark.parametrize("block", [cascade_ppi, table_cascade, TAME])
 def test_with_unit_velocity_feed_forward_it_is_a_pid(block):
     p = block.params
-    same = pid(kp=p.kvp * p.kpos + p.kvi, ki=p.kvi * p.kpos, kd=p.kvp)
+    same = table_pid(kp=p.kvp * p.kpos + p.kvi, ki=p.kvi * p.kpos, kd=p.kvp)
     found = tried(block, [Motion(r) for r in COMMANDS], FEEDBACKS)
     assert found == pytest.approx(tried(same, COMMANDS, FEEDBACKS), rel=1e-11, abs=1e-11)
     assert as_pid(block).params == pytest.approx(same.params)
 
 
 def test_table_i_is_the_cascade_of_the_digest():
-    p = of_pid(pid).params
+    p = of_pid(table_pid).params
     assert (p.kvp, p.kpos, p.kvi) == pytest.approx((0.006805, 193.975, 4.25e-6), rel=1e-3)
-    assert p == pytest.approx(cascade_ppi.params, rel=1e-6)
+    assert p == pytest.approx(table_cascade.params, rel=1e-6)
 
 
 def test_a_pid_with_complex_zeros_is_no_cascade():
     for name in ("ours.pid_ms_159", "ours.pid_ms_185"):
         with pytest.raises(ValueRefused, match=r"kp\^2 >= 4 kd ki"):
-            of_pid(PID[name])
+            of_pid(TUNINGS[name])
     with pytest.raises(ValueRefused, match=r"c = 0.0"):
-        of_pid(pid(c=0.0))
+        of_pid(table_pid(c=0.0))
     with pytest.raises(ValueRefused, match=r"velocity_share = 0.5"):
         as_pid(cascade_ppi(velocity_share=0.5))
 

@@ -7,8 +7,8 @@ import pytest
 
 from leadscrew.actuators._dead_zone import dead_zone
 from leadscrew.controllers._dead_zone_inverse import dead_zone_inverse, narrowed, widened
-from leadscrew.controllers._pid import TUNINGS, pid
 from leadscrew.references._eased_sine import eased_sine
+from leadscrew.studies.npid_xytable.tunings import TUNINGS, table_pid
 from leadscrew.util.errors import BlockError, ValueRefused
 from tests.controllers.xy_loop import PERIOD, outputs, xy_loop
 
@@ -18,26 +18,28 @@ ERRORS = np.random.default_rng(4).normal(scale=0.05, size=200)
 
 def test_without_softness_the_drive_sees_what_the_controller_meant():
     errors = np.concatenate([ERRORS, [0.0]])
-    plain = outputs(pid, errors, np.zeros(201))
-    through = [DRIVE(DRIVE.params, u) for u in outputs(dead_zone_inverse(pid, softness=0.0), errors, np.zeros(201))]
+    plain = outputs(table_pid, errors, np.zeros(201))
+    through = [
+        DRIVE(DRIVE.params, u) for u in outputs(dead_zone_inverse(table_pid, softness=0.0), errors, np.zeros(201))
+    ]
     assert through == pytest.approx(plain, abs=1e-15)
 
 
 def test_softened_it_adds_width_times_tanh():
-    plain = outputs(pid, ERRORS, np.zeros(200))
+    plain = outputs(table_pid, ERRORS, np.zeros(200))
     expected = [u + 0.02 * math.tanh(u / 1e-3) for u in plain]
-    assert outputs(dead_zone_inverse(pid), ERRORS, np.zeros(200)) == pytest.approx(expected, rel=1e-15)
+    assert outputs(dead_zone_inverse(table_pid), ERRORS, np.zeros(200)) == pytest.approx(expected, rel=1e-15)
 
 
 @pytest.mark.slow
 def test_20_mv_of_dead_zone_and_what_compensating_all_and_80_percent_of_it_leaves():
-    loop = xy_loop(dead_zone_inverse(pid), eased_sine(amplitude=1.0, frequency=0.7), actuator=DRIVE)
+    loop = xy_loop(dead_zone_inverse(table_pid), eased_sine(amplitude=1.0, frequency=0.7), actuator=DRIVE)
     changes = {
         "controller.width": np.array([0.0, 0.016, 0.02, 0.02]),
         "controller.softness": np.array([1e-3, 1e-3, 1e-3, 0.0]),
     }
     errors = 1e3 * loop.batch(12.0, changes, record="true_error")["true_error"][:, 4000:]
-    bare = xy_loop(pid, eased_sine(amplitude=1.0, frequency=0.7)).run(12.0)
+    bare = xy_loop(table_pid, eased_sine(amplitude=1.0, frequency=0.7)).run(12.0)
     healthy = 1e3 * bare["true_error"][4000:].std()
     rms = errors.std(axis=1)
     assert rms[:3] == pytest.approx([19.46, 7.85, 5.06], abs=0.01) and healthy == pytest.approx(5.04, abs=0.01)
@@ -61,7 +63,9 @@ def test_the_first_output_after_an_align_is_the_last_one_before(softness, output
 @pytest.mark.sweep
 @pytest.mark.parametrize("softness", [1e-3, 0.0])
 def test_all_engines_give_the_same_bits(softness):
-    loop = xy_loop(dead_zone_inverse(pid, softness=softness), eased_sine(amplitude=4.0, frequency=3.0), actuator=DRIVE)
+    loop = xy_loop(
+        dead_zone_inverse(table_pid, softness=softness), eased_sine(amplitude=4.0, frequency=3.0), actuator=DRIVE
+    )
     record = ("output", "actual", "controller")
     fast, plain = (loop.run(0.2, record=record, engine=engine) for engine in ("llvm", "python"))
     assert all(np.array_equal(fast[name], plain[name]) for name in plain.signals)
@@ -69,6 +73,6 @@ def test_all_engines_give_the_same_bits(softness):
 
 def test_a_negative_width_and_what_is_no_controller_are_refused():
     with pytest.raises(ValueRefused, match=r"width = -0.1"):
-        dead_zone_inverse(pid)(width=-0.1)
+        dead_zone_inverse(table_pid)(width=-0.1)
     with pytest.raises(BlockError, match=r"dead_zone_inverse\(dead_zone\)"):
         dead_zone_inverse(dead_zone)

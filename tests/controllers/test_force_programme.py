@@ -6,12 +6,12 @@ import pytest
 from leadscrew.controllers._force import depth_feed_forward, gain_normalised
 from leadscrew.controllers._force.programme import Depth, aimed, cutting, followed, follower, programmed
 from leadscrew.controllers._grey_fuzzy.pi_incremental import PiIncrementalState, pi_incremental
-from leadscrew.controllers._pid import pid
 from leadscrew.plants._turning.process import RadialServo
 from leadscrew.references._cutting_program import NEVER_S, CutCommand
 from leadscrew.sensors._load_cell import CutReading
 from leadscrew.studies.grey_turning.tunings import FORCE as TUNINGS
 from leadscrew.studies.grey_turning.tunings import TUNINGS as GREY_FUZZY
+from leadscrew.studies.npid_xytable.tunings import table_pid
 from leadscrew.util.errors import BlockError
 from tests.controllers.force_loop import RADIAL, cut
 
@@ -148,7 +148,7 @@ def test_both_keep_to_the_limits_of_the_inner_controller():
 @pytest.mark.parametrize("wrapper", [depth_feed_forward, gain_normalised])
 def test_what_has_no_output_to_add_to_is_refused(wrapper):
     with pytest.raises(BlockError, match="adds to its output"):
-        wrapper(pid)
+        wrapper(table_pid)
     with pytest.raises(BlockError, match="positional"):
         wrapper(GREY_FUZZY["ours.depth_tfc"])
 

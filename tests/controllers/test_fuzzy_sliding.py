@@ -8,7 +8,6 @@ import pytest
 from leadscrew import fuzzy
 from leadscrew.controllers._sliding.fuzzy import (
     RULES,
-    TUNINGS,
     Law,
     complement,
     fsmc,
@@ -24,6 +23,7 @@ from leadscrew.kernel.loop import Loop
 from leadscrew.kernel.module import Module
 from leadscrew.plants._ballscrew_stage import INERTIA, TRAVEL_MM_PER_RAD, ballscrew_stage
 from leadscrew.references._motion import Motion
+from leadscrew.studies.fsmc_ballscrew.tunings import FUZZY
 from leadscrew.util.errors import ValueRefused
 from tests.controllers.fuzzy_stage import continuous_fuzzy, ideal, rules_law
 from tests.controllers.stage_loop import UM, both, errors_um, stage_loop
@@ -229,7 +229,7 @@ AT_4_KHZ = [("slow", 1.9), ("wide", 0.100), ("fast", 0.76)]
 @pytest.mark.parametrize(("name", "rms"), AT_4_KHZ)
 def test_at_4_khz_with_the_papers_lam_it_leaves_the_known_errors(name, rms):
     seconds = 4.0 if name == "fast" else 4.0 * np.pi
-    run = stage_loop(TUNINGS["ours.fsmc_4khz_slow"], name, encoder_mm=1e-5).run(seconds, record="true_error")
+    run = stage_loop(FUZZY["ours.fsmc_4khz_slow"], name, encoder_mm=1e-5).run(seconds, record="true_error")
     assert errors_um(run)[1] == pytest.approx(rms, rel=0.02)
 
 
@@ -240,7 +240,7 @@ def test_at_4_khz_with_the_papers_lam_it_leaves_the_known_errors(name, rms):
     ids=["corrected", "printed"],
 )
 def test_tuned_for_4_khz_both_rule_bases_work_and_the_printed_one_is_calmer(tuning, largest, rms):
-    run = stage_loop(TUNINGS[tuning], "fast", encoder_mm=1e-5).run(4.0, record=SIGNALS)
+    run = stage_loop(FUZZY[tuning], "fast", encoder_mm=1e-5).run(4.0, record=SIGNALS)
     worst, mean = errors_um(run)
     assert worst < largest and mean == pytest.approx(rms, rel=0.02)
     chatter = np.abs(np.diff(run["output"])).sum() / 4.0
@@ -259,9 +259,9 @@ def test_from_rest_the_first_output_after_an_align_is_the_last_one_before(block)
 
 @pytest.mark.slow
 def test_another_law_takes_over_in_motion_without_a_kick():
-    live = stage_loop(TUNINGS["ours.fsmc_4khz"], "fast").start()
+    live = stage_loop(FUZZY["ours.fsmc_4khz"], "fast").start()
     before = live.advance(400)["output"]
-    live = live.switch(TUNINGS["ours.fsmc_printed_4khz"])
+    live = live.switch(FUZZY["ours.fsmc_printed_4khz"])
     after = live.advance(400, record=SIGNALS)
     assert live.bumpless
     assert abs(after["output"][0] - before[-1]) < 4.0 and UM * np.abs(after["true_error"]).max() < 5.0
@@ -274,7 +274,7 @@ def test_a_positive_error_gives_a_positive_torque():
 
 
 def test_in_mm_it_is_the_same_motion():
-    block = TUNINGS["ours.fsmc_4khz"]
+    block = FUZZY["ours.fsmc_4khz"]
     by_rad = stage_loop(block, "fast").run(0.3, record="actual")["actual"]
     mm = stage_loop(block(travel_per_rad=1.5923), "fast", plant=ballscrew_stage(travel_per_rad=1.5923))
     by_mm = mm.using({"reference.amplitude": 1.0}).run(0.3, record="actual")["actual"]
@@ -291,7 +291,7 @@ def test_at_the_torque_limit_the_integral_waits():
 
 @pytest.mark.sweep
 @pytest.mark.parametrize(
-    "block", [TUNINGS["ours.fsmc_4khz"](friction_from=2), TUNINGS["ours.fsmc_printed_4khz"]], ids=["fsmc", "printed"]
+    "block", [FUZZY["ours.fsmc_4khz"](friction_from=2), FUZZY["ours.fsmc_printed_4khz"]], ids=["fsmc", "printed"]
 )
 def test_all_engines_give_the_same_bits(block):
     loop = stage_loop(block, "fast", encoder_mm=1e-5, method="sdirk3", substeps=10)
@@ -302,7 +302,7 @@ def test_all_engines_give_the_same_bits(block):
 
 @pytest.mark.sweep
 def test_a_batch_gives_the_bits_of_single_runs():
-    loop = stage_loop(TUNINGS["ours.fsmc_4khz"], "fast", method="sdirk3", substeps=10)
+    loop = stage_loop(FUZZY["ours.fsmc_4khz"], "fast", method="sdirk3", substeps=10)
     scales = np.linspace(105.0, 160.0, 17)
     batch = loop.batch(0.1, {"controller.scale_s": scales}, record="true_error")
     for k in (0, 7, 16):

@@ -11,9 +11,9 @@ from leadscrew.controllers._grey_fuzzy import gpfc, pi_incremental, smith, tfc
 from leadscrew.controllers._grey_fuzzy.rule_tables import SETS, STANDARD, TABLES, rough
 from leadscrew.controllers._grey_fuzzy.rules_shown import active_rules, as_fuzzy_system
 from leadscrew.controllers._grey_fuzzy.surface import concluded
-from leadscrew.controllers._pid import pid
 from leadscrew.grey.predictors import FIR, GM, GM_SHIFTED, LAST, TWO_POINT
 from leadscrew.studies.grey_turning.tunings import FACTORS, TUNINGS, at
+from leadscrew.studies.npid_xytable.tunings import table_pid
 from leadscrew.util.errors import BlockError, ValueRefused
 from tests.budget import in_every_run
 from tests.controllers.grey_fuzzy_loop import force_loop
@@ -108,7 +108,7 @@ def test_active_rules_are_named_with_their_shares():
     assert active_rules(tfc(rules=0.5 * STANDARD, **MILD), 0.0, 3.0)[0].consequent == "ZO..PS"
     assert math.fsum(r.share for r in active_rules(tfc(inference=1, **MILD), 5.0, -2.0)) == pytest.approx(1.0)
     with pytest.raises(BlockError, match="has no rules with scaling factors"):
-        active_rules(pid, 1.0, 0.0)
+        active_rules(table_pid, 1.0, 0.0)
     assert SETS[0] == "NB" and SETS[6] == "PB"
 
 

@@ -6,36 +6,37 @@ import pytest
 from leadscrew.controllers._inverse_feed_forward import inverse_feed_forward
 from leadscrew.controllers._npid import npid
 from leadscrew.controllers._pd_dob import pd_dob
-from leadscrew.controllers._pid import TUNINGS, pid
 from leadscrew.plants._xy_table import xy_table
 from leadscrew.references._motion import Motion
+from leadscrew.studies.npid_xytable.tunings import TUNINGS, table_pid
 from leadscrew.util.errors import BlockError, ValueRefused
 from tests.controllers.table_axis import lines_um, rms_um, table_axis, tried
 
 
 def test_the_voltage_is_the_models_by_hand():
     """From r = 2, r' = 30, r'' = 400 after 10 ms without jerk: r = 2.32, r' = 34, r'' = 400."""
-    block = inverse_feed_forward(pid(kp=0.0, ki=0.0, kd=0.0), ahead_s=0.01, share=0.9)
+    block = inverse_feed_forward(table_pid(kp=0.0, ki=0.0, kd=0.0), ahead_s=0.01, share=0.9)
     (u,) = tried(block, [Motion(2.0, 30.0, 400.0)], [0.0])
     assert u == pytest.approx(0.9 * (400.0 + 144.8 * 34.0 + 166.3 * 2.32) / 69380.0, rel=1e-12)
 
 
 def test_the_inner_law_sees_the_commanded_position():
-    block, here = inverse_feed_forward(pid, share=0.0), Motion(0.3, 7.0, -5.0)
-    assert tried(block, [here, here], [0.1, 0.25]) == tried(pid, [0.3, 0.3], [0.1, 0.25])
+    block, here = inverse_feed_forward(table_pid, share=0.0), Motion(0.3, 7.0, -5.0)
+    assert tried(block, [here, here], [0.1, 0.25]) == tried(table_pid, [0.3, 0.3], [0.1, 0.25])
 
 
 @pytest.mark.parametrize("late", [0.775e-3, *(pytest.param(x, marks=pytest.mark.slow) for x in (0.0, 1.5e-3))])
 def test_a_known_plant_follows_a_sine_within_5_nm(late):
     """Without it the printed gains leave 7.1 um."""
-    block = inverse_feed_forward(pid, ahead_s=late + 0.25e-3)
+    block = inverse_feed_forward(table_pid, ahead_s=late + 0.25e-3)
     run = table_axis(block, dead_time_s=late).run(20.0)
-    assert lines_um(run, [0.7])[0] < 5e-3 and rms_um(table_axis(pid, dead_time_s=late).run(20.0)) > 5.0
+    assert lines_um(run, [0.7])[0] < 5e-3 and rms_um(table_axis(table_pid, dead_time_s=late).run(20.0)) > 5.0
 
 
 def test_a_share_of_90_percent_leaves_a_tenth_of_the_following_error():
     whole, rest = (
-        lines_um(table_axis(block).run(20.0), [0.7])[0] for block in (pid, inverse_feed_forward(pid, share=0.9))
+        lines_um(table_axis(block).run(20.0), [0.7])[0]
+        for block in (table_pid, inverse_feed_forward(table_pid, share=0.9))
     )
     assert rest == pytest.approx(0.1 * whole, rel=2e-3)
 
@@ -43,8 +44,8 @@ def test_a_share_of_90_percent_leaves_a_tenth_of_the_following_error():
 def test_a_wrong_gain_of_the_model_leaves_the_error_of_that_part():
     """Of a plant that is 25 % stronger than believed: a quarter too much voltage, seen by the loop as -0.25 of it."""
     strong = 1.25 * 69380.0
-    whole = lines_um(table_axis(pid, gain=strong).run(20.0), [0.7])[0]
-    rest = lines_um(table_axis(inverse_feed_forward(pid), gain=strong).run(20.0), [0.7])[0]
+    whole = lines_um(table_axis(table_pid, gain=strong).run(20.0), [0.7])[0]
+    rest = lines_um(table_axis(inverse_feed_forward(table_pid), gain=strong).run(20.0), [0.7])[0]
     assert rest == pytest.approx(0.25 * whole, rel=5e-3)
 
 
@@ -78,4 +79,4 @@ def test_what_is_no_controller_and_gains_of_nothing_are_refused():
     with pytest.raises(BlockError, match=r"inverse_feed_forward\(xy_table\): needs a sampled controller"):
         inverse_feed_forward(xy_table)
     with pytest.raises(ValueRefused, match=r"gain = 0"):
-        inverse_feed_forward(pid)(gain=0.0)
+        inverse_feed_forward(table_pid)(gain=0.0)

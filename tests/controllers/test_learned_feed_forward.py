@@ -5,16 +5,16 @@ import pytest
 
 from leadscrew.controllers._inverse_feed_forward import inverse_feed_forward
 from leadscrew.controllers._learned_feed_forward import learned_feed_forward
-from leadscrew.controllers._pid import TUNINGS, pid
 from leadscrew.kernel.loop import Loop
 from leadscrew.plants._xy_table_lugre import LEVELS
 from leadscrew.references._eased_sine import eased_sine_motion
 from leadscrew.references._motion import Motion
+from leadscrew.studies.npid_xytable.tunings import TUNINGS, table_pid
 from leadscrew.util.errors import BlockError, ValueRefused
 from tests.controllers.table_axis import rms_um, tried
 
 RETUNED = TUNINGS["ours.pid_ms_185"]
-SILENT = pid(kp=0.0, ki=0.0, kd=0.0)
+SILENT = table_pid(kp=0.0, ki=0.0, kd=0.0)
 HIGH = {"friction_mv": 150.0, "presliding_um": 10.0}
 
 
@@ -41,8 +41,8 @@ def test_in_steady_motion_it_adds_the_models_voltage_and_coulomb_friction():
 
 def test_without_friction_and_learning_it_is_the_inverse_plant():
     path = [Motion(np.sin(x), 40.0 * np.cos(x), -1600.0 * np.sin(x)) for x in 0.02 * np.arange(400)]
-    known = tried(inverse_feed_forward(pid), path, [0.0] * 400)
-    mine = tried(learned_feed_forward(pid, friction_mv=0.0, rate=0.0), path, [0.0] * 400)
+    known = tried(inverse_feed_forward(table_pid), path, [0.0] * 400)
+    mine = tried(learned_feed_forward(table_pid, friction_mv=0.0, rate=0.0), path, [0.0] * 400)
     np.testing.assert_allclose(mine, known, rtol=0, atol=1e-12)
 
 
@@ -83,13 +83,13 @@ def test_the_first_output_after_an_align_is_the_last_one_before():
 
 @pytest.mark.sweep
 def test_all_engines_give_the_same_bits():
-    loop = rough(learned_feed_forward(pid))
+    loop = rough(learned_feed_forward(table_pid))
     fast, plain = (loop.run(0.1, record=("output", "actual"), engine=engine) for engine in ("llvm", "python"))
     assert all(np.array_equal(fast[name], plain[name]) for name in plain.signals)
 
 
 def test_a_law_of_motions_and_values_out_of_range_are_refused():
     with pytest.raises(BlockError, match=r"learned_feed_forward\(pid_ff\): needs a controller of a position"):
-        learned_feed_forward(inverse_feed_forward(pid))
+        learned_feed_forward(inverse_feed_forward(table_pid))
     with pytest.raises(ValueRefused, match=r"presliding_um = 0"):
-        learned_feed_forward(pid, presliding_um=0.0)
+        learned_feed_forward(table_pid, presliding_um=0.0)

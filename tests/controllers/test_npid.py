@@ -6,11 +6,11 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 
-from leadscrew.controllers._npid import READINGS, NPIDParams, npid, scaled_error
-from leadscrew.controllers._pid import pid
+from leadscrew.controllers._npid import NPIDParams, npid, scaled_error
 from leadscrew.kernel.block import disturbance
 from leadscrew.references._sine import sine
 from leadscrew.references._step import step
+from leadscrew.studies.npid_xytable.tunings import TUNINGS, table_pid
 from tests.controllers.xy_loop import PERIOD, outputs, xy_loop
 
 UM = 1e-3
@@ -50,11 +50,11 @@ def test_it_is_the_pid_of_the_scaled_error():
     errors = np.random.default_rng(2).normal(scale=5.0 * UM, size=200)
     scaled = [math.cosh(0.5 * min(abs(e) / UM, 3.0)) * e for e in errors]
     zeros = np.zeros(200)
-    assert outputs(npid, errors, zeros) == pytest.approx(outputs(pid, scaled, zeros), rel=1e-9)
+    assert outputs(npid, errors, zeros) == pytest.approx(outputs(table_pid, scaled, zeros), rel=1e-9)
 
 
 def worst_um(name, amplitude):
-    run = xy_loop(READINGS[name], sine(amplitude=amplitude, frequency=0.7)).run(12.0, record="true_error")
+    run = xy_loop(TUNINGS[name], sine(amplitude=amplitude, frequency=0.7)).run(12.0, record="true_error")
     return np.abs(run["true_error"][4000:]).max() / UM
 
 
@@ -68,7 +68,7 @@ def test_a_clip_of_the_error_itself_loses_the_sine(amplitude, inside, clipped):
 def test_as_printed_it_tracks_like_the_pid(amplitude, difference):
     errors = [
         xy_loop(block, sine(amplitude=amplitude, frequency=0.7)).run(12.0)["true_error"][4000:]
-        for block in (pid, READINGS["paper.npid_mm"])
+        for block in (table_pid, TUNINGS["paper.npid_mm"])
     ]
     apart = np.abs(errors[1] - errors[0]).max() / np.abs(errors[0]).max()
     assert apart == pytest.approx(difference, rel=0.02)

@@ -11,9 +11,9 @@ from leadscrew.controllers import _npid_slope as limited
 from leadscrew.controllers._npid import npid
 from leadscrew.controllers._npid_after import npid_after
 from leadscrew.controllers._npid_slope import npid_slope
-from leadscrew.controllers._pid import pid
 from leadscrew.references._sine import sine
 from leadscrew.references._step import step
+from leadscrew.studies.npid_xytable.tunings import table_pid
 from leadscrew.util.errors import ValueRefused
 from tests.controllers.test_npid import push
 from tests.controllers.xy_loop import PERIOD, outputs, xy_loop
@@ -58,16 +58,16 @@ def test_no_error_sees_more_than_k():
 def test_it_is_the_pid_of_the_curve():
     p = npid_slope.params
     scaled = [limited.curve(p, e) for e in ERRORS.tolist()]
-    assert outputs(npid_slope, ERRORS, ZEROS) == outputs(pid, scaled, ZEROS)
+    assert outputs(npid_slope, ERRORS, ZEROS) == outputs(table_pid, scaled, ZEROS)
 
 
 def test_with_k_1_or_alpha_0_both_are_the_plain_pid():
-    assert outputs(npid_slope(k=1.0), ERRORS, ZEROS) == outputs(pid, ERRORS, ZEROS)
-    assert outputs(npid_after(alpha=0.0), ERRORS, ZEROS) == outputs(pid, ERRORS, ZEROS)
+    assert outputs(npid_slope(k=1.0), ERRORS, ZEROS) == outputs(table_pid, ERRORS, ZEROS)
+    assert outputs(npid_after(alpha=0.0), ERRORS, ZEROS) == outputs(table_pid, ERRORS, ZEROS)
 
 
 def test_behind_the_pid_the_gain_multiplies_its_output():
-    plain = outputs(pid(ki=90.0), ERRORS, ZEROS)
+    plain = outputs(table_pid(ki=90.0), ERRORS, ZEROS)
     expected = [math.cosh(0.5 * min(abs(e) / UM, 3.0)) * u for e, u in zip(ERRORS.tolist(), plain, strict=True)]
     assert outputs(npid_after(ki=90.0), ERRORS, ZEROS) == pytest.approx(expected, rel=1e-14)
 

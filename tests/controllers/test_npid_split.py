@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from leadscrew.controllers._npid_split import npid_split
-from leadscrew.controllers._pid import pid
+from leadscrew.studies.npid_xytable.tunings import table_pid
 from tests.controllers.xy_loop import outputs
 
 ERRORS = 1e-3 * np.array([0.0, 0.4, -0.7, 2.0, 9.0, -3.0, 0.1])
@@ -19,7 +19,7 @@ def same_paths(**gains):
 def test_two_alike_paths_are_a_plain_pid():
     gains = {"kp": 1.1, "ki": 90.0, "kd": 0.004, "filter_s": 0.0007}
     split = outputs(same_paths(**gains), ERRORS, 0.0 * ERRORS)
-    np.testing.assert_allclose(split, outputs(pid(**gains), ERRORS, 0.0 * ERRORS), rtol=1e-12)
+    np.testing.assert_allclose(split, outputs(table_pid(**gains), ERRORS, 0.0 * ERRORS), rtol=1e-12)
 
 
 def test_each_path_gets_its_part_of_the_error():

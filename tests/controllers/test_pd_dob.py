@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from leadscrew.controllers._pd_dob import TUNINGS, PdDobState, pd_dob
+from leadscrew.controllers._pd_dob import PdDobState, pd_dob
 from leadscrew.disturbances._pulse_load import pulse_load
 from leadscrew.disturbances._step_load import step_load
 from leadscrew.friction.maxwell_slip import MaxwellSlip
@@ -17,6 +17,7 @@ from leadscrew.plants._mass_maxwell_slip import mass_maxwell_slip
 from leadscrew.references._motion import Motion
 from leadscrew.references._sine import sine_motion
 from leadscrew.sensors._ruler import ruler
+from leadscrew.studies.fsmc_ballscrew.tunings import SCHEDULED as TUNINGS
 from leadscrew.util.errors import ValueRefused
 from tests.controllers.stage_loop import SINES, UM, errors_um, stage_loop
 

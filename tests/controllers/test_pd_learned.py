@@ -19,7 +19,6 @@ from leadscrew.controllers._learned_friction import (
     seen,
     spread_at_start,
 )
-from leadscrew.controllers._pd_dob import TUNINGS as PD_DOB
 from leadscrew.controllers._pd_learned import initial, pd_learned
 from leadscrew.disturbances._step_load import step_load
 from leadscrew.friction.lugre import HAT, LuGre, bristle_after, bristle_rate
@@ -30,6 +29,7 @@ from leadscrew.plants._ballscrew_stage import TRAVEL_MM_PER_RAD, ballscrew_stage
 from leadscrew.references._motion import Motion
 from leadscrew.references._sine import sine_motion
 from leadscrew.sensors._ruler import ruler
+from leadscrew.studies.fsmc_ballscrew.tunings import SCHEDULED as PD_DOB
 from leadscrew.util.errors import ValueRefused
 from tests.controllers.stage_loop import SINES, UM, stage_loop
 

@@ -5,10 +5,10 @@ import pytest
 from scipy import signal
 from scipy.linalg import expm
 
-from leadscrew.controllers._pid import TUNINGS, pid
 from leadscrew.plants._xy_table import xy_table
 from leadscrew.references._sine import sine
 from leadscrew.references._step import step
+from leadscrew.studies.npid_xytable.tunings import TUNINGS, table_pid
 from leadscrew.util.errors import ValueRefused
 from tests.controllers.xy_loop import PERIOD, outputs, xy_loop
 
@@ -17,19 +17,19 @@ COMMANDS, FEEDBACKS = RNG.normal(size=400), RNG.normal(size=400)
 
 
 def test_the_plain_law_comes_out_bit_for_bit():
-    p, total, last, expected = pid.params, 0.0, 0.0, []
+    p, total, last, expected = table_pid.params, 0.0, 0.0, []
     for command, feedback in zip(COMMANDS.tolist(), FEEDBACKS.tolist(), strict=True):
         error = command - feedback
         total = total + error * PERIOD
         expected.append(p.kp * error + p.ki * total + p.kd * (error - last) / PERIOD)
         last = error
-    assert outputs(pid, COMMANDS, FEEDBACKS) == expected
+    assert outputs(table_pid, COMMANDS, FEEDBACKS) == expected
 
 
 @pytest.mark.parametrize("lag", [0.0, 2e-3])
 def test_the_difference_equation_is_the_one_of_the_z_transform(lag):
     """Kp + ki T / (1 - z^-1) + kd (1 - z^-1) / (lag + T - lag z^-1), run by SciPy on command and feedback alone."""
-    block = pid(kp=2.0, ki=30.0, kd=0.01, b=0.4, c=0.1, filter_s=lag)
+    block = table_pid(kp=2.0, ki=30.0, kd=0.01, b=0.4, c=0.1, filter_s=lag)
     p = block.params
 
     def response(x, weight_p, weight_i, weight_d):
@@ -42,8 +42,8 @@ def test_the_difference_equation_is_the_one_of_the_z_transform(lag):
 
 
 def test_a_derivative_of_the_measurement_is_not_kicked_by_a_step_of_the_command():
-    kicked = outputs(pid(ki=0.0), [1.0, 1.0], [0.0, 0.0])
-    smooth = outputs(pid(ki=0.0, c=0.0), [1.0, 1.0], [0.0, 0.0])
+    kicked = outputs(table_pid(ki=0.0), [1.0, 1.0], [0.0, 0.0])
+    smooth = outputs(table_pid(ki=0.0, c=0.0), [1.0, 1.0], [0.0, 0.0])
     assert kicked[0] == pytest.approx(1.32 + 0.006805 / PERIOD) and kicked[1] == 1.32
     assert smooth == [1.32, 1.32]
 
@@ -56,12 +56,12 @@ def wound_up(block, periods=400, error=1.0):
 
 
 def test_without_anti_windup_the_integral_grows_at_the_limit():
-    s, u = wound_up(pid(ki=100.0, lower=-5.0, upper=5.0, anti_windup=0))
+    s, u = wound_up(table_pid(ki=100.0, lower=-5.0, upper=5.0, anti_windup=0))
     assert u == 5.0 and s.integral == pytest.approx(400 * PERIOD)
 
 
 def test_clamping_stops_the_integral_at_the_limit_and_lets_it_return_at_once():
-    block = pid(ki=100.0, kd=0.0, lower=-5.0, upper=5.0, anti_windup=1)
+    block = table_pid(ki=100.0, kd=0.0, lower=-5.0, upper=5.0, anti_windup=1)
     s, u = wound_up(block)
     assert u == 5.0 and 5.0 - 100.0 * PERIOD < 1.32 + 100.0 * s.integral <= 5.0
     after, _ = block.step(block.params, s, -0.1, 0.0, PERIOD)
@@ -73,7 +73,7 @@ def test_clamping_stops_the_integral_at_the_limit_and_lets_it_return_at_once():
 @pytest.mark.parametrize("tracking", [0.004, 0.0])
 def test_back_calculation_balances_the_error_against_the_excess(tracking):
     """Where the integral stands still, ki e T = share (raw - limit), with share = T / max(tracking, T)."""
-    block = pid(ki=100.0, kd=0.0, lower=-5.0, upper=5.0, anti_windup=2, tracking_s=tracking)
+    block = table_pid(ki=100.0, kd=0.0, lower=-5.0, upper=5.0, anti_windup=2, tracking_s=tracking)
     s, u = wound_up(block)
     excess = 1.32 + 100.0 * (s.integral + PERIOD) - 5.0
     assert u == 5.0 and excess == pytest.approx(100.0 * max(tracking, PERIOD))
@@ -91,13 +91,13 @@ def test_anti_windup_takes_the_overshoot_of_a_saturated_step(rule):
 
 
 def test_the_printed_gains_are_a_pd_in_practice():
-    run = xy_loop(pid, step(target=0.01)).run(1.0)
+    run = xy_loop(table_pid, step(target=0.01)).run(1.0)
     assert 100.0 * run["true_error"][-1] / 0.01 == pytest.approx(0.181, abs=5e-4)
     assert 100.0 * (run["actual"].max() / 0.01 - 1.0) == pytest.approx(20.8, abs=0.05)
 
 
 def test_a_sine_of_1_mm_leaves_the_error_of_the_loops_frequency_response():
-    run = xy_loop(pid, sine(frequency=0.7)).run(12.0)
+    run = xy_loop(table_pid, sine(frequency=0.7)).run(12.0)
     assert 1e3 * np.abs(run["true_error"][4000:]).max() == pytest.approx(7.12, abs=0.01)
 
 
@@ -153,7 +153,7 @@ def test_another_pid_takes_over_without_a_bump():
 
 @pytest.mark.parametrize(("command", "feedback", "output"), [(1.0, 0.25, -3.0), (-2.0, 5.0, 7.5)])
 def test_the_first_output_after_an_align_is_the_last_one_before(command, feedback, output):
-    block = pid(ki=12.0, b=0.7, c=0.2, filter_s=1e-3)
+    block = table_pid(ki=12.0, b=0.7, c=0.2, filter_s=1e-3)
     s = block.align(block.params, command, feedback, output)
     s, u = block.step(block.params, s, command, feedback, PERIOD)
     assert u == pytest.approx(output, abs=1e-12)
@@ -162,7 +162,7 @@ def test_the_first_output_after_an_align_is_the_last_one_before(command, feedbac
 
 
 def test_without_integral_action_an_align_starts_from_the_proportional_term():
-    block = pid(ki=0.0)
+    block = table_pid(ki=0.0)
     _, u = block.step(block.params, block.align(block.params, 2.0, 1.0, 9.0), 2.0, 1.0, PERIOD)
     assert u == 1.32
 
@@ -177,14 +177,14 @@ def test_without_integral_action_an_align_starts_from_the_proportional_term():
     ],
 )
 def test_all_engines_give_the_same_bits(changes):
-    loop = xy_loop(pid(**changes), sine(amplitude=4.0, frequency=3.0))
+    loop = xy_loop(table_pid(**changes), sine(amplitude=4.0, frequency=3.0))
     record = ("output", "actual", "controller")
     fast, plain = (loop.run(0.2, record=record, engine=engine) for engine in ("llvm", "python"))
     assert all(np.array_equal(fast[name], plain[name]) for name in plain.signals)
 
 
 def test_a_filtered_derivative_decays_to_zero_and_not_to_denormal_numbers():
-    s = outputs_state(pid(filter_s=5e-3), [1.0] + [0.0] * 5000)
+    s = outputs_state(table_pid(filter_s=5e-3), [1.0] + [0.0] * 5000)
     assert s.slope == 0.0
 
 
@@ -197,9 +197,9 @@ def outputs_state(block, errors):
 
 def test_unknown_rules_and_negative_gains_are_refused():
     with pytest.raises(ValueRefused, match=r"anti_windup = 3 .*none, clamping, back-calculation"):
-        pid(anti_windup=3)
+        table_pid(anti_windup=3)
     with pytest.raises(ValueRefused, match=r"kp = -1.0"):
-        pid(kp=-1.0)
+        table_pid(kp=-1.0)
 
 
 def test_the_table_is_the_printed_transfer_function():

@@ -1,26 +1,25 @@
 """Repetitive control: its memory by SciPy, its promise of convergence against the loop, and what it leaves."""
 
+import math
 from itertools import pairwise
 
-import math
 import numpy as np
 import pytest
 from scipy import signal
 
 from leadscrew.controllers._inverse_feed_forward import inverse_feed_forward
-from leadscrew.controllers._pid import TUNINGS as PID
-from leadscrew.controllers._pid import pid
-from leadscrew.controllers._repetitive import TAPS, TUNINGS, contraction, low_pass, repetitive
+from leadscrew.controllers._repetitive import TAPS, contraction, low_pass, repetitive
 from leadscrew.disturbances._five_sines import five_sines
 from leadscrew.disturbances._sine_load import sine_load
 from leadscrew.kernel.loop import Loop
 from leadscrew.plants._xy_table_lugre import LEVELS
 from leadscrew.references._eased_sine import eased_sine_motion
+from leadscrew.studies.npid_xytable.tunings import TUNINGS, table_pid
 from leadscrew.util.errors import BlockError, ValueRefused
 from tests.controllers.table_axis import PERIOD, lines_um, rms_um, table_axis, tried
 
-ONE = pid(kp=1.0, ki=0.0, kd=0.0)
-TUNED = PID["ours.pid_ms_159"]
+ONE = table_pid(kp=1.0, ki=0.0, kd=0.0)
+TUNED = TUNINGS["ours.pid_ms_159"]
 W = np.geomspace(1.0, 6200.0, 2000)
 HARMONICS = five_sines(**{f"{place}.amplitude": 1e-3 for place in five_sines.params._fields})
 
@@ -133,16 +132,16 @@ def test_a_limit_outside_keeps_the_memory_from_winding_up(limit):
 
 def test_periods_and_cut_offs_that_the_memory_cannot_hold_are_refused():
     with pytest.raises(ValueRefused, match=r"period_s = 3.0 .* 45 to 4055; a longer one needs more room"):
-        table_axis(repetitive(pid, 3.0)).run(0.1)
+        table_axis(repetitive(table_pid, 3.0)).run(0.1)
     with pytest.raises(ValueRefused, match=r"cutoff_hz = 5.0 \(repetitive\): expected 20 or more"):
-        table_axis(repetitive(pid, cutoff_hz=5.0)).run(0.1)
+        table_axis(repetitive(table_pid, cutoff_hz=5.0)).run(0.1)
     with pytest.raises(BlockError, match="room = 10"):
-        repetitive(pid, room=10)
+        repetitive(table_pid, room=10)
 
 
 @pytest.mark.slow
 def test_the_first_output_after_an_align_is_the_last_one_before():
-    live = table_axis(pid).start()
+    live = table_axis(table_pid).start()
     live.advance(3000)
     expected = live.advance_preview()["output"]
     after = live.switch(repetitive(TUNED))

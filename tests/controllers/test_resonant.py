@@ -10,21 +10,20 @@ from scipy import signal
 from leadscrew.analysis.stability.loop import sampled_loop
 from leadscrew.controllers._inverse_feed_forward import inverse_feed_forward
 from leadscrew.controllers._npid import npid
-from leadscrew.controllers._pid import TUNINGS as PID
-from leadscrew.controllers._pid import pid
-from leadscrew.controllers._resonant import TUNINGS, resonant
+from leadscrew.controllers._resonant import resonant
 from leadscrew.controllers._response import TableModel, law_response, table_response
 from leadscrew.controllers._wrapping import wrapped
 from leadscrew.disturbances._five_sines import five_sines
 from leadscrew.disturbances._sine_load import sine_load
 from leadscrew.plants._xy_table import xy_table
 from leadscrew.sensors._noisy_ruler import noisy_ruler
+from leadscrew.studies.npid_xytable.tunings import TUNINGS, table_pid
 from leadscrew.util.errors import BlockError, ValueRefused
 from tests.controllers.table_axis import PERIOD, lines_um, rms_um, table_axis, tried
 
 RNG = np.random.default_rng(5)
 W = 2.0 * np.pi * np.array([0.7, 7.7, 33.3, 100.0, 700.0])
-SILENT = pid(kp=0.0, ki=0.0, kd=0.0)
+SILENT = table_pid(kp=0.0, ki=0.0, kd=0.0)
 
 
 def test_a_resonator_is_the_difference_equation_of_the_digest():
@@ -60,7 +59,7 @@ def test_the_believed_table_is_python_controls_with_the_delay_of_the_step(late):
 
 
 def test_the_response_of_a_controller_is_that_of_its_z_transform():
-    block = PID["ours.pid_ms_159"](filter_s=1e-3)
+    block = TUNINGS["ours.pid_ms_159"](filter_s=1e-3)
     p = block.params
     transfer = control.tf([p.kp], [1.0], PERIOD) + control.tf([p.ki * PERIOD, 0.0], [1.0, -1.0], PERIOD)
     transfer += control.tf([p.kd, -p.kd], [p.filter_s + PERIOD, -p.filter_s], PERIOD)
@@ -70,7 +69,7 @@ def test_the_response_of_a_controller_is_that_of_its_z_transform():
 
 
 def test_a_nonlinear_law_counts_by_its_slope_at_rest():
-    linear, bent = (wrapped(b, "here") for b in (pid, npid))
+    linear, bent = (wrapped(b, "here") for b in (table_pid, npid))
     responses = [law_response(x.law, x.block.params, x.block.state, x.motion, PERIOD, W) for x in (linear, bent)]
     assert responses[1] == pytest.approx(responses[0], rel=1e-5)
 
@@ -78,7 +77,7 @@ def test_a_nonlinear_law_counts_by_its_slope_at_rest():
 @pytest.mark.parametrize("strength", [pytest.param(0.5, marks=pytest.mark.slow), 2.0])
 def test_a_line_decays_at_half_the_strength(strength):
     """Whatever the loop does to that frequency, by which the gain is measured."""
-    block = resonant(PID["ours.pid_ms_159"], [7.7], strength=strength)
+    block = resonant(TUNINGS["ours.pid_ms_159"], [7.7], strength=strength)
     load = sine_load(amplitude=1e-3, frequency=7.7, phase=0.3)
     run = table_axis(block, amplitude=0.0, disturbance=load).run(8.0)
     parts = [lines_um({"true_error": run["true_error"][: round(t / PERIOD)]}, [7.7], 0.6494)[0] for t in (2.0, 4.0)]
@@ -87,7 +86,7 @@ def test_a_line_decays_at_half_the_strength(strength):
 
 def test_the_loop_stays_as_stable_as_without_them():
     plain, with_lines = (
-        sampled_loop(table_axis(block)) for block in (PID["ours.pid_ms_159"], TUNINGS["ours.resonant_box"])
+        sampled_loop(table_axis(block)) for block in (TUNINGS["ours.pid_ms_159"], TUNINGS["ours.resonant_box"])
     )
     w = np.geomspace(10.0, 6000.0, 20000)
     peaks = [(1.0 / np.abs(1.0 + loop.response(w))).max() for loop in (plain, with_lines)]
@@ -101,7 +100,7 @@ LINES = (0.7, 2.1, 3.5, 4.9, 6.3, 7.7)
 @pytest.mark.slow
 def test_every_line_of_table_ii_goes_below_one_hundredth():
     load = five_sines(**{f"{place}.amplitude": 1e-3 for place in five_sines.params._fields})
-    blocks = (pid, TUNINGS["ours.resonant"])
+    blocks = (table_pid, TUNINGS["ours.resonant"])
     before, after = (lines_um(table_axis(block, disturbance=load).run(20.0), LINES) for block in blocks)
     assert (before > 0.7).all() and (after < 0.01 * before).all()
 
@@ -111,7 +110,7 @@ def test_a_line_in_the_wrong_place_keeps_what_the_data_sheet_says():
     d, strength = 2.0 * math.pi * 0.1, 1.0
     plain, off = (
         lines_um(table_axis(b, amplitude=0.0, spindle_hz=50.1, spindle_v=1e-3).run(20.0), [50.1])[0]
-        for b in (pid, resonant(pid, [50.0], strength))
+        for b in (table_pid, resonant(table_pid, [50.0], strength))
     )
     assert off / plain == pytest.approx(d / math.hypot(d, 0.5 * strength), rel=0.02)
 
@@ -142,8 +141,8 @@ def test_at_the_limit_of_the_output_resonators_do_not_grow():
 def test_a_cutter_of_one_tooth_has_one_line_at_the_spindles_speed():
     errors = RNG.normal(size=400)
     one, same = (
-        tried(b, errors.tolist(), np.zeros(400)) for b in (resonant(pid, [0.7], spindle_hz=20.0, teeth=1),
-                                                          resonant(pid, [0.7, 20.0]))
+        tried(b, errors.tolist(), np.zeros(400)) for b in (resonant(table_pid, [0.7], spindle_hz=20.0, teeth=1),
+                                                          resonant(table_pid, [0.7, 20.0]))
     )  # fmt: skip
     assert one == pytest.approx(same, rel=1e-12, abs=1e-15)
 
@@ -151,17 +150,17 @@ def test_a_cutter_of_one_tooth_has_one_line_at_the_spindles_speed():
 def test_the_parameters_are_those_of_the_inner_controller_and_its_gain_moves_the_phase():
     loop = table_axis(TUNINGS["ours.resonant_full"])
     assert loop.parameters["controller.inner.inner.kp"] == 1.17
-    block = resonant(pid)
+    block = resonant(table_pid)
     before, after = (b.prepare(b.params, PERIOD).lines for b in (block, block(**{"inner.ki": 175.0})))
     assert not np.allclose(before.in_im, after.in_im) and np.array_equal(before.turn_re, after.turn_re)
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    "block", [TUNINGS["ours.resonant_box"], resonant(inverse_feed_forward(PID["ours.pid_ms_159"]))]
+    "block", [TUNINGS["ours.resonant_box"], resonant(inverse_feed_forward(TUNINGS["ours.pid_ms_159"]))]
 )
 def test_a_resonant_controller_takes_over_without_a_bump(block):
-    live = table_axis(inverse_feed_forward(PID["ours.pid_ms_185"]) if "ff" in block.name else pid).start()
+    live = table_axis(inverse_feed_forward(TUNINGS["ours.pid_ms_185"]) if "ff" in block.name else table_pid).start()
     live.advance(3000)
     expected = live.advance_preview()["output"]
     after = live.switch(block)
@@ -170,7 +169,9 @@ def test_a_resonant_controller_takes_over_without_a_bump(block):
 
 @pytest.mark.sweep
 def test_all_engines_give_the_same_bits():
-    loop = table_axis(resonant(PID["ours.pid_ms_159"], lower=-0.02, upper=0.02), disturbance=sine_load(amplitude=1e-3))
+    loop = table_axis(
+        resonant(TUNINGS["ours.pid_ms_159"], lower=-0.02, upper=0.02), disturbance=sine_load(amplitude=1e-3)
+    )
     record = ("output", "actual", "controller")
     fast, plain = (loop.run(0.2, record=record, engine=engine) for engine in ("llvm", "python"))
     assert all(np.array_equal(fast[name], plain[name]) for name in plain.signals)
@@ -179,10 +180,10 @@ def test_all_engines_give_the_same_bits():
 def test_wrong_lines_are_refused_in_a_sentence():
     for lines in ([], [[1.0]], [0.7, -2.0], [math.inf]):
         with pytest.raises(ValueRefused, match="expected positive numbers in one row"):
-            resonant(pid, lines)
+            resonant(table_pid, lines)
     with pytest.raises(ValueRefused, match=r"\[0.7, 2.1, 0.7\] \(resonant\): expected each frequency once"):
-        resonant(pid, [0.7, 2.1, 0.7])
+        resonant(table_pid, [0.7, 2.1, 0.7])
     with pytest.raises(ValueRefused, match=r"1200 Hz \(resonant\).* below half the sampling frequency, here 1000 Hz"):
-        table_axis(resonant(pid, [1200.0])).run(0.1)
+        table_axis(resonant(table_pid, [1200.0])).run(0.1)
     with pytest.raises(BlockError, match=r"resonant\(xy_table\)"):
         resonant(xy_table)

@@ -11,8 +11,8 @@ from leadscrew.controllers._biquad import LowPass, Notch, biquad, coefficients
 from leadscrew.controllers._cascade_ppi import cascade_ppi
 from leadscrew.controllers._filters import low_pass, notch
 from leadscrew.controllers._npid import npid
-from leadscrew.controllers._pid import TUNINGS, pid
 from leadscrew.references._sine import sine
+from leadscrew.studies.npid_xytable.tunings import TUNINGS, table_pid
 from leadscrew.util.errors import BlockError
 from tests.controllers.xy_loop import PERIOD, xy_loop
 
@@ -63,7 +63,7 @@ def test_parameters_and_states_have_the_names_of_their_controllers():
     assert {"controller.pid.integral", "controller.notch.m1"} <= set(loop.run(0.01, record="controller").signals)
     twice = ls.series(gain(kp=3.0), gain)
     assert twice.params._fields == ("gain", "gain_2") and twice.state is None
-    three = ls.series(ls.series(pid, notch), low_pass)
+    three = ls.series(ls.series(table_pid, notch), low_pass)
     assert [k for k in xy_loop(three, sine).sheet if "hz" in k] == [
         "controller.pid_notch.notch.centre_hz", "controller.pid_notch.notch.width_hz", "controller.low_pass.corner_hz",
     ]  # fmt: skip
@@ -104,9 +104,9 @@ def test_the_linear_view_of_a_series_is_the_product():
 @pytest.mark.parametrize(
     ("first", "second", "text"),
     [
-        (pid, sine, "sine is not a sampled controller"),
+        (table_pid, sine, "sine is not a sampled controller"),
         (follow, notch, "follow is not a sampled controller with parameters"),
-        (pid, cascade_ppi, "cascade_ppi needs a motion"),
+        (table_pid, cascade_ppi, "cascade_ppi needs a motion"),
     ],
 )
 def test_what_cannot_stand_in_series_is_refused(first, second, text):

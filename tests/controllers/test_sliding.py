@@ -5,13 +5,15 @@ from math import comb
 import numpy as np
 import pytest
 
-from leadscrew.controllers._sliding import READINGS, complementary, conventional, csmc, integral, smc, smc_integral
+from leadscrew.controllers import csmc, smc, smc_integral
+from leadscrew.controllers._sliding import complementary, conventional, integral
 from leadscrew.controllers._sliding.stage import SlidingParams, View, layer_slope, switching_gain
 from leadscrew.kernel.block import reference
 from leadscrew.kernel.loop import Loop
 from leadscrew.kernel.module import Module
 from leadscrew.plants._ballscrew_stage import INERTIA, TRAVEL_MM_PER_RAD, ballscrew_stage
 from leadscrew.references._motion import Motion
+from leadscrew.studies.fsmc_ballscrew.tunings import SLIDING as READINGS
 from leadscrew.util.errors import ValueRefused
 from tests.controllers.stage_loop import UM, continuous_loop, errors_um, stage_loop
 

@@ -4,13 +4,13 @@ import numpy as np
 import pytest
 from scipy.optimize import least_squares
 
-from leadscrew.controllers._pid import pid
 from leadscrew.controllers._sofnn import fnn, sofc, sofnn, with_network, with_rules
 from leadscrew.export.folder import compiler_path
 from leadscrew.neural.inference_net import W0, regressors
 from leadscrew.neural.performance import GOLDEN, LEVELS, NETWORK, ODD, ROUNDED, TABLE, measured
 from leadscrew.references._cut_line import TangentCommand
 from leadscrew.sensors._cut_camera import SeenCut
+from leadscrew.studies.npid_xytable.tunings import table_pid
 from leadscrew.studies.sofnn_tangent.tunings import BAD_SLOPE, TUNINGS
 from leadscrew.util.errors import BlockError, ValueRefused
 from tests.controllers.sofnn_loop import QUIET, T, knife_loop, rms, state_of
@@ -256,7 +256,7 @@ def test_rules_and_networks_of_the_wrong_kind_are_refused():
     with pytest.raises(BlockError, match="no rules that learn"):
         with_rules(fnn, W0)
     with pytest.raises(BlockError, match="no performance measure"):
-        with_network(pid, GOLDEN)
+        with_network(table_pid, GOLDEN)
     with pytest.raises(ValueRefused, match="delay"):
         sofnn(delay=64)
 

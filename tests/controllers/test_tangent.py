@@ -5,11 +5,11 @@ import math
 import numpy as np
 import pytest
 
-from leadscrew.controllers._pid import pid
 from leadscrew.controllers._tangent.curvature_feed_forward import curvature_feed_forward
 from leadscrew.controllers._tangent.curvature_network import curvature_network
 from leadscrew.controllers._tangent.tangent_dob import tangent_dob
 from leadscrew.controllers._tangent.taught_offset import taught_alone, taught_offset
+from leadscrew.studies.npid_xytable.tunings import table_pid
 from leadscrew.util.errors import BlockError, ValueRefused
 from tests.controllers.tangent_loop import T, knife
 
@@ -38,7 +38,7 @@ def test_it_stays_within_the_axis():
 @pytest.mark.slow
 def test_the_table_is_added_to_what_the_controller_sends():
     """Against the same feedback: a PID in its place on the same readings, its own limit above the sum."""
-    law = pid(kp=0.5, ki=5.0, kd=0.0)
+    law = table_pid(kp=0.5, ki=5.0, kd=0.0)
     run = knife(taught_offset(law, TABLE, samples=3), noise=0.15).run(0.4, record=("output", "feedback"))
     added = np.r_[TABLE[:3], np.full(37, 3.0)]
     y, total = run["feedback"], np.cumsum(-run["feedback"]) * T

@@ -9,6 +9,7 @@ from tests.controllers.drive_loop import pid
 from tests.controllers.stage_loop import errors_um, stage_loop
 
 DT = 2.5e-4
+GAINS = torque_pid(kp=300.0, ki=50_000.0, kd=0.9, filter_s=8e-5)
 
 
 def test_two_periods_worked_by_hand():
@@ -21,14 +22,14 @@ def test_two_periods_worked_by_hand():
 
 @pytest.mark.slow
 def test_without_a_friction_model_reversals_leave_micrometres():
-    run = stage_loop(torque_pid, "fast", encoder_mm=1e-5).run(4.0, record="true_error")
+    run = stage_loop(GAINS, "fast", encoder_mm=1e-5).run(4.0, record="true_error")
     assert 2.0 < errors_um(run)[0] < 40.0
 
 
 def test_from_rest_the_first_output_after_an_align_is_the_last_one_before():
     here = Motion(0.2, 0.0, 0.0)
-    s = torque_pid.align(torque_pid.params, here, 0.2 + 3e-5, 4.0)
-    _, u = torque_pid.step(torque_pid.params, s, here, 0.2 + 3e-5, DT)
+    s = torque_pid.align(GAINS.params, here, 0.2 + 3e-5, 4.0)
+    _, u = torque_pid.step(GAINS.params, s, here, 0.2 + 3e-5, DT)
     assert u == pytest.approx(4.0, abs=1e-9)
 
 

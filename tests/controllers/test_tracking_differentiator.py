@@ -9,14 +9,13 @@ from scipy import signal
 from leadscrew.controllers._npid import npid
 from leadscrew.controllers._npid_after import npid_after
 from leadscrew.controllers._npid_slope import npid_slope
-from leadscrew.controllers._pid import TUNINGS as PID
-from leadscrew.controllers._pid import pid
 from leadscrew.controllers._torque_pid import torque_pid
-from leadscrew.controllers._tracking_differentiator import TUNINGS, fhan, follow, tracking_differentiator
+from leadscrew.controllers._tracking_differentiator import fhan, follow, tracking_differentiator
 from leadscrew.references._eased_sine import eased_sine
 from leadscrew.references._sine import sine
 from leadscrew.references._step import step
 from leadscrew.sensors._noisy_ruler import noisy_ruler
+from leadscrew.studies.npid_xytable.tunings import TUNINGS, table_pid
 from leadscrew.util.errors import BlockError, ValueRefused
 from tests.controllers.xy_loop import PERIOD, outputs, xy_loop
 
@@ -73,7 +72,7 @@ def test_with_h_of_one_period_a_small_signal_meets_the_backward_difference():
 def test_the_lag_costs_the_gain_margin_that_its_sheet_says():
     """A PID's loop with the linear follower grows at its gain margin, 1.60 with h = 1 ms, not at 2.51."""
     for factor, grows in ((1.58, False), (1.62, True)):
-        inner = pid(kp=factor * 1.32, ki=0.0, kd=factor * 0.006805)
+        inner = table_pid(kp=factor * 1.32, ki=0.0, kd=factor * 0.006805)
         run = xy_loop(tracking_differentiator(inner, r_mm_s2=1e9), step(target=1e-3)).run(2.0, record="actual")
         early, late = (np.ptp(run["actual"][a:b]) for a, b in ((1000, 1400), (3600, 4000)))
         assert (late > early) == grows
@@ -114,7 +113,7 @@ def test_it_takes_the_quantisation_noise_out_of_the_rate(h):
 @pytest.mark.slow
 def test_in_the_loop_the_output_is_five_times_calmer_and_the_error_is_the_same():
     found = {}
-    for name, block in (("difference", pid), ("followed", tracking_differentiator(pid))):
+    for name, block in (("difference", table_pid), ("followed", tracking_differentiator(table_pid))):
         run = xy_loop(block, MM_1, sensor=SCALE).run(12.0, record=("true_error", "output"))
         found[name] = 1e3 * run["true_error"][4000:].std(), 1e3 * np.diff(run["output"][4000:]).std()
     assert found["difference"] == pytest.approx((5.04, 6.1), rel=0.02)
@@ -134,7 +133,7 @@ def test_gains_that_need_the_phase_of_a_plain_difference_are_lost(law):
 
 @pytest.mark.slow
 def test_noise_alone_throws_a_follower_of_200_mm_s2_into_a_cycle():
-    block = tracking_differentiator(pid, r_mm_s2=200.0)
+    block = tracking_differentiator(table_pid, r_mm_s2=200.0)
     clean, noisy = (
         1e3 * xy_loop(block, MM_1, sensor=scale).run(12.0, record="true_error")["true_error"][4000:].std()
         for scale in (None, SCALE)
@@ -146,7 +145,7 @@ def test_noise_alone_throws_a_follower_of_200_mm_s2_into_a_cycle():
 @pytest.mark.filterwarnings("ignore::leadscrew.kernel.loop.DivergenceWarning")
 def test_a_blow_throws_a_slow_follower_into_a_large_cycle_and_a_fast_one_not():
     """A sine that starts at full speed, 4.4 mm/s: r = 1000 does not come back, r = 5000 does."""
-    many = xy_loop(tracking_differentiator(pid), sine(amplitude=1.0, frequency=0.7)).batch(
+    many = xy_loop(tracking_differentiator(table_pid), sine(amplitude=1.0, frequency=0.7)).batch(
         8.0, {"controller.r_mm_s2": np.array([1000.0, 5000.0])}, record="true_error"
     )
     slow, fast = 1e3 * np.abs(many["true_error"][:, 8000:]).max(axis=1)
@@ -157,7 +156,7 @@ def test_a_blow_throws_a_slow_follower_into_a_large_cycle_and_a_fast_one_not():
 
 def test_the_other_terms_are_those_of_the_inner_controller():
     for inner in (
-        pid(kd=0.0, ki=20.0),
+        table_pid(kd=0.0, ki=20.0),
         npid(kd=0.0, lower=-4e-3, upper=4e-3),
         npid_after(kd=0.0, ki=20.0, lower=-4e-3, upper=4e-3),
     ):
@@ -165,7 +164,7 @@ def test_the_other_terms_are_those_of_the_inner_controller():
         assert outputs(tracking_differentiator(inner), errors, np.zeros(300)) == outputs(inner, errors, np.zeros(300))
 
 
-@pytest.mark.parametrize("inner", [PID["ours.pid_ms_159"], npid(ki=5.0), npid_after(ki=5.0)])
+@pytest.mark.parametrize("inner", [TUNINGS["ours.pid_ms_159"], npid(ki=5.0), npid_after(ki=5.0)])
 def test_the_first_output_after_an_align_is_the_last_one_before(inner):
     block = tracking_differentiator(inner)
     _, u = block.step(block.params, block.align(block.params, 1.0, 1.002, 0.7), 1.0, 1.002, PERIOD)
@@ -173,7 +172,9 @@ def test_the_first_output_after_an_align_is_the_last_one_before(inner):
 
 
 @pytest.mark.sweep
-@pytest.mark.parametrize("inner", [pid(filter_s=1e-3, lower=-0.03, upper=0.03), npid_after(lower=-0.03, upper=0.03)])
+@pytest.mark.parametrize(
+    "inner", [table_pid(filter_s=1e-3, lower=-0.03, upper=0.03), npid_after(lower=-0.03, upper=0.03)]
+)
 def test_all_engines_give_the_same_bits(inner):
     loop = xy_loop(tracking_differentiator(inner), sine(amplitude=4.0, frequency=3.0))
     record = ("output", "actual", "controller")
@@ -192,4 +193,4 @@ def test_what_it_cannot_do_is_refused():
     with pytest.raises(BlockError, match=r"tracking_differentiator\(torque_pid\).*pid, npid, npid_slope or npid_after"):
         tracking_differentiator(torque_pid)
     with pytest.raises(ValueRefused, match=r"h_s = 0.0002 s .*shorter than the control period"):
-        xy_loop(tracking_differentiator(pid, h_s=2e-4), sine()).run(0.01)
+        xy_loop(tracking_differentiator(table_pid, h_s=2e-4), sine()).run(0.01)

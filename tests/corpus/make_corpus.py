@@ -58,7 +58,7 @@ def stage_log() -> None:
             max_acceleration=1500.0,
             max_jerk=5e4,
         ),
-        controller=axis_cascade(kpos=40.0, kvp=0.4, kvi=0.0, max_output=10.0),
+        controller=axis_cascade(kpos=40.0, kvp=0.4, kvi=0.0, lower=-10.0, upper=10.0),
         plant=stage,
         sensor=axis_reading(resolution=1e-3, noise=1e-3),
         period=1e-3,

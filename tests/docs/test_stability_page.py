@@ -7,9 +7,9 @@ import sys
 import pytest
 
 from leadscrew.analysis.stability.circle import circle
-from leadscrew.analysis.stability.loop import reference_loops
 from leadscrew.analysis.stability.switching import worst_switching
 from leadscrew.controllers._npid import npid
+from leadscrew.studies.npid_xytable.reference_loops import reference_loops
 from tests.docs.snippets import ROOT, assert_printed, shown, with_marks
 
 PAGE = ROOT / "docs" / "stability.md"

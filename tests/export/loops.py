@@ -4,7 +4,6 @@ from dataclasses import replace
 
 from leadscrew.actuators._dead_zone import dead_zone
 from leadscrew.controllers._adaptive_resonant import adaptive_resonant
-from leadscrew.controllers._axis_cascade import axis_cascade
 from leadscrew.controllers._biquad import LowPass, Notch, biquad
 from leadscrew.controllers._cascade_ppi import cascade_ppi
 from leadscrew.controllers._dead_zone_inverse import dead_zone_inverse
@@ -14,17 +13,12 @@ from leadscrew.controllers._guard import force_guard
 from leadscrew.controllers._input_dob import input_dob
 from leadscrew.controllers._learned_feed_forward import learned_feed_forward
 from leadscrew.controllers._npid_after import npid_after
-from leadscrew.controllers._npid_slope import TUNINGS as LIMITED
 from leadscrew.controllers._npid_split import npid_split
 from leadscrew.controllers._pd_dob import pd_dob
-from leadscrew.controllers._pid import TUNINGS
 from leadscrew.controllers._repetitive import repetitive
-from leadscrew.controllers._resonant import TUNINGS as RESONANT
 from leadscrew.controllers._series import series
 from leadscrew.controllers._sliding import smc_integral
-from leadscrew.controllers._sliding.fuzzy import TUNINGS as FSMC
 from leadscrew.controllers._sliding.super_twisting import super_twisting
-from leadscrew.controllers._tracking_differentiator import TUNINGS as FOLLOWED
 from leadscrew.controllers._vud import vud_beta_e, vud_scaled
 from leadscrew.disturbances._hard_spot import hard_spot
 from leadscrew.fuzzy.block import controller
@@ -39,7 +33,10 @@ from leadscrew.references._step import step
 from leadscrew.sensors._axis_reading import axis_reading
 from leadscrew.sensors._faulty_load_cell import faulty_load_cell
 from leadscrew.sensors._grating_count import grating_count
+from leadscrew.studies.fsmc_ballscrew.tunings import FUZZY as FSMC
 from leadscrew.studies.grey_turning.tunings import TUNINGS as GREY_FUZZY
+from leadscrew.studies.npid_xytable.tunings import TUNINGS
+from tests.controllers.emps_cascade import emps_cascade
 from tests.controllers.stage_loop import stage_loop
 from tests.controllers.table_axis import table_axis
 from tests.controllers.xy_loop import xy_loop
@@ -53,7 +50,7 @@ def pid():
 
 
 def npid_of_limited_slope():
-    return xy_loop(LIMITED["ours.npid_slope_159"](lower=-0.03, upper=0.03), sine(amplitude=1.0, frequency=2.0))
+    return xy_loop(TUNINGS["ours.npid_slope_159"](lower=-0.03, upper=0.03), sine(amplitude=1.0, frequency=2.0))
 
 
 def npid_in_two_paths():
@@ -68,7 +65,7 @@ def identified_axis():
     """The cascade of an identified axis, with its model fed forward, on the axis."""
     return Loop(
         reference=eased_sine_motion(amplitude=20.0, frequency=2.0),
-        controller=axis_cascade(kvi=3.0, velocity_share=1.0, model_share=0.9),
+        controller=emps_cascade(kvi=3.0, velocity_share=1.0, model_share=0.9),
         plant=servo_axis,
         sensor=axis_reading(noise=1e-3),
         period=1e-3,
@@ -98,11 +95,11 @@ def repeating():
 
 
 def resonant_table():
-    return table_axis(RESONANT["ours.resonant_box"](lower=-0.04, upper=0.04), frequency=5.0)
+    return table_axis(TUNINGS["ours.resonant_box"](lower=-0.04, upper=0.04), frequency=5.0)
 
 
 def resonant_table_fed_forward():
-    return table_axis(RESONANT["ours.resonant_full"](**{"inner.spindle_hz": 50.0}), frequency=5.0)
+    return table_axis(TUNINGS["ours.resonant_full"](**{"inner.spindle_hz": 50.0}), frequency=5.0)
 
 
 def table_that_learns_its_friction():
@@ -137,7 +134,7 @@ def pid_against_a_dead_zone():
 
 
 def pid_with_a_tracking_differentiator():
-    return xy_loop(FOLLOWED["ours.pid_td"], sine(amplitude=1.0, frequency=2.0))
+    return xy_loop(TUNINGS["ours.pid_td"], sine(amplitude=1.0, frequency=2.0))
 
 
 def sliding_with_integral():

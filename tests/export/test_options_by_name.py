@@ -9,10 +9,10 @@ from xml.etree import ElementTree
 
 import pytest
 
-from leadscrew.controllers._pid import pid
 from leadscrew.export import fmu, hal
 from leadscrew.export.controller import export_controller
 from leadscrew.references._step import step
+from leadscrew.studies.npid_xytable.tunings import table_pid
 from tests.controllers.xy_loop import xy_loop
 from tests.tools import missing
 
@@ -21,7 +21,7 @@ OPTIONS = ["none", "clamping", "back-calculation"]
 
 @pytest.fixture(scope="module")
 def core():
-    loop = xy_loop(pid(lower=-5.0, upper=5.0, anti_windup="back-calculation"), step(target=1.0))
+    loop = xy_loop(table_pid(lower=-5.0, upper=5.0, anti_windup="back-calculation"), step(target=1.0))
     return export_controller(loop, 0.05, name="axis", title="axis")[0]
 
 

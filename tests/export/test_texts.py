@@ -9,7 +9,6 @@ from html.parser import HTMLParser
 import pytest
 
 from leadscrew import Loop
-from leadscrew.controllers._pid import pid
 from leadscrew.export import hal
 from leadscrew.export.c99 import shown_unit
 from leadscrew.export.controller import export_controller
@@ -19,6 +18,7 @@ from leadscrew.export.plant import plant_files
 from leadscrew.plants._mass_lugre import mass_lugre
 from leadscrew.plants._xy_table import xy_table
 from leadscrew.references._step import step
+from leadscrew.studies.npid_xytable.tunings import table_pid
 from tests.export import hal_sample
 from tests.export.table import loop_of
 
@@ -47,7 +47,7 @@ def test_the_name_of_a_loop_stays_inside_the_comments_of_its_simulated_machine()
 
 
 def machine_of(**options):
-    parts = {"reference": step(target=0.01), "controller": pid(kp=1.0), "metrics": {}}
+    parts = {"reference": step(target=0.01), "controller": table_pid(kp=1.0), "metrics": {}}
     return Loop(**parts, plant=options.pop("plant", mass_lugre), **options)
 
 

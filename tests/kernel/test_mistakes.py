@@ -41,7 +41,7 @@ STEP = "mine.py:17: in 'law': "  # its decorator
 
 MISTAKES = {
     "a text for a number": (
-        'pid(kp="20")', "ValueRefused: kp = '20' (pid): expected a number in V/mm; write 20 without quotes"),
+        'pid(kp="20")', "ValueRefused: kp = '20' (pid): expected a number; write 20 without quotes"),
     "a typing error in a parameter": ("pid(kpp=2)", "NameUnknown: pid has no parameter 'kpp'; did you mean kp?"),
     "a gain without its name": ("pid(20.0)", "BlockError: pid(20.0): parameters have names: pid(kp=20.0)"),
     "arguments without names": (
@@ -50,7 +50,7 @@ MISTAKES = {
         "name them: reference=..., controller=..., plant=..."),
     "a gain of NaN": (
         "pid(kp=math.nan)", "ValueRefused: kp = nan (pid): not a number (NaN) is not allowed"),
-    "a gain out of range": ("pid(kp=-1.0)", "ValueRefused: kp = -1.0 (pid): allowed range is [0, inf) V/mm"),
+    "a gain out of range": ("pid(kp=-1.0)", "ValueRefused: kp = -1.0 (pid): allowed range is [0, inf)"),
     "an unknown block": (
         'ls.block("servo_axs")', "NameUnknown: there is no block 'servo_axs'; did you mean servo_axis?"),
     "an unknown study": (

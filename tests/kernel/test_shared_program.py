@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 
-from leadscrew.controllers._pid import pid
 from leadscrew.kernel.block import controller
 from leadscrew.kernel.loop import Loop
 from leadscrew.kernel.metrics import rms_error
@@ -11,12 +10,13 @@ from leadscrew.kernel.normalised_trees import trees
 from leadscrew.kernel.program import programs
 from leadscrew.references._sine import sine
 from leadscrew.references._step import step
+from leadscrew.studies.npid_xytable.tunings import table_pid
 from tests.kernel import zoo
 
 
 def axis(**changes):
     parts = {
-        "reference": sine(), "controller": pid(kp=50.0, kd=1.0), "plant": zoo.mass, "period": 1e-3,
+        "reference": sine(), "controller": table_pid(kp=50.0, kd=1.0), "plant": zoo.mass, "period": 1e-3,
         "metrics": {"rms": rms_error},
     }  # fmt: skip
     return Loop(**(parts | changes))
@@ -31,7 +31,7 @@ def test_other_values_starts_and_periods_run_on_the_same_program_with_their_own_
     first = axis()
     run_of(first)
     for changes in (
-        {"controller": pid(kp=80.0)},
+        {"controller": table_pid(kp=80.0)},
         {"plant": zoo.mass.starting(velocity=0.1)},
         {"period": 5e-4},
         {"metrics": {"rms": rms_error(from_time=0.1)}},

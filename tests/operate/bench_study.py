@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Annotated, NamedTuple
 
@@ -100,9 +101,11 @@ def build(block: Block, scenario: Scenario) -> Loop:
     )
 
 
-def _slow() -> Block:
-    from dataclasses import replace
+volts = replace(pid, unit="V")
+"""The PID in front of a drive that takes volts."""
 
+
+def _slow() -> Block:
     return replace(gain, name="slow")
 
 
@@ -110,7 +113,7 @@ STUDY = Study(
     name="bench",
     title="A slide",
     paper="Nobody: Nothing (2000).",
-    controllers={"pid": pid(kp=3.0, ki=20.0, kd=0.01), "stiff": pid(kp=4.0, ki=5.0, kd=0.0), "gain": gain, "mean": mean,
+    controllers={"pid": volts(kp=3.0, ki=20.0, kd=0.01), "stiff": volts(kp=4.0, ki=5.0, kd=0.0), "gain": gain, "mean": mean,
                  "slow": _slow()},
     scenarios={"way": Scenario("way", Way(), "two turns a second", 2.0)},
     build=build,

@@ -13,7 +13,6 @@ from leadscrew.controllers._guard.feed_override import feed_override
 from leadscrew.controllers._guard.force_guard import force_guard
 from leadscrew.controllers._input_dob import input_dob
 from leadscrew.controllers._sofnn.all_weights import sofnn_all_weights
-from leadscrew.controllers._tangent.curvature_network import TUNINGS as CURVATURE
 from leadscrew.controllers._vud.family import vud_family
 from leadscrew.controllers._vud.scaled import vud_scaled
 from leadscrew.kernel.parameters import entries
@@ -22,6 +21,7 @@ from leadscrew.references._cut_line import TangentCommand
 from leadscrew.references._cutting_program import CutCommand
 from leadscrew.sensors._cut_camera import SeenCut
 from leadscrew.sensors._load_cell import CutReading
+from leadscrew.studies.sofnn_tangent.tunings import CURVATURE
 from leadscrew.studies.sofnn_tangent.tunings import TUNINGS as SOFNN
 from tests.operate.plain import check_shares, periods, said, value_of
 
@@ -200,7 +200,7 @@ def test_learned_memberships_and_certainties_count_in_the_shares() -> None:
     assert np.max(np.abs(np.array(peaks) - [-60.0, -30.0, 0.0, 30.0, 60.0])) > 0.1
 
 
-@pytest.mark.parametrize("name", sorted(CURVATURE))
+@pytest.mark.parametrize("name", ["ours.curvature_network", "ours.curvature_rules"])
 def test_the_rules_of_the_curvature_and_the_rest_give_the_offset(name: str) -> None:
     p = CURVATURE[name].params
     for at in periods(CURVATURE[name], seen_cut, 0.01, 120):

@@ -10,7 +10,7 @@ from leadscrew.controllers._look_ahead import look_ahead
 from leadscrew.controllers._sliding.complementary import csmc
 from leadscrew.controllers._sliding.continuous import Seen, csmc_ideal, fsmc_ideal, smc_ideal, smc_integral_ideal
 from leadscrew.controllers._sliding.conventional import smc
-from leadscrew.controllers._sliding.fuzzy import TUNINGS, fsmc
+from leadscrew.controllers._sliding.fuzzy import fsmc
 from leadscrew.controllers._sliding.integral import smc_integral
 from leadscrew.controllers._sliding.super_twisting import super_twisting
 from leadscrew.controllers._wrapping import prepared
@@ -19,6 +19,7 @@ from leadscrew.operate.explain.shown import Now
 from leadscrew.operate.explain.sliding import trail
 from leadscrew.operate.why import explained
 from leadscrew.references._motion import Motion
+from leadscrew.studies.fsmc_ballscrew.tunings import FUZZY as TUNINGS
 from tests.operate.plain import check_shares, periods, row_of
 
 RNG = np.random.default_rng(4)

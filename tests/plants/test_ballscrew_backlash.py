@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from leadscrew.controllers._pd_dob import TUNINGS
 from leadscrew.disturbances._step_load import step_load
 from leadscrew.kernel.block import controller, reference
 from leadscrew.kernel.loop import Loop
@@ -31,6 +30,7 @@ from leadscrew.plants._mass_dahl import MassDahlState, mass_dahl, mass_dahl_jaco
 from leadscrew.references._sine import sine_motion
 from leadscrew.sensors._axis_encoder import axis_encoder
 from leadscrew.sensors._dual_encoder import dual_encoder
+from leadscrew.studies.fsmc_ballscrew.tunings import SCHEDULED as TUNINGS
 from tests.tools import runnable
 
 LEAD = 1.5923e-3

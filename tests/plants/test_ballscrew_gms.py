@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 from scipy.linalg import expm
 
-from leadscrew.controllers._pd_dob import TUNINGS
 from leadscrew.friction.maxwell_slip import MaxwellSlipScrew
 from leadscrew.kernel.block import controller, reference
 from leadscrew.kernel.loop import Loop
@@ -15,6 +14,7 @@ from leadscrew.plants._ballscrew_gms import ballscrew_gms, sliding_at
 from leadscrew.plants._ballscrew_stage import INERTIA
 from leadscrew.references._ramp import ramp
 from leadscrew.references._waypoints import waypoints
+from leadscrew.studies.fsmc_ballscrew.tunings import SCHEDULED as TUNINGS
 from leadscrew.util.errors import ValueRefused
 from tests.controllers.stage_loop import errors_um
 from tests.controllers.test_pd_dob import from_rest, maxwell_stage

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 from scipy import signal
 
-from leadscrew.controllers._pid import pid
 from leadscrew.disturbances._cut_load import CutLoad, cut_load
 from leadscrew.kernel.loop import Loop
 from leadscrew.kernel.noise import Noise
@@ -14,11 +13,12 @@ from leadscrew.plants._flexible_cut import MATERIALS, FlexibleCutParams, Flexibl
 from leadscrew.references._cut_line import ROOM, along, cut_line, tables
 from leadscrew.references._step import step
 from leadscrew.sensors._cut_camera import cut_camera, cut_reading
+from leadscrew.studies.npid_xytable.tunings import table_pid
 from leadscrew.util.errors import ValueRefused
 from tests.kernel.loops import turns_blade
 
 T = 0.01
-STILL = pid(kp=0.0, ki=0.0, kd=0.0)
+STILL = table_pid(kp=0.0, ki=0.0, kd=0.0)
 
 
 def knife(**parts):
@@ -39,7 +39,9 @@ def test_a_curve_turns_the_cut_by_shear_times_curvature():
 
 def test_an_offset_of_the_axis_turns_the_cut_by_the_gain_of_the_material_after_both_lags():
     plain = flexible_cut(**{"material.bias": 0.0, "material.fibre": 0.0})
-    run = knife(plant=plain, reference=step(target=1.0, time=0.0), controller=pid(kp=1.0, ki=0.0, kd=0.0)).run(0.2)
+    run = knife(plant=plain, reference=step(target=1.0, time=0.0), controller=table_pid(kp=1.0, ki=0.0, kd=0.0)).run(
+        0.2
+    )
     assert run["output"][0] == 1.0
     # before the camera sees anything (4 samples): the lag of the axis alone, exactly
     seen = run["actual.deviation"][:4]

@@ -5,12 +5,12 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from leadscrew import Loop
-from leadscrew.controllers._axis_cascade import axis_cascade
 from leadscrew.friction.static_map import Sliding, TwoSided
 from leadscrew.plants._servo_axis import ServoAxisParams, servo_axis, servo_axis_start, servo_axis_step
 from leadscrew.plants._servo_axis_lugre import servo_axis_lugre
 from leadscrew.references._eased_sine import eased_sine_motion
 from leadscrew.sensors._axis_reading import axis_reading
+from tests.controllers.emps_cascade import emps_cascade
 
 PLAIN = ServoAxisParams(mass=2.0, force_per_drive=1.0, offset=0.0, per_si=1.0)
 DT = 1e-3
@@ -112,7 +112,7 @@ def test_a_load_pushes_at_the_axis():
 def test_with_stiff_bristles_it_moves_as_without():
     common = {
         "reference": eased_sine_motion(amplitude=20.0, frequency=0.5),
-        "controller": axis_cascade, "period": 1e-3, "sensor": axis_reading(resolution=0.0), "metrics": {},
+        "controller": emps_cascade, "period": 1e-3, "sensor": axis_reading(resolution=0.0), "metrics": {},
     }  # fmt: skip
     plain = Loop(plant=servo_axis, **common).run(6.0)
     bristles = Loop(plant=servo_axis_lugre, method="rodas", **common).run(6.0)

@@ -3,8 +3,6 @@
 import numpy as np
 import pytest
 
-from leadscrew.controllers._npid import READINGS
-from leadscrew.controllers._pid import pid
 from leadscrew.disturbances._five_sines import five_sines
 from leadscrew.disturbances._sine_load import sine_load
 from leadscrew.kernel.loop import Loop
@@ -12,12 +10,13 @@ from leadscrew.plants._xy_table import xy_table
 from leadscrew.plants._xy_table_cutting import xy_table_cutting
 from leadscrew.references._sine import sine
 from leadscrew.references._step import step
+from leadscrew.studies.npid_xytable.tunings import TUNINGS, table_pid
 from leadscrew.util.errors import LeadscrewError
 
 PERIOD = 5e-4
 
 
-def loop(plant, controller=pid, **more):
+def loop(plant, controller=table_pid, **more):
     return Loop(reference=sine(amplitude=1.0, frequency=0.7), controller=controller, plant=plant, period=PERIOD,
                 metrics={}, **more)  # fmt: skip
 
@@ -25,7 +24,7 @@ def loop(plant, controller=pid, **more):
 @pytest.mark.slow
 @pytest.mark.parametrize("late_us", [0, 25, 475, 500, 775, 1000, 1475, 2000])
 def test_its_dead_time_is_that_of_a_delay_line_in_small_steps(late_us):
-    law = READINGS["corrected.npid_um"] if late_us < 800 else pid
+    law = TUNINGS["corrected.npid_um"] if late_us < 800 else table_pid
     load = sine_load(amplitude=0.01, frequency=3.0)
     mine = loop(xy_table_cutting(dead_time_s=1e-6 * late_us), law, disturbance=load).run(0.4, record="actual")
     stepped = loop(xy_table, law, disturbance=load, substeps=20, computation_delay=1e-6 * late_us)
@@ -39,8 +38,8 @@ def test_its_lines_are_those_of_the_differential_equation():
     # 24,000 rpm, three teeth: 1,200 Hz, above half of the sampling frequency.
     lines = {"spindle_hz": 400.0, "spindle_v": 0.4, "spindle_phase": 0.3}
     lines |= {"teeth": 3, "tooth_v": 2.0, "tooth_phase": 1.1}
-    axis = Loop(reference=step(target=0.0), controller=pid(kp=0.0, ki=0.0, kd=0.0), plant=xy_table_cutting(**lines),
-                period=PERIOD, metrics={})  # fmt: skip
+    axis = Loop(reference=step(target=0.0), controller=table_pid(kp=0.0, ki=0.0, kd=0.0),
+                plant=xy_table_cutting(**lines),period=PERIOD, metrics={})  # fmt: skip
     seen = axis.run(0.1, record="actual")
 
     def rate(t, x):

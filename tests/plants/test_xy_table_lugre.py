@@ -5,11 +5,11 @@ import math
 import numpy as np
 import pytest
 
-from leadscrew.controllers._pid import pid
 from leadscrew.kernel.loop import Loop
 from leadscrew.plants._xy_table import xy_table
 from leadscrew.plants._xy_table_lugre import LEVELS, xy_table_lugre
 from leadscrew.references._sine import sine
+from leadscrew.studies.npid_xytable.tunings import table_pid
 from leadscrew.util.errors import ValueRefused
 
 STEP = 25e-6
@@ -118,7 +118,7 @@ def test_without_friction_it_is_equation_one():
 def test_coulomb_friction_gives_the_square_waves_harmonics():
     """A square wave of F_C in phase with the velocity has 4 F_C / (n pi) at the odd orders n."""
     loop = Loop(
-        reference=sine(amplitude=15.0, frequency=0.7), controller=pid, plant=LEVELS["coulomb"], period=0.5e-3,
+        reference=sine(amplitude=15.0, frequency=0.7), controller=table_pid, plant=LEVELS["coulomb"], period=0.5e-3,
         substeps=20, computation_delay=0.775e-3, metrics={},
     )  # fmt: skip
     run = loop.run(20.0, record="true_error")
@@ -136,7 +136,7 @@ def test_coulomb_friction_gives_the_square_waves_harmonics():
 
 def test_bristles_too_stiff_for_the_step_are_refused():
     loop = Loop(
-        reference=sine(amplitude=1.0, frequency=0.7), controller=pid, plant=LEVELS["high"](presliding_um=1.0),
+        reference=sine(amplitude=1.0, frequency=0.7), controller=table_pid, plant=LEVELS["high"](presliding_um=1.0),
         period=0.5e-3, metrics={},
     )  # fmt: skip
     with pytest.raises(ValueRefused, match=r"presliding_um = 1 .* expected 2\.6 or more .* 500 us"):

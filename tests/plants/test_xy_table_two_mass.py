@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 from scipy import signal
 
-from leadscrew.controllers._pid import TUNINGS
 from leadscrew.kernel.loop import Loop
 from leadscrew.plants._xy_table import xy_table
 from leadscrew.plants._xy_table_two_mass import XYTableTwoMassParams, matrices, xy_table_two_mass
 from leadscrew.references._sine import sine
+from leadscrew.studies.npid_xytable.tunings import TUNINGS
 
 DT = 25e-6
 

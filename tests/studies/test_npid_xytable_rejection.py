@@ -3,12 +3,12 @@
 import numpy as np
 import pytest
 
-from leadscrew.controllers._pid import TUNINGS as PID
 from leadscrew.disturbances._sine_load import sine_load
 from leadscrew.studies.npid_xytable.calibration import gain_um_per_mv
 from leadscrew.studies.npid_xytable.rejection import BEST, best_pid, let_through, opened, peak
 from leadscrew.studies.npid_xytable.spindle import ADAPTIVE, KNOWN_SPEED, wrong_speed
 from leadscrew.studies.npid_xytable.table2 import LINES_HZ
+from leadscrew.studies.npid_xytable.tunings import TUNINGS
 from tests.controllers.table_axis import lines_um, rms_um, table_axis
 from tests.studies.npid_lab import lab
 
@@ -17,13 +17,13 @@ from tests.studies.npid_lab import lab
 def test_what_the_loop_lets_through_is_what_a_run_shows():
     for name, hz in (("ours.pid_ms_185", 7.7), ("paper.pid", 33.3)):
         load = sine_load(amplitude=1e-3, frequency=hz)
-        run = table_axis(PID[name], amplitude=0.0, disturbance=load).run(12.0)
-        assert lines_um(run, [hz])[0] == pytest.approx(let_through(opened(PID[name]), [hz])[0], rel=1e-4)
+        run = table_axis(TUNINGS[name], amplitude=0.0, disturbance=load).run(12.0)
+        assert lines_um(run, [hz])[0] == pytest.approx(let_through(opened(TUNINGS[name]), [hz])[0], rel=1e-4)
 
 
 def test_it_agrees_with_the_closed_form_of_the_calibration():
     expected = [gain_um_per_mv(hz) for hz in LINES_HZ]
-    assert let_through(opened(PID["paper.pid"])) == pytest.approx(expected, rel=1e-6)
+    assert let_through(opened(TUNINGS["paper.pid"])) == pytest.approx(expected, rel=1e-6)
 
 
 def test_the_peak_of_sensitivity_is_one_over_the_distance_of_python_control():

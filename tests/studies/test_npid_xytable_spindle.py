@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from leadscrew.controllers._pid import TUNINGS
 from leadscrew.plants._xy_table_cutting import xy_table_cutting
 from leadscrew.studies.npid_xytable.calibration import PERIOD_S, gain_um_per_mv
 from leadscrew.studies.npid_xytable.spindle import APART, SWEPT, closed_form, line, seen_hz, sweep, table
+from leadscrew.studies.npid_xytable.tunings import TUNINGS
 from tests.studies.npid_lab import lab
 
 RETUNED = TUNINGS["ours.pid_ms_159"]

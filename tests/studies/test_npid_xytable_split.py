@@ -6,7 +6,6 @@ import pytest
 from leadscrew.analysis.stability.driven import driven
 from leadscrew.analysis.stability.margins import margins
 from leadscrew.controllers._npid_split import parted
-from leadscrew.controllers._pid import pid
 from leadscrew.studies.npid_xytable import search
 from leadscrew.studies.npid_xytable import split_law as split
 from leadscrew.studies.npid_xytable.controllers import BOUNDS, CONTROLLERS
@@ -14,6 +13,7 @@ from leadscrew.studies.npid_xytable.cutting import lines_um
 from leadscrew.studies.npid_xytable.equal import peaks
 from leadscrew.studies.npid_xytable.rejection import let_through, opened
 from leadscrew.studies.npid_xytable.table2 import PID_UM
+from leadscrew.studies.npid_xytable.tunings import table_pid
 from tests.studies.npid_lab import lab
 
 pytestmark = pytest.mark.slow
@@ -78,7 +78,7 @@ def test_a_plant_that_is_unstable_or_unproved_is_seen():
     kept, firm = ([[0.5], [60.0], [0.003], [1e-3]], [[0.9], [140.0], [0.0045], [2e-4]])
     assert search.unproved((np.array(kept), np.array(firm)))[0] <= 0.0
     wild = np.array([[8.0], [60.0], [0.003], [1e-3]])
-    assert not opened(pid(kp=8.0, ki=60.0, kd=0.003, filter_s=1e-3)).stable(1.0)
+    assert not opened(table_pid(kp=8.0, ki=60.0, kd=0.003, filter_s=1e-3)).stable(1.0)
     assert search.unproved((wild, wild))[0] > 1.0
     steep = 4.0 * np.array(kept)
     steep[3] /= 4.0
@@ -89,10 +89,10 @@ def test_the_rows_of_the_search_are_those_of_a_linear_loop_in_closed_form():
     """Of a linear loop the rows scale with the gain from the disturbance, whatever the phases."""
     block = CONTROLLERS["ours.pid_work"]
     settings = {key: np.array([getattr(block.params, key)]) for key in search.PATH}
-    row, du = search.at_work(lab(), pid, settings, 1.0)
-    ratio = let_through(opened(block)) / let_through(opened(pid))
+    row, du = search.at_work(lab(), table_pid, settings, 1.0)
+    ratio = let_through(opened(block)) / let_through(opened(table_pid))
     assert row[0] == pytest.approx(np.mean(list(PID_UM.values()) * ratio), rel=0.03)
-    assert search.rest_du_mv(lab(), pid, settings)[0] == pytest.approx(du[0], rel=0.1)
+    assert search.rest_du_mv(lab(), table_pid, settings)[0] == pytest.approx(du[0], rel=0.1)
 
 
 def test_a_short_search_finds_a_quieter_law_within_its_bounds():

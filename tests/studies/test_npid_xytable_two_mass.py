@@ -4,10 +4,10 @@ import pytest
 
 from leadscrew.analysis.stability.loop import sampled_loop
 from leadscrew.analysis.stability.margins import margins
-from leadscrew.controllers._pid import TUNINGS, pid
 from leadscrew.kernel.loop import Loop
 from leadscrew.plants._xy_table_two_mass import XYTableTwoMassParams, xy_table_two_mass
 from leadscrew.references._sine import sine
+from leadscrew.studies.npid_xytable.tunings import TUNINGS, table_pid
 from leadscrew.studies.npid_xytable.two_mass import Axis, judged, notched, slowed
 
 RETUNED = TUNINGS["ours.pid_ms_159"]
@@ -30,6 +30,8 @@ def test_ms_is_that_of_the_loop_that_runs(controller, hz, at_table):
 def test_without_a_mode_it_is_the_rigid_loop():
     """L*: Ms 1.87, gain margin 2.51."""
     stiff = Axis(XYTableTwoMassParams(mode_hz=5e4, mode_damping=0.5))
-    assert judged(pid, stiff).ms == pytest.approx(1.869, abs=2e-3)
-    gained = [pid(**{key: k * getattr(pid.params, key) for key in ("kp", "ki", "kd")}) for k in (2.500, 2.515)]
+    assert judged(table_pid, stiff).ms == pytest.approx(1.869, abs=2e-3)
+    gained = [
+        table_pid(**{key: k * getattr(table_pid.params, key) for key in ("kp", "ki", "kd")}) for k in (2.500, 2.515)
+    ]
     assert [judged(block, stiff).stable for block in gained] == [True, False]

@@ -9,12 +9,12 @@ from scipy import stats
 from leadscrew.analysis.stability.margins import margins
 from leadscrew.controllers._npid import npid
 from leadscrew.controllers._npid_after import npid_after
-from leadscrew.controllers._pid import pid
 from leadscrew.references._eased_sine import eased_sine
 from leadscrew.references._step import step
 from leadscrew.studies.npid_xytable.cutting import load_volts, sines, swing_um
 from leadscrew.studies.npid_xytable.laws import straight_fit
 from leadscrew.studies.npid_xytable.rejection import opened
+from leadscrew.studies.npid_xytable.tunings import table_pid
 from tests.controllers.xy_loop import xy_loop
 from tests.studies.npid_lab import lab
 
@@ -63,11 +63,11 @@ def test_a_constant_load_is_counted_as_the_error_that_it_leaves_under_the_pid():
 @pytest.mark.parametrize(("lag", "expected"), [(0.5e-3, 2.04), pytest.param(1e-3, 1.81, marks=pytest.mark.slow)])
 def test_a_lag_of_the_derivative_eats_the_gain_margin_in_the_time_domain_too(lag, expected):
     """At 1 % less gain than the margin a push dies away, at 1 % more it grows."""
-    found = margins(opened(pid(filter_s=lag))).gm
+    found = margins(opened(table_pid(filter_s=lag))).gm
     assert found == pytest.approx(expected, abs=0.005)
     for factor, grows in ((0.99, False), (1.01, True)):
         k = factor * found
-        block = pid(kp=k * 1.32, ki=0.0, kd=k * 0.006805, filter_s=lag)
+        block = table_pid(kp=k * 1.32, ki=0.0, kd=k * 0.006805, filter_s=lag)
         run = xy_loop(block, step(target=1e-3)).run(2.0, record="actual")
         early, late = (np.ptp(run["actual"][a:b]) for a, b in ((1000, 1400), (3600, 4000)))
         assert (late > early) == grows

@@ -68,9 +68,6 @@ from ._sliding.continuous import (
 )
 from ._sliding.conventional import smc as smc
 from ._sliding.fuzzy import (
-    at_slope as at_slope,
-)
-from ._sliding.fuzzy import (
     fsmc as fsmc,
 )
 from ._sliding.fuzzy import (

@@ -34,10 +34,8 @@ from typing import Annotated, Any, NamedTuple, cast
 
 import numpy as np
 
-from leadscrew.controllers._inverse_feed_forward import inverse_feed_forward
 from leadscrew.controllers._parallel import Lower, Upper, ordered
-from leadscrew.controllers._pid import TUNINGS as PID
-from leadscrew.controllers._resonant import Strength, Teeth, disturbance_response, resonant
+from leadscrew.controllers._resonant import Strength, Teeth, disturbance_response
 from leadscrew.controllers._response import TABLE, TableModel
 from leadscrew.controllers._wrapping import same_kind, wrapped
 from leadscrew.kernel.block import Block
@@ -187,10 +185,3 @@ def adaptive_resonant(
         state_type(inner.state, AdaptiveState()), "Resonators follow the spindle's speed.", prepare=prepare,
         align=None if align_law is None else align, name=name or f"{inner.name}_adaptive",
     )  # fmt: skip
-
-
-TUNINGS: dict[str, Block] = {
-    "ours.resonant_adaptive": inverse_feed_forward(adaptive_resonant(resonant(PID["ours.pid_ms_159"])), share=0.9),
-}
-"""For the XY table at 2 kHz with 0.775 ms of delay: ``ours.resonant_full`` that finds the spindle's speed within 3 % of
-``inner.spindle_hz``."""

@@ -36,24 +36,24 @@ TINY = 1e-30
 class AxisModel(NamedTuple):
     """The axis in units of its drive."""
 
-    acceleration: Annotated[float, Unit("drive s^2/mm"), Ge(0), Doc("drive per acceleration, M")] = 2.7057e-3
-    viscous: Annotated[float, Unit("drive s/mm"), Ge(0), Doc("drive per speed, B")] = 5.7894e-3
-    coulomb_forward: Annotated[float, Unit("drive"), Ge(0), Doc("drive against Coulomb friction forwards")] = 0.58019
-    coulomb_backward: Annotated[float, Unit("drive"), Ge(0), Doc("drive against Coulomb friction backwards")] = 0.58019
-    offset: Annotated[float, Unit("drive"), Doc("drive that holds what pushes backwards, O")] = -0.09004
+    acceleration: Annotated[float, Unit("drive s^2/mm"), Ge(0), Doc("drive per acceleration, M")] = 0.0
+    viscous: Annotated[float, Unit("drive s/mm"), Ge(0), Doc("drive per speed, B")] = 0.0
+    coulomb_forward: Annotated[float, Unit("drive"), Ge(0), Doc("drive against Coulomb friction forwards")] = 0.0
+    coulomb_backward: Annotated[float, Unit("drive"), Ge(0), Doc("drive against Coulomb friction backwards")] = 0.0
+    offset: Annotated[float, Unit("drive"), Doc("drive that holds what pushes backwards, O")] = 0.0
     smooth: Annotated[float, Unit("mm/s"), Gt(0), Doc("speed over which the leap of Coulomb friction is spread")] = 0.5
 
 
 class AxisCascadeParams(NamedTuple):
-    """Gains of both loops, model and limit."""
+    """Gains of both loops, model and limits."""
 
-    kpos: Annotated[float, Unit("1/s"), Ge(0), Doc("speed per position error")] = 160.18
-    kvp: Annotated[float, Unit("drive s/mm"), Ge(0), Doc("drive per speed error")] = 0.24345
+    kpos: Annotated[float, Unit("1/s"), Ge(0), Doc("speed per position error")] = 1.0
+    kvp: Annotated[float, Unit("drive s/mm"), Ge(0), Doc("drive per speed error")] = 1.0
     kvi: Annotated[float, Unit("drive/mm"), Ge(0), Doc("drive per integral of the speed error")] = 0.0
     velocity_share: Annotated[float, Ge(0), Le(2), Doc("share of the commanded speed in the speed loop")] = 0.0
     model_share: Annotated[float, Ge(0), Le(2), Doc("share of the model's drive that is added")] = 0.0
     filter_s: Annotated[float, Unit("s"), Ge(0), Doc("lag of the speed, by backward Euler; 0 for none")] = 0.0
-    ahead_s: Annotated[float, Unit("s"), Ge(0), Le(0.1), Doc("how far ahead the command is read")] = 5e-4
+    ahead_s: Annotated[float, Unit("s"), Ge(0), Le(0.1), Doc("how far ahead the command is read")] = 0.0
     lower: Lower = -math.inf
     upper: Upper = math.inf
     model: AxisModel = AxisModel()
@@ -85,7 +85,7 @@ def align(params, command, feedback, output):
     return AxisCascadeState(integral, command.position, feedback, 0.0, 2.0)
 
 
-@controller(AxisCascadeParams, AxisCascadeState, prepare=ordered, align=align, full_scale=10.0)
+@controller(AxisCascadeParams, AxisCascadeState, prepare=ordered, align=align)
 def axis_cascade(p, s, command, feedback, dt):
     """Position loop P around a speed loop PI, with feed-forward of an identified axis; in units of its drive."""
     going = 1.0 if s.fresh == 0.0 else 0.0

@@ -1,7 +1,7 @@
 """Cascade of a servo drive: proportional position loop around a PI of speed, with feed-forward.
 
-    w  = kpos (r - y) + velocity_share D r - D y            error of the speed, mm/s; D is the backward difference
-    u  = kvp w + kvi sum w dt + acceleration_v r''          V
+    w  = kpos (r - y) + velocity_share D r - D y            error of the speed; D is the backward difference
+    u  = kvp w + kvi sum w dt + acceleration_v r''
 
 The command is a :class:`~leadscrew.references.Motion`, ``r`` its position. The commanded speed is differenced as
 the measured one is, so both are late by the same half period.
@@ -17,7 +17,7 @@ is no cascade. Without velocity feed-forward (``velocity_share = 0``) a ramp of 
 whatever the integral does; stability and what the loop does to a disturbance stay the same.
 
 At ``lower`` and ``upper`` the integral waits (clamping). As in the PID, command and feedback count as zero before the
-first period. Bumpless start: the integral is preset. Gains: Table I of Abdullah et al. (XY table, NPID) as a cascade.
+first period. Bumpless start: the integral is preset.
 """
 
 from __future__ import annotations
@@ -25,7 +25,6 @@ from __future__ import annotations
 import math
 from typing import Annotated, NamedTuple
 
-from leadscrew.controllers._inverse_feed_forward import inverse_feed_forward
 from leadscrew.controllers._parallel import Lower, Upper, ordered
 from leadscrew.controllers._pid import PIDParams, pid
 from leadscrew.kernel.block import Block, controller
@@ -34,13 +33,13 @@ from leadscrew.util.errors import ValueRefused
 
 
 class CascadeParams(NamedTuple):
-    """Gains of both loops, feed-forward and limit."""
+    """Gains of both loops, feed-forward and limits."""
 
-    kpos: Annotated[float, Unit("1/s"), Ge(0), Doc("speed per position error")] = 193.97439
-    kvp: Annotated[float, Unit("V s/mm"), Ge(0), Doc("voltage per speed error")] = 0.006805
-    kvi: Annotated[float, Unit("V/mm"), Ge(0), Doc("voltage per integral of the speed error")] = 4.2531388e-6
+    kpos: Annotated[float, Unit("1/s"), Ge(0), Doc("speed per position error")] = 1.0
+    kvp: Annotated[float, Unit("s"), Ge(0), Doc("output per speed error")] = 1.0
+    kvi: Annotated[float, Ge(0), Doc("output per integral of the speed error")] = 0.0
     velocity_share: Annotated[float, Ge(0), Le(2), Doc("share of the commanded speed; 1 makes it a PID")] = 1.0
-    acceleration_v: Annotated[float, Unit("V s^2/mm"), Ge(0), Doc("voltage per commanded acceleration")] = 0.0
+    acceleration_v: Annotated[float, Unit("s^2"), Ge(0), Doc("output per commanded acceleration")] = 0.0
     lower: Lower = -math.inf
     upper: Upper = math.inf
 
@@ -48,9 +47,9 @@ class CascadeParams(NamedTuple):
 class CascadeState(NamedTuple):
     """What the cascade remembers."""
 
-    integral: Annotated[float, Unit("mm"), Doc("integral of the speed error")] = 0.0
-    command: Annotated[float, Unit("mm"), Doc("commanded position of the last period")] = 0.0
-    feedback: Annotated[float, Unit("mm"), Doc("measured position of the last period")] = 0.0
+    integral: Annotated[float, Doc("integral of the speed error")] = 0.0
+    command: Annotated[float, Doc("commanded position of the last period")] = 0.0
+    feedback: Annotated[float, Doc("measured position of the last period")] = 0.0
     aligned: Annotated[float, Doc("1 in the first period after a bumpless start, else 0")] = 0.0
 
 
@@ -61,9 +60,9 @@ def align(params, command, feedback, output):
     return CascadeState(integral, command.position, feedback, 1.0)
 
 
-@controller(CascadeParams, CascadeState, prepare=ordered, align=align, unit="V", drive="voltage", full_scale=10.0)
+@controller(CascadeParams, CascadeState, prepare=ordered, align=align)
 def cascade_ppi(p, s, command, feedback, dt):
-    """Position loop P around a speed loop PI, with feed-forward of speed and acceleration; a voltage."""
+    """Position loop P around a speed loop PI, with feed-forward of speed and acceleration."""
     position = p.kpos * (command.position - feedback)
     moved = p.velocity_share * (command.position - s.command) - (feedback - s.feedback)
     integral = s.integral + (1.0 - s.aligned) * (position * dt + moved)
@@ -104,12 +103,3 @@ def of_pid(block: Block) -> Block:
         )
     kpos = 0.5 * (p.kp + math.sqrt(under)) / p.kd
     return cascade_ppi(kpos=kpos, kvp=p.kd, kvi=p.ki / kpos, lower=p.lower, upper=p.upper)
-
-
-TUNINGS: dict[str, Block] = {
-    "ours.cascade": inverse_feed_forward(cascade_ppi(kpos=154.57, kvp=0.003881, kvi=0.59988), share=0.9),
-}
-"""For the XY table at 2 kHz with 0.775 ms of delay: of all cascades with a peak of sensitivity of 1.59 the one that
-lets the least of a disturbance through at the five lines of Table II (their mean), with 90 % of inverse-plant
-feed-forward. Both zeros of its PID coincide: the search ends at the edge of what a cascade can be. Our PID of Ms 1.59
-has complex zeros, and no cascade is equal to it."""

@@ -26,7 +26,6 @@ import math
 from typing import Annotated, Any, NamedTuple, cast
 
 from leadscrew.controllers._parallel import Lower, Upper, ordered
-from leadscrew.controllers._pid import pid
 from leadscrew.controllers._response import TABLE, TableModel
 from leadscrew.controllers._wrapping import same_kind, wrapped
 from leadscrew.kernel.block import Block
@@ -176,7 +175,3 @@ def input_dob(
         state_type(inner.state, ObserverState()), "A disturbance observer corrects its output.", prepare=prepare,
         align=None if align_law is None else align, name=name or f"{inner.name}_dob",
     )  # fmt: skip
-
-
-TUNINGS: dict[str, Block] = {f"ours.pid_dob_{w}": input_dob(pid, bandwidth=float(w)) for w in (60, 100, 150)}
-"""For the XY table at 2 kHz with 0.775 ms of delay, around the printed gains: by the corner of Q in rad/s."""

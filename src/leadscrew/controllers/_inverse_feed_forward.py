@@ -21,9 +21,6 @@ from __future__ import annotations
 from typing import Annotated, Any, NamedTuple, cast
 
 from leadscrew.controllers._look_ahead import advanced
-from leadscrew.controllers._npid import npid
-from leadscrew.controllers._pid import TUNINGS as PID
-from leadscrew.controllers._pid import pid
 from leadscrew.controllers._wrapping import place_of_motion, same_kind, whole, wrapped
 from leadscrew.kernel.block import Block
 from leadscrew.kernel.parameters import Doc, Ge, Gt, Le, Unit
@@ -84,16 +81,3 @@ def inverse_feed_forward(
         "The voltage of the commanded motion is added.", motion=True, prepare=prepare,
         align=None if align_law is None else align, name=name or f"{inner.name}_ff",
     )  # fmt: skip
-
-
-TUNINGS: dict[str, Block] = {
-    "ours.pid_ff": inverse_feed_forward(pid),
-    "ours.npid_ff": inverse_feed_forward(npid),
-    "ours.pid_159_ff": inverse_feed_forward(PID["ours.pid_ms_159"], share=0.9),
-    "ours.pid_185_ff": inverse_feed_forward(PID["ours.pid_ms_185"], share=0.9),
-    "ours.pid_best_160_ff": inverse_feed_forward(pid(kp=1.0576, ki=241.8, kd=0.0052865), share=0.9),
-    "ours.pid_best_185_ff": inverse_feed_forward(pid(kp=1.3893, ki=428.3, kd=0.0066635), share=0.9),
-}
-"""For the XY table at 2 kHz with 0.775 ms of delay: all of it around the printed gains, 90 % around ours. ``best``: of
-all plain PIDs with a peak of sensitivity of 1.60 or 1.85 the one that lets the least of a disturbance through at the
-five lines of Table II (their mean); noise and other lines are not weighed."""

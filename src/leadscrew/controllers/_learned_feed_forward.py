@@ -29,7 +29,6 @@ import math
 from typing import Annotated, Any, NamedTuple, cast
 
 from leadscrew.controllers._look_ahead import advanced
-from leadscrew.controllers._pid import TUNINGS as PID
 from leadscrew.controllers._wrapping import same_kind, wrapped
 from leadscrew.kernel.block import Block
 from leadscrew.kernel.parameters import Doc, Ge, Gt, Le, Unit
@@ -167,7 +166,3 @@ def learned_feed_forward(inner: Block, name: str = "", **values: float) -> Block
         align=None if align_inner is None else align, name=name or f"{inner.name}_learned",
     )  # fmt: skip
     return block.using(**{f"belief.{key}": value for key, value in values.items()})
-
-
-TUNINGS: dict[str, Block] = {"ours.learned": learned_feed_forward(PID["ours.pid_ms_185"])}
-"""For the XY table at 2 kHz with 0.775 ms of delay, 20 mV of friction believed."""

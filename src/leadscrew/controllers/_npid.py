@@ -46,7 +46,7 @@ from leadscrew.controllers._parallel import (
     ordered,
     parallel,
 )
-from leadscrew.kernel.block import Block, controller
+from leadscrew.kernel.block import controller
 from leadscrew.kernel.parameters import Doc, Ge, Gt, Unit
 
 
@@ -113,12 +113,3 @@ def npid(p, s, command, feedback, dt):
     """Nonlinear PID of the XY table: a gain that grows with the error, in front of a PID; a voltage."""
     scaled = scaled_error(p, command - feedback)
     return parallel(gains(p), s, scaled, scaled, scaled, dt)
-
-
-READINGS: dict[str, Block] = {
-    "paper.npid_mm": npid(error_unit_per_mm=1.0),
-    "paper.npid_mm_clipped": npid(error_unit_per_mm=1.0, clip_error=True),
-    "corrected.npid_um": npid,
-    "corrected.npid_um_clipped": npid(clip_error=True),
-}
-"""The readings of the paper, by the names of the study: the error inside K in mm (as printed) or in um."""

@@ -36,7 +36,7 @@ from leadscrew.controllers._parallel import (
     ordered,
     parallel,
 )
-from leadscrew.kernel.block import Block, controller
+from leadscrew.kernel.block import controller
 from leadscrew.kernel.parameters import Doc, Ge, Gt, Unit
 
 
@@ -95,7 +95,3 @@ def npid_after(p, s, command, feedback, dt):
     g = Gains(p.kp, p.ki, p.kd, p.filter_s, p.lower / factor, p.upper / factor, p.anti_windup, p.tracking_s)
     after, output = parallel(g, s, error, error, error, dt)
     return after, factor * output
-
-
-TUNINGS: dict[str, Block] = {"ours.npid_after": npid_after}
-"""For the XY table: Table I."""

@@ -35,7 +35,7 @@ from leadscrew.controllers._parallel import (
     ordered,
     parallel,
 )
-from leadscrew.kernel.block import Block, controller
+from leadscrew.kernel.block import controller
 from leadscrew.kernel.parameters import Doc, Ge, Gt, Unit
 
 MM_PER_UM = 1e-3
@@ -86,16 +86,3 @@ def npid_slope(p, s, command, feedback, dt):
     """Slope-limited nonlinear PID: a curve of limited slope in front of a PID; a voltage."""
     scaled = curve(p, command - feedback)
     return parallel(gains(p), s, scaled, scaled, scaled, dt)
-
-
-TUNINGS: dict[str, Block] = {
-    "ours.npid_slope": npid_slope,
-    "ours.npid_slope_159": npid_slope(kp=1.17, ki=175.5, kd=0.00433, k=1.5, es_um=0.5),
-}
-"""For the XY table at 2 kHz with 0.775 ms of delay and a scale of 0.5 um.
-
-The first keeps the gains of Table I; 2.2 lies below the 2.265 of the circle criterion for that loop. The second has the
-gains of ``ours.pid_ms_159`` and a gain margin of 3.70 / 1.5. ``es_um`` is one count of the scale in both: a table at
-rest shows errors of a count or less, and they are to see a gain near 1. With half of it or less the output at rest
-changes by 25 to 50 % more from period to period than under the plain PID, with one count by 13 % (second tuning).
-"""

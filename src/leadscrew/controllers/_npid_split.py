@@ -25,7 +25,7 @@ import math
 from typing import Annotated, NamedTuple
 
 from leadscrew.controllers._parallel import TINY, Filter, Kd, Ki, Kp, Lower, Upper, ordered
-from leadscrew.kernel.block import Block, controller
+from leadscrew.kernel.block import controller
 from leadscrew.kernel.parameters import Doc, Gt, Unit
 
 MM_PER_UM = 1e-3
@@ -100,9 +100,3 @@ def npid_split(p, s, command, feedback, dt):
     error = command - feedback
     small = parted(p, error)
     return paths(p, s, small, error - small, dt)
-
-
-TUNINGS: dict[str, Block] = {"ours.npid_split": npid_split}
-"""For the XY table at 2 kHz with 0.775 ms of delay and a scale of 0.5 um, rounded by hand: Ms <= 1.6 at every error,
-0.5 mV of change from sample to sample at rest. ``leadscrew design rejection npid_split`` tunes the law.
-"""

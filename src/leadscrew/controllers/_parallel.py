@@ -66,9 +66,9 @@ class Terms(NamedTuple):
 class PIDState(NamedTuple):
     """What a parallel PID remembers."""
 
-    integral: Annotated[float, Unit("mm s"), Doc("integral of what the integral term acts on")] = 0.0
-    last: Annotated[float, Unit("mm"), Doc("what the derivative term acted on last")] = 0.0
-    slope: Annotated[float, Unit("V"), Doc("derivative term of the output")] = 0.0
+    integral: Annotated[float, Unit("s"), Doc("integral of what the integral term acts on")] = 0.0
+    last: Annotated[float, Doc("what the derivative term acted on last")] = 0.0
+    slope: Annotated[float, Doc("derivative term of the output")] = 0.0
     aligned: Annotated[float, Doc("1 in the first period after a bumpless start, else 0")] = 0.0
 
 

@@ -38,7 +38,7 @@ from leadscrew.controllers._sliding.fields import Inertia, MaxTorque, Pieces, Tr
 from leadscrew.controllers._sliding.stage import TINY
 from leadscrew.friction.lugre import HAT, LuGre, level, steady_bristle
 from leadscrew.friction.observer import held_friction
-from leadscrew.kernel.block import Block, controller
+from leadscrew.kernel.block import controller
 from leadscrew.kernel.parameters import Doc, Ge, Gt, Unit
 from leadscrew.plants._ballscrew_stage import INERTIA
 
@@ -151,16 +151,3 @@ def pd_dob(p, s, command, feedback, dt):
     after = momentum + dt * (torque - friction - load)
     q = after if abs(after) > TINY else 0.0
     return PdDobState(angle, target, rate, held.bristle, friction, q, load, 1.0), torque
-
-
-_BY_ANGLE = pd_dob(rate_of_error=False)
-
-TUNINGS: dict[str, Block] = {
-    "ours.pd_dob_fixed": _BY_ANGLE(kp=300.0, kd=0.9, observer_rate=2500.0, kp_slow=0.0, kd_slow=0.0),
-    "ours.pd_dob_aggressive": _BY_ANGLE(kp=640.0, kd=0.40, observer_rate=2368.0, kp_slow=3010.0, kd_slow=12.4),
-    "ours.pd_dob_robust": _BY_ANGLE,
-    "ours.pd_dob": pd_dob,
-}
-"""For 4 kHz: without a schedule; the best on the nominal stage; one that stands wrong friction and
-another friction model; and the same with the error differentiated in place of the angle, the default. None is for a
-delay of a sample: put such a one inside :func:`~leadscrew.controllers.look_ahead`."""

@@ -48,7 +48,7 @@ from leadscrew.controllers._learned_friction import (
 from leadscrew.controllers._sliding.fields import Inertia, MaxTorque, Travel
 from leadscrew.controllers._sliding.stage import TINY
 from leadscrew.friction.lugre import HAT, LuGre
-from leadscrew.kernel.block import Block, controller
+from leadscrew.kernel.block import controller
 from leadscrew.kernel.parameters import Doc, Ge, Gt, Le, Unit
 from leadscrew.plants._ballscrew_stage import INERTIA
 
@@ -237,9 +237,3 @@ def pd_learned(p, s, command, feedback, dt):
         torque, s.torque, coming.torque, q, load, difference,
         s.known[0], s.known[1], s.known[2], s.known[3], min(s.periods + 1.0, 3.0),
     ), torque  # fmt: skip
-
-
-TUNINGS: dict[str, Block] = {"ours.pd_learned": pd_learned}
-"""For 4 kHz and a 10 nm encoder, found by differential evolution over the peaks on the paper's sines with nominal and
-20 % changed friction. Not for a drive with a sample of delay or a scale of 50 nm: take ``ours.pd_dob`` there, and where
-friction is nothing like LuGre's."""

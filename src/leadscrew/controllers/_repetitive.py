@@ -30,9 +30,7 @@ from typing import Annotated, Any, NamedTuple, cast
 
 import numpy as np
 
-from leadscrew.controllers._inverse_feed_forward import inverse_feed_forward
 from leadscrew.controllers._parallel import Lower, Upper, ordered
-from leadscrew.controllers._pid import TUNINGS as PID
 from leadscrew.controllers._response import TABLE, TableModel, law_response, table_response
 from leadscrew.controllers._wrapping import same_kind, wrapped
 from leadscrew.kernel.block import Block
@@ -163,9 +161,3 @@ def contraction(
     loop = table_response(model, dt, w) * law_response(part.law, part.ready(dt), inner.state, part.motion, dt, w)
     q = np.cos(np.outer(w * dt, np.arange(-TAPS, TAPS + 1))) @ low_pass(cutoff_hz, dt)
     return np.asarray(np.abs(q * (1.0 - strength * loop / (1.0 + loop) * np.exp(1j * w * dt * round(lead_s / dt)))))
-
-
-TUNINGS: dict[str, Block] = {
-    "ours.repetitive": inverse_feed_forward(repetitive(PID["ours.pid_ms_159"]), share=0.9),
-}
-"""For the XY table at 2 kHz with 0.775 ms of delay and a motion of 0.7 Hz; :func:`contraction` is 0.30 at most."""

@@ -34,9 +34,7 @@ from typing import Annotated, Any, NamedTuple, cast
 
 import numpy as np
 
-from leadscrew.controllers._inverse_feed_forward import inverse_feed_forward
 from leadscrew.controllers._parallel import Lower, Upper, ordered
-from leadscrew.controllers._pid import TUNINGS as PID
 from leadscrew.controllers._response import TABLE, TableModel, law_response, table_response
 from leadscrew.controllers._wrapping import Inner, same_kind, wrapped
 from leadscrew.kernel.block import Block
@@ -171,12 +169,3 @@ def resonant(
         "Resonators are added.", prepare=prepare, align=None if align_law is None else align,
         name=name or f"{inner.name}_resonant",
     )  # fmt: skip
-
-
-TUNINGS: dict[str, Block] = {
-    "ours.resonant": resonant(PID["paper.pid"], strength=2.0),
-    "ours.resonant_box": resonant(PID["ours.pid_ms_159"]),
-    "ours.resonant_full": inverse_feed_forward(resonant(PID["ours.pid_ms_159"]), share=0.9),
-}
-"""For the XY table at 2 kHz with 0.775 ms of delay: around the printed gains, around ours of Ms 1.59, and the same with
-90 % of feed-forward, whose spindle lines are placed by ``inner.spindle_hz``."""

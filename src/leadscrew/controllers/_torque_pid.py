@@ -3,12 +3,11 @@
     T = kp e + ki sum e dt + kd D e,      e = (y_r - y) / travel_per_rad
 
 ``D`` is the backward difference behind a lag of ``filter_s``. The command is a
-:class:`~leadscrew.references.Motion`, of which it takes the position. The order of computation, the limit and
-its anti-windup (clamping): :mod:`leadscrew.controllers._parallel`. A positive torque moves the stage in the positive
+:class:`~leadscrew.references.Motion`, of which it takes the position. The order of computation, the limits and
+their anti-windup (clamping): :mod:`leadscrew.controllers._parallel`. A positive torque moves the stage in the positive
 direction.
 
-The yardstick of every controller with a friction model. Gains (ours, for the stage of Shams and Safdari (2010) at 4
-kHz): CMA-ES over the largest errors on the paper's three sines, with a scale of 10 nm.
+The yardstick of every controller with a friction model.
 
 Bumpless start: the integral is preset so that the next output is the last one.
 """
@@ -25,12 +24,12 @@ from leadscrew.kernel.parameters import Doc, Ge, Unit
 
 
 class TorquePidParams(NamedTuple):
-    """Gains, filter and limit."""
+    """Gains, filter and limits."""
 
-    kp: Annotated[float, Unit("N m/rad"), Ge(0), Doc("torque per error")] = 300.0
-    ki: Annotated[float, Unit("N m/(rad s)"), Ge(0), Doc("torque per integral of the error")] = 50_000.0
-    kd: Annotated[float, Unit("N m s/rad"), Ge(0), Doc("torque per rate of the error")] = 0.9
-    filter_s: Annotated[float, Unit("s"), Ge(0), Doc("lag of the rate, by backward Euler; 0 for none")] = 8e-5
+    kp: Annotated[float, Unit("N m/rad"), Ge(0), Doc("torque per error")] = 1.0
+    ki: Annotated[float, Unit("N m/(rad s)"), Ge(0), Doc("torque per integral of the error")] = 0.0
+    kd: Annotated[float, Unit("N m s/rad"), Ge(0), Doc("torque per rate of the error")] = 0.0
+    filter_s: Annotated[float, Unit("s"), Ge(0), Doc("lag of the rate, by backward Euler; 0 for none")] = 0.0
     travel_per_rad: Travel = 1.0
     lower: Lower = -math.inf
     upper: Upper = math.inf

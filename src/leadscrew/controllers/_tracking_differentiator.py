@@ -29,7 +29,6 @@ import sys
 from typing import Annotated, Any, NamedTuple, cast
 
 from leadscrew.controllers._parallel import TINY, Gains, PIDState, from_change, ordered
-from leadscrew.controllers._pid import TUNINGS as PID
 from leadscrew.kernel.block import Block, make
 from leadscrew.kernel.parameters import Doc, Gt, Le, Unit
 from leadscrew.util.errors import BlockError, ValueRefused, entry_point
@@ -119,11 +118,3 @@ def tracking_differentiator(inner: Block, name: str = "", r_mm_s2: float = 1000.
         align=align, name=name or f"{inner.name}_tracking_differentiator", unit=inner.unit, drive=inner.drive,
         full_scale=inner.full_scale, sense=inner.sense, doc=f"{inner.doc} Its derivative is followed, not differenced.",
     )  # fmt: skip
-
-
-TUNINGS: dict[str, Block] = {
-    "ours.pid_td": tracking_differentiator(PID["ours.pid_ms_159"], r_mm_s2=5000.0, h_s=0.00065),
-}
-"""For the XY table at 2 kHz with 0.775 ms of delay and a scale of 0.5 um: h so large that the peak of sensitivity grows
-from 1.59 to 1.83, that of Table I; r so large that the sudden start of a 1 mm sine of 0.7 Hz does no harm.
-"""

@@ -14,7 +14,6 @@ from .lmi import lmi_popov as lmi_popov
 from .lmi import lmi_tsypkin as lmi_tsypkin
 from .lmi import lmi_zames_falb as lmi_zames_falb
 from .loop import continuous_loop as continuous_loop
-from .loop import reference_loops as reference_loops
 from .loop import sampled_loop as sampled_loop
 from .lure import Lure as Lure
 from .lure import lure as lure

@@ -429,7 +429,7 @@ def refusal(loop: LinearLoop, k1: float) -> str | None:
         return (
             f"{loop.name!r} is continuous with a dead time of {1e3 * loop.dead_time:g} ms: it has no finite state, "
             "and a matrix inequality none of its size; prove the sampled loop instead, whose delays are exact states "
-            "(sampled_loop, or table_i_sampled for the XY table: L_star)."
+            "(sampled_loop)."
         )
     if not loop.stable(k1):
         worst = np.abs(loop.closed_poles(k1)).max() if loop.sampled else loop.closed_poles(k1).real.max()

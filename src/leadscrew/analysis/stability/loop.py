@@ -1,7 +1,5 @@
 """Linear loops: from transfer functions (:func:`continuous_loop`) or from a built loop (:func:`sampled_loop`).
 
-The loops of the XY table study's stability tables are in :func:`reference_loops`.
-
 The linear loop of a built :class:`~leadscrew.kernel.loop.Loop`: from the very steps that run and are exported.
 
 Every block's step is called on unit states and a unit input, from its state at rest and with the command at zero; the
@@ -17,9 +15,7 @@ controller that schedules on the command or adapts to it is refused.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import replace
-from fractions import Fraction
-from functools import lru_cache, partial
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -360,14 +356,6 @@ def _pruned(a: np.ndarray, b: np.ndarray, c: np.ndarray) -> tuple[np.ndarray, np
     return a[np.ix_(kept, kept)], b[kept], c[:, kept]
 
 
-TABLE_I = (1.32, 0.000825, 0.006805)
-"""Kp, Ki, Kd of the XY table, Table I of Abdullah et al."""
-FINEST = 10_000
-"""Most steps in a period for a delay."""
-PLANT = ((69380.0,), (1.0, 144.8, 166.3))
-"""The XY table, equation (1), mm/V."""
-
-
 def continuous_loop(
     controller_num: Sequence[float],
     controller_den: Sequence[float],
@@ -417,65 +405,3 @@ def pid_polynomials(kp: float, ki: float, kd: float, filter_s: float = 0.0) -> t
     if ki == 0.0:
         return [kd + kp * filter_s, kp], [filter_s, 1.0]
     return [kd + kp * filter_s, kp + ki * filter_s, ki], [filter_s, 1.0, 0.0]
-
-
-def table_i_loop(dead_time: float = 0.0, filter_s: float = 0.0, name: str = "") -> LinearLoop:
-    """The continuous loop of Table I with a dead time and a lag of the derivative, both in s."""
-    return continuous_loop(*pid_polynomials(*TABLE_I, filter_s), *PLANT, dead_time, name)
-
-
-def table_i_sampled(
-    delay: float, period: float = 0.5e-3, controller: Block | None = None, name: str = ""
-) -> LinearLoop:
-    """The sampled loop of the XY table with an exact delay of any length, s: Table I unless given another controller.
-
-    The period is cut into as many steps as the delay asks for, up to 10,000: a delay is exact to 1/10,000 of a period.
-    """
-    from leadscrew.controllers._pid import pid
-    from leadscrew.kernel.loop import Loop
-    from leadscrew.plants._xy_table import xy_table
-    from leadscrew.references._sine import sine
-
-    share = Fraction(delay / period).limit_denominator(FINEST)
-    return sampled_loop(
-        Loop(
-            reference=sine, controller=controller or pid, plant=xy_table, period=period, metrics={}, name=name,
-            substeps=share.denominator, computation_delay=float(share) * period,
-        )
-    )  # fmt: skip
-
-
-@lru_cache(maxsize=1)
-def _reference_loops() -> dict[str, LinearLoop]:
-    found = {
-        "Lc": table_i_loop(1.2888e-3),
-        "Lc_1200us": table_i_loop(1.2e-3),
-        "Lc_1280us": table_i_loop(1.28e-3),
-        "Lc_filter_200us": table_i_loop(1.086e-3, 0.2e-3),
-        "Lc_filter_500us": table_i_loop(0.909e-3, 0.5e-3),
-        "Lc_filter_1000us": table_i_loop(0.769e-3, 1e-3),
-        "no_delay": table_i_loop(),
-        "L_star": table_i_sampled(0.775e-3),
-        "L0": table_i_sampled(0.0),
-        "L_500us": table_i_sampled(0.5e-3),
-        "L_1000us": table_i_sampled(1.0e-3),
-        "L_4khz": table_i_sampled(1.0e-3, 0.25e-3),
-    }
-    return {name: replace(loop, name=name) for name, loop in found.items()}
-
-
-def reference_loops() -> dict[str, LinearLoop]:
-    """The loops of the study's stability tables, all with the gains of Table I.
-
-    ``Lc``: continuous, 1.2888 ms of dead time, which puts the crossing at -0.4. ``L_star``: sampled at 2 kHz, backward
-    difference, 0.775 ms of delay, the main test loop; ``L0`` the same without delay. The others: other delays
-    (``Lc_1200us``, ``L_500us``), a filtered derivative and less dead time (``Lc_filter_500us``), no delay, and 4 kHz
-    with 4 periods.
-    """
-    return dict(_reference_loops())
-
-
-__all__ = [
-    "LinearLoop", "continuous_loop", "pid_polynomials", "reference_loops", "sampled_loop", "table_i_loop",
-    "table_i_sampled",
-]  # fmt: skip

@@ -198,19 +198,3 @@ fsmc_printed = fuzzy_sliding(
     sliding_system(RULES["printed"], "fsmc_printed", "Fuzzy sliding mode with the paper's rules, along s - s_c."),
     "fsmc_printed",
 )
-
-
-def at_slope(block: Block, lam: float, slope: float, torque: float, ratio: float) -> Block:
-    """The block with ``U = torque``, ``S = U / (J slope)`` and ``S_c = ratio S``; ``slope`` in 1/s."""
-    scale = torque / (block.params.inertia * slope)
-    return block(lam=lam, fuzzy_torque=torque, scale_s=scale, scale_sc=ratio * scale)
-
-
-TUNINGS: dict[str, Block] = {
-    "paper.fsmc": fsmc_printed,
-    "corrected.fsmc": fsmc,
-    "ours.fsmc_4khz": at_slope(fsmc, lam=400.0, slope=7690.0, torque=300.0, ratio=5.2),
-    "ours.fsmc_4khz_slow": at_slope(fsmc, lam=150.0, slope=6400.0, torque=120.0, ratio=4.0),
-    "ours.fsmc_printed_4khz": at_slope(fsmc_printed, lam=400.0, slope=9600.0, torque=105.0, ratio=2.84),
-}
-"""By the names of the study: both rule bases for periods below 5 us, and for 4 kHz (``slow``: with the paper's lam)."""

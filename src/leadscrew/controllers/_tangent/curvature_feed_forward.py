@@ -55,7 +55,7 @@ from leadscrew.controllers._tangent.believed import (
     trusted,
     within,
 )
-from leadscrew.kernel.block import Block, controller
+from leadscrew.kernel.block import controller
 from leadscrew.kernel.parameters import Doc, Gt, Le, Unit
 from leadscrew.util.errors import ValueRefused
 
@@ -248,6 +248,3 @@ def curvature_feed_forward(p, s, command, feedback, dt):
 
 
 curvature_feed_forward.step.takes_cut_line = True  # type: ignore[attr-defined]
-
-TUNINGS: dict[str, Block] = {"ours.curvature_feed_forward": curvature_feed_forward}
-"""For the study's axis at 100 Hz with 0.04 s of sensor delay and a preview of one sample."""

@@ -59,7 +59,7 @@ from leadscrew.controllers._tangent.believed import (
     within,
 )
 from leadscrew.fuzzy.inference import Axis
-from leadscrew.kernel.block import Block, controller
+from leadscrew.kernel.block import controller
 from leadscrew.kernel.parameters import Doc, Ge, Gt, Le, Unit
 from leadscrew.neural.inference_net import AXIS, CLAMP, RULES, SETS, fired, network_output
 from leadscrew.util.errors import ValueRefused
@@ -283,11 +283,3 @@ def curvature_network(p, s, command, feedback, dt):
 
 
 curvature_network.step.takes_cut_line = True  # type: ignore[attr-defined]
-
-TUNINGS: dict[str, Block] = {
-    "ours.curvature_network": curvature_network,
-    "ours.curvature_rules": curvature_network(
-        prior_covariance=apart_covariance(), k_c=36.0, k_h=36.0, highpass_s=0.03, gain=0.0
-    ),
-}
-"""For the study's axis at 100 Hz with 0.04 s of sensor delay and a preview of one sample: ours, and plain rules."""

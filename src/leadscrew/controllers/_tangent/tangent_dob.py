@@ -39,7 +39,7 @@ from leadscrew.controllers._tangent.believed import (
     samples,
     within,
 )
-from leadscrew.kernel.block import Block, controller
+from leadscrew.kernel.block import controller
 from leadscrew.kernel.parameters import Doc, Unit
 
 
@@ -103,7 +103,3 @@ def tangent_dob(p, s, command, feedback, dt):
     d = within(-p.gain * found / p.plant_gain, p.most)
     axis = s.axis + p.axis * (d - s.start - s.axis)
     return TangentDobState(s.places, next_place(s.at), quiet(axis), quiet(found), s.start), d
-
-
-TUNINGS: dict[str, Block] = {"ours.tangent_dob": tangent_dob}
-"""For the study's axis at 100 Hz with 0.04 s of sensor delay."""

@@ -156,7 +156,3 @@ def taught_offset(
         prepare=prepare, align=None if align_inner is None else align, name=name or f"{inner.name}_taught",
         unit="deg", drive=inner.drive, doc=f"{inner.doc} A table of earlier pieces is added.",
     )  # fmt: skip
-
-
-TUNINGS: dict[str, Block] = {"ours.taught_alone": taught_alone()}
-"""The table is what a piece leaves behind; there is none to tune."""

@@ -17,9 +17,7 @@ from pathlib import Path
 
 from leadscrew import controller_file
 from leadscrew.controllers._look_ahead import look_ahead
-from leadscrew.controllers._pd_dob import TUNINGS as PD_DOB
 from leadscrew.controllers._pd_dob import pd_dob
-from leadscrew.controllers._pd_learned import TUNINGS as LEARNED
 from leadscrew.controllers._sliding.complementary import csmc
 from leadscrew.controllers._sliding.continuous import (
     csmc_ideal,
@@ -29,13 +27,14 @@ from leadscrew.controllers._sliding.continuous import (
     smc_integral_ideal,
 )
 from leadscrew.controllers._sliding.conventional import smc
-from leadscrew.controllers._sliding.fuzzy import TUNINGS as FUZZY
 from leadscrew.controllers._sliding.integral import smc_integral
 from leadscrew.controllers._sliding.super_twisting import super_twisting
 from leadscrew.controllers._torque_pid import torque_pid
 from leadscrew.kernel.block import Block
 from leadscrew.plants._ballscrew_stage import INERTIA, TRAVEL_MM_PER_RAD
 from leadscrew.studies import tuned as tuned_gains
+from leadscrew.studies.fsmc_ballscrew.tunings import FUZZY, LEARNED
+from leadscrew.studies.fsmc_ballscrew.tunings import SCHEDULED as PD_DOB
 
 IDEAL: dict[str, Block] = {
     "paper.smc": smc_integral_ideal,

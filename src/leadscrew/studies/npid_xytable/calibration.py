@@ -13,9 +13,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from leadscrew.controllers._pid import pid
 from leadscrew.plants._xy_table_cutting import hold, xy_table_cutting
 from leadscrew.studies.npid_xytable.table2 import LINES_HZ
+from leadscrew.studies.npid_xytable.tunings import table_pid
 
 PERIOD_S = 5e-4
 """Control period: 2 kHz."""
@@ -29,7 +29,7 @@ def responses(frequency_hz: float, dead_time_s: float = DEAD_TIME_S) -> tuple[co
 
     ``error = command - position``; amplitude and angle against the command's or the disturbance's samples.
     """
-    gains = pid.params
+    gains = table_pid.params
     axis = hold(xy_table_cutting.params._replace(dead_time_s=dead_time_s), PERIOD_S)
     z = np.exp(2j * np.pi * frequency_hz * PERIOD_S)
     transition = np.array([axis.from_position, axis.from_velocity]).T

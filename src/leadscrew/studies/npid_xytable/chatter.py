@@ -13,13 +13,13 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from leadscrew.controllers._pid import pid
 from leadscrew.disturbances._kicked_load import kicked_load
 from leadscrew.kernel.block import Block
 from leadscrew.studies.lab import Lab, measure
 from leadscrew.studies.npid_xytable.calibration import DEAD_TIME_S, PERIOD_S
 from leadscrew.studies.npid_xytable.cutting import load_volts
 from leadscrew.studies.npid_xytable.laws import GAINS, STATIC_GAIN, curve
+from leadscrew.studies.npid_xytable.tunings import table_pid
 
 if TYPE_CHECKING:
     from leadscrew.analysis.stability.cycles import CyclePrediction
@@ -179,7 +179,7 @@ def linear(lab: Lab, delay_s: float = DEAD_TIME_S) -> LinearLoop:
     """The loop of Table I's PID without its slow integral, at this dead time."""
     from leadscrew.analysis.stability.loop import sampled_loop
 
-    loop = lab.loop(pid(ki=0.0), "sine_1mm").using({"plant.dead_time_s": delay_s})
+    loop = lab.loop(table_pid(ki=0.0), "sine_1mm").using({"plant.dead_time_s": delay_s})
     return sampled_loop(loop, f"L, {1e3 * delay_s:g} ms")
 
 

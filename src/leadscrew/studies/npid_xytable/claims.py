@@ -13,13 +13,11 @@ import numpy as np
 from leadscrew.analysis.stability.certificate import Certificate
 from leadscrew.analysis.stability.driven import driven
 from leadscrew.analysis.stability.lmi import lmi_zames_falb
-from leadscrew.analysis.stability.loop import reference_loops
 from leadscrew.analysis.stability.margins import margins
 from leadscrew.analysis.stability.popov import popov
 from leadscrew.analysis.stability.switching import worst_switching
 from leadscrew.controllers._dead_zone_inverse import dead_zone_inverse
 from leadscrew.controllers._npid import gain, npid
-from leadscrew.controllers._pid import TUNINGS as PIDS
 from leadscrew.studies.claims import Measured, Test, at_least, at_most, claim, within
 from leadscrew.studies.lab import Lab, measure
 from leadscrew.studies.npid_xytable import chatter
@@ -48,6 +46,7 @@ from leadscrew.studies.npid_xytable.laws import (
     of_the_disturbance,
     straight_fit,
 )
+from leadscrew.studies.npid_xytable.reference_loops import reference_loops
 from leadscrew.studies.npid_xytable.rejection import let_through, opened
 from leadscrew.studies.npid_xytable.table2 import (
     BASE_HZ,
@@ -61,6 +60,7 @@ from leadscrew.studies.npid_xytable.table2 import (
     base_hz,
     compared,
 )
+from leadscrew.studies.npid_xytable.tunings import TUNINGS
 
 PID, NPID, AS_PRINTED, RETUNED = "paper.pid", "corrected.npid_um", "paper.npid_mm", "ours.pid_ms_159"
 EIGHT_TO_FORTY = Test("8 to 40", lambda value: 8.0 <= value <= 40.0)
@@ -174,7 +174,7 @@ def proofs(lab: Lab) -> dict[str, Certificate]:
 @measure
 def retuned_rows(lab: Lab) -> np.ndarray:
     """Rows of Table II of the retuned linear PID, um: a linear loop scales the table's PID column."""
-    ratio = let_through(opened(PIDS[RETUNED])) / let_through(opened(PIDS[PID]))
+    ratio = let_through(opened(TUNINGS[RETUNED])) / let_through(opened(TUNINGS[PID]))
     return np.concatenate([np.array(PID_UM[rpm]) * ratio for rpm in SPEEDS])
 
 
@@ -667,7 +667,7 @@ def conclusion(lab: Lab) -> list[str]:
     worst = max(row.peak_to_peak_um for row in chatter.by_load(lab))
     rows, printed = retuned_rows(lab), np.concatenate([PID_UM[rpm] for rpm in SPEEDS])
     below = int((rows < np.minimum(printed, np.concatenate([NPID_UM[rpm] for rpm in SPEEDS]))).sum())
-    plain, tooth = (float(let_through(opened(PIDS[name]), (100.0 / 3.0,))[0]) for name in (PID, RETUNED))
+    plain, tooth = (float(let_through(opened(TUNINGS[name]), (100.0 / 3.0,))[0]) for name in (PID, RETUNED))
     return [
         engineers_choice(lab),
         f"As printed, with the error in mm, NPID differs from its PID by {traces(lab)[1, 0]:.0e} of the error and "

@@ -14,12 +14,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from leadscrew.controllers._pid import pid
 from leadscrew.kernel.block import Block
 from leadscrew.studies.lab import Lab, measure
 from leadscrew.studies.npid_xytable.calibration import PERIOD_S, volts
 from leadscrew.studies.npid_xytable.scenarios import CUT_S, line_changes
 from leadscrew.studies.npid_xytable.table2 import BASE_HZ, LINES_HZ, ORDERS, PID_UM, SPEEDS
+from leadscrew.studies.npid_xytable.tunings import table_pid
 
 if TYPE_CHECKING:
     from leadscrew.kernel.loop import Loop
@@ -219,7 +219,7 @@ LOAD_S = 6.0
 
 def load_volts(load_um: Any) -> np.ndarray:
     """The load in V for the error that it leaves under Table I's PID without its integral, um."""
-    return 1e-3 * pid.params.kp * np.asarray(load_um, dtype=float)
+    return 1e-3 * table_pid.params.kp * np.asarray(load_um, dtype=float)
 
 
 def swing_um(lab: Lab, block: str | Block, changes: dict[str, Any]) -> np.ndarray:

@@ -9,18 +9,14 @@ import numpy as np
 
 from leadscrew.analysis.stability.circle import circle
 from leadscrew.analysis.stability.jury_lee import jury_lee
-from leadscrew.analysis.stability.loop import reference_loops
 from leadscrew.analysis.stability.lure import lure
 from leadscrew.analysis.stability.margins import margins
 from leadscrew.analysis.stability.popov import popov
 from leadscrew.analysis.stability.tsypkin import tsypkin
 from leadscrew.analysis.stability.zames_falb import zames_falb
-from leadscrew.controllers import _cascade_ppi as cascade_ppi
-from leadscrew.controllers import _input_dob as input_dob
 from leadscrew.controllers._npid import npid
 from leadscrew.controllers._npid_after import npid_after
 from leadscrew.controllers._npid_slope import npid_slope
-from leadscrew.controllers._pid import TUNINGS as PIDS
 from leadscrew.kernel.block import Block
 from leadscrew.studies.exhibits import Table, experiment
 from leadscrew.studies.lab import Lab, measure
@@ -57,8 +53,10 @@ from leadscrew.studies.npid_xytable.measurement import (
     record_um,
     turned,
 )
+from leadscrew.studies.npid_xytable.reference_loops import reference_loops
 from leadscrew.studies.npid_xytable.rejection import BEST, let_through, opened, peak
 from leadscrew.studies.npid_xytable.table2 import LINES_HZ, NPID_UM, ORDERS, PID_UM, SPEEDS
+from leadscrew.studies.npid_xytable.tunings import TUNINGS
 from leadscrew.tune.statistics import Interval
 
 LINE_COLUMNS = tuple(f"{hz:.1f} Hz (%)" for hz in LINES_HZ)
@@ -289,7 +287,7 @@ def controllers(lab: Lab) -> tuple[Table, str]:
     columns = ("following error (um)", "rms error (um)", "change of the output (mV)", "rows, mean reduction (%)",
                "rows, least reduction (%)", "rows below both printed columns (1)")  # fmt: skip
     linear, full = rows[RETUNED], rows["ours.resonant_full"]
-    ms = peak(opened(PIDS[RETUNED]))
+    ms = peak(opened(TUNINGS[RETUNED]))
     return Table("controller", columns, rows), (
         f"The linear {RETUNED} of Ms {ms:.2f} is below both printed columns on {linear[5]:.0f} of 15 rows, at least "
         f"{linear[4]:.0f} % below PID; with resonators {full[1]:.2f} µm of error are left."
@@ -331,9 +329,9 @@ def price_of_rejection(lab: Lab) -> tuple[Table, str]:
     two teeth at 1,000 1/min.
     """
     blocks = {
-        PID: PIDS[PID], "ours.pid_dob_60": input_dob.TUNINGS["ours.pid_dob_60"],
-        "ours.pid_dob_150": input_dob.TUNINGS["ours.pid_dob_150"], "ours.cascade": cascade_ppi.TUNINGS["ours.cascade"],
-        RETUNED: PIDS[RETUNED], "ours.pid_ms_185": PIDS["ours.pid_ms_185"], "best PID of Ms 1.6": BEST[1.6],
+        PID: TUNINGS[PID], "ours.pid_dob_60": TUNINGS["ours.pid_dob_60"],
+        "ours.pid_dob_150": TUNINGS["ours.pid_dob_150"], "ours.cascade": TUNINGS["ours.cascade"],
+        RETUNED: TUNINGS[RETUNED], "ours.pid_ms_185": TUNINGS["ours.pid_ms_185"], "best PID of Ms 1.6": BEST[1.6],
         "best PID of Ms 1.85": BEST[1.85], "ours.pid_rest": lab.study.controllers["ours.pid_rest"],
         "ours.pid_work": lab.study.controllers["ours.pid_work"],
     }  # fmt: skip

@@ -13,15 +13,14 @@ from typing import NamedTuple
 import numpy as np
 
 from leadscrew.analysis.harmonics import LineFit
-from leadscrew.controllers._learned_feed_forward import TUNINGS as LEARNING
 from leadscrew.controllers._npid import npid
-from leadscrew.controllers._pid import TUNINGS as PID
 from leadscrew.kernel.block import Block
 from leadscrew.plants._xy_table import XYTableParams
 from leadscrew.plants._xy_table_lugre import LEVELS
 from leadscrew.studies.lab import Lab, measure
 from leadscrew.studies.npid_xytable.calibration import PERIOD_S
 from leadscrew.studies.npid_xytable.table2 import BASE_HZ
+from leadscrew.studies.npid_xytable.tunings import TUNINGS
 
 RUN_S, COUNTS = 30.0, round(10.0 / PERIOD_S)
 ON_FRICTION = "sine_1mm_on_friction_medium"
@@ -29,8 +28,8 @@ GAIN = XYTableParams().gain
 ORDERS = tuple(range(1, 12))
 """Of 0.7 Hz: 1 is the motion."""
 
-RETUNED = PID["ours.pid_ms_185"]
-LEARNED = LEARNING["ours.learned"]
+RETUNED = TUNINGS["ours.pid_ms_185"]
+LEARNED = TUNINGS["ours.learned"]
 
 
 class Rough(NamedTuple):
@@ -138,7 +137,7 @@ def together(blocks: Sequence[Block]) -> dict[str, tuple[float, ...]]:
 def sines_on_friction(lab: Lab) -> dict[str, Sines]:
     """Table I's PID and NPID on :data:`TABLE` and :data:`MORE`, the retuned PID on :data:`TABLE`."""
     most = (*TABLE, *MORE)
-    gains = together([PID["paper.pid"]] * len(most) + [RETUNED] * len(TABLE))
+    gains = together([TUNINGS["paper.pid"]] * len(most) + [RETUNED] * len(TABLE))
     linear = errors(lab, RETUNED, (*most, *TABLE), settings=gains)
     return {
         "paper.pid": counted(linear[: len(most)]),

@@ -11,7 +11,8 @@ import math
 import numpy as np
 
 from leadscrew.analysis.stability.linear import Crossing, crossings_of, phase_crossings
-from leadscrew.analysis.stability.loop import PLANT, TABLE_I, pid_polynomials, table_i_sampled
+from leadscrew.analysis.stability.loop import pid_polynomials
+from leadscrew.studies.npid_xytable.reference_loops import PLANT, TABLE_I, table_i_sampled
 
 PRINTED = -0.4
 """Section II.C: the Popov plot is *probably* intercepting the negative real axis at (-0.4, j0)."""

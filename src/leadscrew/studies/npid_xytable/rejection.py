@@ -15,13 +15,12 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from leadscrew.controllers._inverse_feed_forward import TUNINGS
-from leadscrew.controllers._pid import pid
 from leadscrew.controllers._response import TABLE, table_response
 from leadscrew.kernel.block import Block
 from leadscrew.plants._xy_table_cutting import hold, xy_table_cutting
 from leadscrew.studies.npid_xytable.calibration import PERIOD_S
 from leadscrew.studies.npid_xytable.table2 import LINES_HZ
+from leadscrew.studies.npid_xytable.tunings import TUNINGS, table_pid
 
 if TYPE_CHECKING:
     from leadscrew.analysis.stability.linear import LinearLoop
@@ -30,7 +29,7 @@ SEARCHED = np.concatenate([np.geomspace(1.0, 60.0, 60), np.geomspace(60.0, 6270.
 """Where the search looks at ``|S|``, rad/s."""
 
 BEST: dict[float, Block] = {
-    most: replace(pid, params=TUNINGS[name].params.inner)
+    most: replace(table_pid, params=TUNINGS[name].params.inner)
     for most, name in ((1.6, "ours.pid_best_160_ff"), (1.85, "ours.pid_best_185_ff"))
 }
 """What :func:`best_pid` found, rounded, by the peak of sensitivity that was allowed; without feed-forward."""

@@ -31,7 +31,6 @@ from leadscrew.controllers._biquad import LeadLag, LowPass, coefficients
 from leadscrew.controllers._inverse_feed_forward import inverse_feed_forward
 from leadscrew.controllers._npid import npid
 from leadscrew.controllers._npid_split import npid_split
-from leadscrew.controllers._pid import pid
 from leadscrew.kernel.block import Block
 from leadscrew.studies.lab import Lab
 from leadscrew.studies.npid_xytable.calibration import PERIOD_S
@@ -39,6 +38,7 @@ from leadscrew.studies.npid_xytable.controllers import LINEAR
 from leadscrew.studies.npid_xytable.cutting import BOX, amplitudes_um, line_volts, phases_of
 from leadscrew.studies.npid_xytable.rejection import opened
 from leadscrew.studies.npid_xytable.table2 import SPEEDS
+from leadscrew.studies.npid_xytable.tunings import table_pid
 
 MS, REST_MV, WORK_MV = 1.6, 0.5, 2.0
 """Bounds of the study: peak of sensitivity, and activity of the drive at rest or at work, mV from sample to sample."""
@@ -117,7 +117,7 @@ def _lag(values: Settings, i: int) -> tuple[LowPass, LeadLag]:
 
 
 LAWS = {
-    "pid": Law(pid, PATH, lambda values: (_path(values), _path(values))),
+    "pid": Law(table_pid, PATH, lambda values: (_path(values), _path(values))),
     "npid": Law(npid, PATH | {"alpha": (0.02, 5.0), "e_max": (0.1, 30.0)}, _cosh),
     "npid_split": Law(
         npid_split,
@@ -138,7 +138,7 @@ LAWS = {
 @lru_cache(maxsize=1)
 def responses() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """``z`` on a grid of frequencies, the nominal axis there, and those of the box, ``(12, frequencies)``."""
-    one = pid(kp=1.0, ki=0.0, kd=0.0)
+    one = table_pid(kp=1.0, ki=0.0, kd=0.0)
     w = np.unique(np.concatenate([np.geomspace(1.0, 1500.0, 200), np.linspace(200.0, np.pi / PERIOD_S, 500)]))
     plants = [dict(zip(BOX, map(float, values), strict=True)) for values in zip(*BOX.values(), strict=True)]
     box = np.array([opened(one, plant).response(w) for plant in plants])
@@ -154,7 +154,7 @@ def of_gains(gains: np.ndarray, z: np.ndarray) -> np.ndarray:
 @lru_cache(maxsize=1)
 def box_finely() -> tuple[np.ndarray, np.ndarray]:
     """``z`` and the plants of the box on a grid of 1.5 rad/s, for peaks that a coarser one misses."""
-    one = pid(kp=1.0, ki=0.0, kd=0.0)
+    one = table_pid(kp=1.0, ki=0.0, kd=0.0)
     w = np.linspace(50.0, np.pi / PERIOD_S, 4000)
     plants = [dict(zip(BOX, map(float, values), strict=True)) for values in zip(*BOX.values(), strict=True)]
     return np.exp(1j * w * PERIOD_S), np.array([opened(one, plant).response(w) for plant in plants])

@@ -22,7 +22,6 @@ import numpy as np
 
 from leadscrew.analysis.harmonics import folded
 from leadscrew.controllers._npid import npid
-from leadscrew.controllers._pid import TUNINGS as PID
 from leadscrew.controllers._resonant import resonant
 from leadscrew.controllers._response import TableModel, law_response, table_response
 from leadscrew.controllers._wrapping import prepared, takes_motion
@@ -34,6 +33,7 @@ from leadscrew.studies.npid_xytable.calibration import DEAD_TIME_S, PERIOD_S
 from leadscrew.studies.npid_xytable.cutting import line_volts
 from leadscrew.studies.npid_xytable.scenarios import CUT_S
 from leadscrew.studies.npid_xytable.table2 import SPEEDS
+from leadscrew.studies.npid_xytable.tunings import TUNINGS
 
 if TYPE_CHECKING:
     from leadscrew.kernel.loop import Loop
@@ -60,11 +60,11 @@ APART = RPM != LAST_RPM
 """At 24,000 1/min the teeth fold from 1,600 Hz to 400 Hz, onto the spindle: no sampled signal tells them apart."""
 
 SWEPT: dict[str, Block] = {
-    "paper.pid": PID["paper.pid"],
+    "paper.pid": TUNINGS["paper.pid"],
     "corrected.npid_um": npid,
-    "ours.pid_ms_159": PID["ours.pid_ms_159"],
-    "ours.pid_ms_185": PID["ours.pid_ms_185"],
-    "resonant": resonant(PID["ours.pid_ms_159"], (0.7,)),
+    "ours.pid_ms_159": TUNINGS["ours.pid_ms_159"],
+    "ours.pid_ms_185": TUNINGS["ours.pid_ms_185"],
+    "resonant": resonant(TUNINGS["ours.pid_ms_159"], (0.7,)),
 }
 """The last one is ours.pid_ms_159 with resonators: at the motion, the spindle, and the teeth while below Nyquist."""
 

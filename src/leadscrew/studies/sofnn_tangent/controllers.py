@@ -13,11 +13,11 @@ from pathlib import Path
 from typing import Any
 
 from leadscrew.controllers._pid import pid
-from leadscrew.controllers._tangent.curvature_feed_forward import TUNINGS as FEED_FORWARD
-from leadscrew.controllers._tangent.curvature_network import TUNINGS as CURVATURE
-from leadscrew.controllers._tangent.tangent_dob import TUNINGS as OBSERVER
 from leadscrew.kernel.block import Block
 from leadscrew.studies.sofnn_tangent.delayed_pd import delayed_pd
+from leadscrew.studies.sofnn_tangent.tunings import CURVATURE
+from leadscrew.studies.sofnn_tangent.tunings import CURVATURE as FEED_FORWARD
+from leadscrew.studies.sofnn_tangent.tunings import CURVATURE as OBSERVER
 from leadscrew.studies.sofnn_tangent.tunings import TUNINGS as SOFNN
 from leadscrew.studies.tuned import tuned
 

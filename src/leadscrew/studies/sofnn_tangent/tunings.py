@@ -17,6 +17,9 @@ from leadscrew.controllers._sofnn.fixed import fnn
 from leadscrew.controllers._sofnn.network import sofnn
 from leadscrew.controllers._sofnn.rules import with_network, with_rules
 from leadscrew.controllers._sofnn.standard import sofc
+from leadscrew.controllers._tangent.curvature_feed_forward import curvature_feed_forward
+from leadscrew.controllers._tangent.curvature_network import apart_covariance, curvature_network
+from leadscrew.controllers._tangent.tangent_dob import tangent_dob
 from leadscrew.kernel.block import Block
 from leadscrew.neural.inference_net import initial_rules
 from leadscrew.neural.performance import Performance
@@ -57,3 +60,14 @@ TUNINGS: dict[str, Block] = {
 ``_rounded`` by the source of the correction, ``_no_prior`` starts from no rules, ``_bad_slope`` has :data:`BAD_SLOPE`,
 ``_accumulate`` adds every correction; ``sofc`` is the baseline, ``sofc_stored`` in the form of 1979; ``sofnn_tuned``,
 ``sofnn_nlms`` and ``sofc_tuned`` have more gain."""
+
+CURVATURE: dict[str, Block] = {
+    "ours.tangent_dob": tangent_dob,
+    "ours.curvature_feed_forward": curvature_feed_forward,
+    "ours.curvature_network": curvature_network,
+    "ours.curvature_rules": curvature_network(
+        prior_covariance=apart_covariance(), k_c=36.0, k_h=36.0, highpass_s=0.03, gain=0.0
+    ),
+}
+"""Beside the networks of the paper, for a delay of the camera of 0.04 s and a preview of one sample: a disturbance
+observer, learned and planned feed-forward of the curvature, and rules that learn alone."""
