@@ -2,7 +2,7 @@
 
 ::
 
-    schema_version = 1
+    schema_version = 2
     kind = "controller"
     study = "vud_lathe"
     controller = "corrected.vud_beta_e"       # of the study, of the catalogue, path/file.py:NAME, or a fuzzy system
@@ -22,12 +22,12 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from leadscrew import names, toml_file
+from leadscrew import legacy, names, toml_file
 from leadscrew.kernel.parameters import nearest
 from leadscrew.util.atomic import atomic_write
 from leadscrew.util.errors import DataError
 
-SCHEMA_VERSION = 1
+SCHEMA_VERSION = legacy.CURRENT
 KIND = "controller"
 KEYS = ("schema_version", "kind", "study", "controller", "set", "tuning")
 
@@ -77,8 +77,8 @@ def validated(table: Mapping[str, Any], where: Path) -> ControllerFile:
         if key not in KEYS:
             raise DataError(f"{where}: there is no key {key!r}{nearest(key, list(KEYS))}")
     for key, kind, expected in (
-        ("schema_version", int, "1"), ("study", str, "a name"), ("controller", str, "a name"), ("set", dict, "a table"),
-        ("tuning", dict, "a table"),
+        ("schema_version", int, "1 or 2"), ("study", str, "a name"), ("controller", str, "a name"),
+        ("set", dict, "a table"), ("tuning", dict, "a table"),
     ):  # fmt: skip
         if key not in table:
             if kind is dict:
@@ -87,13 +87,14 @@ def validated(table: Mapping[str, Any], where: Path) -> ControllerFile:
         value = table[key]
         if not isinstance(value, kind) or value == "" or isinstance(value, bool):
             raise DataError(f"{where}: {key} = {value!r}: expected {expected}")
-    if table["schema_version"] != SCHEMA_VERSION:
-        raise DataError(f"{where}: schema_version = {table['schema_version']!r}: expected {SCHEMA_VERSION}")
+    if table["schema_version"] not in (1, SCHEMA_VERSION):
+        raise DataError(f"{where}: schema_version = {table['schema_version']!r}: expected 1 or {SCHEMA_VERSION}")
     if table["controller"].endswith(".toml"):
         raise DataError(f"{where}: controller = {table['controller']!r}: a controller file names no other one")
     return ControllerFile(
         names.from_file(table["study"], where), names.from_file(table["controller"], where),
-        dict(toml_file.flat(table.get("set", {}))), table.get("tuning", {}),
+        legacy.completed(table["schema_version"], table["controller"], dict(toml_file.flat(table.get("set", {})))),
+        table.get("tuning", {}),
     )  # fmt: skip
 
 

@@ -2,7 +2,7 @@
 
 ::
 
-    schema_version = 1
+    schema_version = 2
     study = "vud_lathe"
     controller = "corrected.vud_beta_e"
     scenario = "fig11a_step_m50"
@@ -25,8 +25,8 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from leadscrew import controller_file, names, resolve, toml_file
-from leadscrew.kernel.parameters import ParameterSpec, entries, nearest
+from leadscrew import controller_file, legacy, names, resolve, toml_file
+from leadscrew.kernel.parameters import ParameterSpec, entries, nearest, renamed
 from leadscrew.util.errors import (
     BlockError,
     CodeNotTrusted,
@@ -43,7 +43,7 @@ if TYPE_CHECKING:
     from leadscrew.kernel.loop import Loop
     from leadscrew.study_data import Study
 
-SCHEMA_VERSION = 1
+SCHEMA_VERSION = legacy.CURRENT
 
 
 @entry_point
@@ -96,18 +96,22 @@ class Experiment:
             raise type(error)(f"{self.source}: {error}") from error
 
     def _loop(self) -> Loop:
-        unknown = [k for k in self.changes if k not in (sheet := self.settable())]
+        changes: Mapping[str, Any] = self.changes
+        unknown = [k for k in changes if k not in (sheet := self.settable())]
+        if unknown:
+            changes = renamed(changes, sheet)
+            unknown = [k for k in changes if k not in sheet]
         if unknown:
             raise NameUnknown(f"there is no parameter {unknown[0]!r}{nearest(unknown[0], list(sheet))}")
         self._check_files()
         found = self._subject()
         if isinstance(found, _Loop()):
-            loop = found.using(self.changes)
+            loop = found.using(changes)
         else:
             controller, scenario = self._parts(found)
-            loop = found.loop(controller, scenario, self.changes)
+            loop = found.loop(controller, scenario, changes)
             if self.controller is not None and names.is_fuzzy_file(self.controller):
-                loop = _fitted(found, self.controller, scenario, self.changes, loop)
+                loop = _fitted(found, self.controller, scenario, changes, loop)
             loop = loop.using(name=f"{found.name} {self.controller} {scenario}")
         if self.seed is not None:
             loop = loop.using(seed=self.seed)

@@ -7,7 +7,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, ValidationError
 
-from leadscrew import toml_file
+from leadscrew import legacy, toml_file
 from leadscrew.kernel.engines import without_numba
 from leadscrew.kernel.parameters import nearest
 from leadscrew.util.errors import DataError
@@ -20,7 +20,7 @@ class ExperimentFile(BaseModel):
 
     model_config = ConfigDict(extra="forbid", strict=True)
 
-    schema_version: Literal[1]
+    schema_version: Literal[1, 2]
     study: Annotated[str, Field(min_length=1)]
     controller: str | None = None
     scenario: str | None = None
@@ -59,7 +59,9 @@ def validated(table: Mapping[str, Any], where: str) -> dict[str, Any]:
         "study": file.study,
         "controller": file.controller,
         "scenario": file.scenario,
-        "changes": dict(toml_file.flat(file.changes)),
+        "changes": legacy.completed(
+            file.schema_version, file.controller, dict(toml_file.flat(file.changes)), "controller."
+        ),
         "duration_s": file.duration,
         "engine": file.engine,
         "every": file.every,

@@ -15,6 +15,7 @@ from leadscrew import names, userfile
 from leadscrew._version import __version__
 from leadscrew.experiment import Experiment
 from leadscrew.kernel.engines import without_numba
+from leadscrew.kernel.parameters import renamed
 from leadscrew.kernel.run import load
 from leadscrew.util.errors import CodeNotTrusted, DataError, LeadscrewError
 
@@ -112,7 +113,7 @@ def rebuilt(manifest: Mapping[str, Any], where: str) -> Loop:
         now = loop.parameters
         # Before there was last_percent, a window without from_time was the whole run.
         whole = {f"{k.removesuffix('.from_time')}.last_percent": 100.0 for k in saved if k.endswith(".from_time")}
-        saved = {k: v for k, v in whole.items() if k in now} | saved
+        saved = {k: v for k, v in whole.items() if k in now} | renamed(saved, now)
         changed = {k: v for k, v in saved.items() if k not in now or not np.array_equal(now[k], v)}
         loop = loop.using(changed, seed=seed, **({} if bound is None else {"bound": bound}))
     loop.origin = origin

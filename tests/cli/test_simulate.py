@@ -256,7 +256,7 @@ def test_an_experiment_file_that_names_the_removed_engine_runs_on_llvm(call, her
 @pytest.mark.parametrize(
     ("old", "new", "words"),
     [
-        ("schema_version = 1", "schema_version = 2", ("schema_version",)),
+        ("schema_version = 1", "schema_version = 3", ("schema_version",)),
         ("schema_version = 1", "", ("schema_version", "missing")),
         ("duration = 0.1", "duration = -1", ("duration", "-1")),
         ("duration = 0.1", "duration = 'long'", ("duration", "long")),

@@ -91,7 +91,7 @@ def test_the_file_holds_all_of_it(session, tmp_path):
     session_file.write(session, path)
     assert session_file.read(path) == session and session_file.is_session(path)
     text = path.read_text(encoding="utf-8")
-    assert text.startswith('schema_version = 1\nkind = "session"\n') and text.count("[[event]]") == len(session.events)
+    assert text.startswith('schema_version = 2\nkind = "session"\n') and text.count("[[event]]") == len(session.events)
 
 
 def test_values_of_every_type_come_back_from_the_file(tmp_path, session):
@@ -174,7 +174,7 @@ def test_the_report_has_old_and_new_values_and_the_error_under_each_setting(play
         piece = 1000.0 * error[first:last]
         for value in (np.sqrt(np.mean(piece**2)), np.abs(piece).max()):
             assert f"{value:.6g}" in page
-    assert '<td>controller.kp</td><td class="n">3</td><td class="n">4</td><td>V/mm</td>' in page
+    assert '<td>controller.kp</td><td class="n">3</td><td class="n">4</td><td></td>' in page
     assert "<td>ramped</td><td>hand</td>" in page and "<td>scenario.amplitude_mm</td>" in page
     made = re.search(r"<p>A slide; this page was made on (.* at .*) UTC", page)
     assert made is not None

@@ -100,7 +100,7 @@ def test_a_tuning_starts_from_it_and_writes_one(file, tmp_path):
         (HEAD.replace('"controller"\n', '"experiment"\n', 1), "its kind is 'experiment'"),
         (HEAD.replace("study", "studi"), "there is no key 'studi'; did you mean study"),
         (HEAD.replace('study = "vud_lathe"\n', ""), "the key 'study' is missing"),
-        (HEAD.replace("= 1", "= 2"), "schema_version = 2: expected 1"),
+        (HEAD.replace("= 1", "= 3"), "schema_version = 3: expected 1 or 2"),
         (HEAD.replace('"vud_lathe"', "3"), "study = 3: expected a name"),
         (HEAD.replace("corrected.vud_beta_e", "other.toml"), "names no other one"),
         (HEAD.replace("corrected.vud_beta_e", "corrected.vud"), "no controller 'corrected.vud'; did you mean"),

@@ -250,6 +250,21 @@ def entries(value: Any, prefix: str = "") -> Iterator[ParameterSpec]:
             yield ParameterSpec(key, leaf_type(note, item), item, **note.found)
 
 
+def renamed(changes: Mapping[str, Any], known: Mapping[str, Any]) -> dict[str, Any]:
+    """The changes by the keys of today: the symmetric limit of version 0.1.0, 0 for none, gives both limits."""
+    found: dict[str, Any] = {}
+    for key, value in changes.items():
+        head, point, last = key.rpartition(".")
+        ends = [f"{head}{point}{end}" for end in ("lower", "upper")]
+        old = last in ("max_output", "max_torque") and key not in known and all(end in known for end in ends)
+        if old and isinstance(value, int | float) and value >= 0.0:
+            limit = float(value) or math.inf
+            found |= dict(zip(ends, (-limit, limit), strict=True))
+        else:
+            found[key] = value
+    return found
+
+
 def checked_replace(value: Any, changes: Mapping[str, Any], where: str) -> Any:
     """``value`` with the dotted ``changes`` applied, each checked against its sheet.
 
@@ -258,7 +273,7 @@ def checked_replace(value: Any, changes: Mapping[str, Any], where: str) -> Any:
         ValueRefused: see :meth:`ParameterSpec.check`.
     """
     sheet = {e.key: e for e in entries(value)} if value is not None else {}
-    for key, new in changes.items():
+    for key, new in renamed(changes, sheet).items():
         if key not in sheet:
             raise NameUnknown(f"{where} has no parameter {key!r}{nearest(key, sheet)}")
         value = put(value, key.split("."), sheet[key].stored(new, where))

@@ -2,7 +2,7 @@
 
 ::
 
-    schema_version = 1
+    schema_version = 2
     kind = "session"
     leadscrew = "0.9.0"
     periods = 5000
@@ -32,7 +32,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
-from leadscrew import names
+from leadscrew import legacy, names
 from leadscrew._version import __version__
 from leadscrew.experiment_file import Engine
 from leadscrew.kernel.parameters import nearest
@@ -81,7 +81,7 @@ class EventTable(_Table):
 class SessionFile(_Table):
     """The keys of the file."""
 
-    schema_version: Literal[1]
+    schema_version: Literal[1, 2]
     kind: Literal["session"]
     leadscrew: str = ""
     periods: Count
@@ -96,7 +96,7 @@ def text(session: Session) -> str:
     """The session as the text of its file."""
     start = session.start
     head = {
-        "schema_version": 1,
+        "schema_version": legacy.CURRENT,
         "kind": KIND,
         "leadscrew": __version__,
         "periods": session.periods,
@@ -164,21 +164,23 @@ def read(path: str | Path) -> Session:
         said = f"its kind is {table['kind']!r}" if "kind" in table else "it has no kind"
         raise DataError(f"{where}: is not a session: {said}, expected kind = {KIND!r}")
     found = _validated(table, str(where))
-    events = tuple(_event_of(e, where) for e in found.event)
+    events = tuple(_event_of(e, where, found.schema_version) for e in found.event)
     _in_order(events, found.periods, str(where))
     s = found.start
     start = Start(
         names.from_file(s.study, where), None if s.controller is None else names.from_file(s.controller, where),
-        s.scenario, dict(flat(s.changes)), s.seed, s.engine, s.circle,
+        s.scenario, legacy.completed(found.schema_version, s.controller, dict(flat(s.changes)), "controller."),
+        s.seed, s.engine, s.circle,
         {names.from_file(k, where): v for k, v in found.files.items()},
     )  # fmt: skip
     marks = {int(k): v for k, v in found.marks.items()}
     return Session(start, events, found.periods, found.digest, marks, found.leadscrew)
 
 
-def _event_of(e: EventTable, where: Path) -> Event:
+def _event_of(e: EventTable, where: Path, version: int) -> Event:
+    changes = legacy.completed(version, e.controller, dict(flat(e.changes)), "controller.")
     return Event(
-        e.period, e.do, dict(flat(e.changes)), names.from_file(e.controller, where), e.over, e.how, e.by, e.why,
+        e.period, e.do, changes, names.from_file(e.controller, where), e.over, e.how, e.by, e.why,
         compare=e.compare, mark=e.before,
     )  # fmt: skip
 

@@ -11,7 +11,7 @@ import numpy as np
 
 from leadscrew.figures.signals import signal_unit
 from leadscrew.kernel.layout import Layout, is_branch
-from leadscrew.kernel.parameters import ParameterSpec, entries, nearest, put
+from leadscrew.kernel.parameters import ParameterSpec, entries, nearest, put, renamed
 from leadscrew.util.errors import LeadscrewError, NameUnknown, ValueRefused
 
 if TYPE_CHECKING:
@@ -96,6 +96,7 @@ def checked(changes: Mapping[str, Any], known: Mapping[str, ParameterSpec], fixe
     """
     if not changes:
         raise ValueRefused("there is nothing to set: give at least one parameter and its value")
+    changes = renamed(changes, known)
     for key in changes:
         own = key.removeprefix("x.")
         if key in fixed:

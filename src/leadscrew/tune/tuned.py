@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from leadscrew import controller_file, names, toml_file
+from leadscrew import controller_file, legacy, names, toml_file
 from leadscrew.controller_file import ControllerFile
 from leadscrew.experiment import Experiment
 from leadscrew.tune.job import Job, typed
@@ -297,10 +297,10 @@ def save(job: Job, tuned: Tuned, path: Path) -> list[Path]:
         DataError: one cannot be written.
     """
     if job.experiment.controller is None:
-        toml_file.write(path, {"schema_version": 1, **experiment_table(job, tuned)})
+        toml_file.write(path, {"schema_version": legacy.CURRENT, **experiment_table(job, tuned)})
         return [path]
     controller_file.write(path, controller_of(job, tuned))
     if not needs_experiment(job.experiment, tuned.vary):
         return [path]
-    toml_file.write(beside(path), {"schema_version": 1, **experiment_table(job, tuned)})
+    toml_file.write(beside(path), {"schema_version": legacy.CURRENT, **experiment_table(job, tuned)})
     return [path, beside(path)]
