@@ -59,9 +59,8 @@ def test_the_symmetric_limit_becomes_two(old, ends):
 
 
 def test_a_saved_run_with_a_limit_is_built_again():
-    loop = Experiment(
-        "npid_xytable", "paper.pid", "sine_1mm", {"controller.lower": -2.0, "controller.upper": 2.0}
-    ).loop()
+    limits = {"controller.lower": -2.0, "controller.upper": 2.0}
+    loop = Experiment("npid_xytable", "paper.pid", "sine_1mm", limits).loop()
     manifest = {**loop.manifest("llvm"), "origin": {**loop.origin, "changes": {"controller.max_output": 2.0}}}
     saved = {k: v for k, v in loop.parameters.items() if k not in limits}
     again = rebuilt({**manifest, "parameters": {**saved, "controller.max_output": 2.0}}, "run")
