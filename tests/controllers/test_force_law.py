@@ -8,7 +8,7 @@ import pytest
 from leadscrew.controllers._force import constant_force, power_law_inversion
 from leadscrew.controllers._force.cutting_law import MOST, Belief, feed_for, learned, prior
 from leadscrew.controllers._force.revolution import ROOM, nothing_yet, one_ago, recorded, speed
-from leadscrew.controllers._wrapping import copied
+from leadscrew.kernel.layout import copied
 from leadscrew.references._cutting_program import NEVER_S, CutCommand
 from leadscrew.sensors._load_cell import CutReading
 from leadscrew.studies.grey_turning.tunings import FORCE as TUNINGS

@@ -9,8 +9,7 @@ import numpy as np
 
 from leadscrew.export.source import Source
 from leadscrew.kernel.block import make
-from leadscrew.kernel.layout import is_branch
-from leadscrew.kernel.probe import _copied
+from leadscrew.kernel.layout import copied, is_branch
 
 STRICT = ("-std=c99", "-Wall", "-Wextra", "-pedantic", "-Werror", "-ffp-contract=off")
 PERIOD = 1e-3
@@ -34,7 +33,7 @@ def source_of(
 def first_output(source: Source) -> Any:
     """What the step gives in its first period."""
     block = source.block
-    lead = [x for x in (source.prepared, _copied(source.state)) if x is not None]
+    lead = [x for x in (source.prepared, copied(source.state)) if x is not None]
     given = {**source.signals, "t": 0.0, "dt": PERIOD}
     with np.errstate(all="ignore"):
         made = source.module.namespace()[source.step](*lead, *(given[n] for n in block.signals))
@@ -44,7 +43,7 @@ def first_output(source: Source) -> Any:
 def by_python(source: Source, inputs: np.ndarray) -> np.ndarray:
     """What the module's own Python gives, row by row from the start."""
     step = source.module.namespace()[source.step]
-    block, p, s = source.block, source.prepared, _copied(source.state)
+    block, p, s = source.block, source.prepared, copied(source.state)
     names = [a.key for a in source.inputs]
     out = []
     with np.errstate(all="ignore"):

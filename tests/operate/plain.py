@@ -6,8 +6,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from leadscrew.controllers._wrapping import copied, prepared
 from leadscrew.kernel.block import Block
+from leadscrew.kernel.by_position import prepared
+from leadscrew.kernel.layout import copied
 from leadscrew.operate.explain.parts import follow
 from leadscrew.operate.explain.shown import Now
 from leadscrew.operate.why import explained

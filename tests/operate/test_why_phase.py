@@ -13,8 +13,8 @@ from leadscrew.controllers._sliding.conventional import smc
 from leadscrew.controllers._sliding.fuzzy import fsmc
 from leadscrew.controllers._sliding.integral import smc_integral
 from leadscrew.controllers._sliding.super_twisting import super_twisting
-from leadscrew.controllers._wrapping import prepared
 from leadscrew.friction.lugre import steady_friction
+from leadscrew.kernel.by_position import prepared
 from leadscrew.operate.explain.shown import Now
 from leadscrew.operate.explain.sliding import trail
 from leadscrew.operate.why import explained

@@ -26,8 +26,9 @@ from typing import Annotated, Any, NamedTuple, cast
 
 from leadscrew.controllers._inverse_feed_forward import AheadS
 from leadscrew.controllers._look_ahead import advanced
-from leadscrew.controllers._wrapping import place_of_motion, same_kind, whole, wrapped
+from leadscrew.controllers._wrapping import same_kind, wrapped
 from leadscrew.kernel.block import Block
+from leadscrew.kernel.by_position import position_of, whole
 from leadscrew.kernel.parameters import Doc, Ge, Gt, Le, Unit
 from leadscrew.util.errors import entry_point
 
@@ -69,7 +70,7 @@ def friction_feed_forward(
     part = wrapped(inner, "friction_feed_forward")
     law, before = part.law, inner.prepare
     align_law: Any = part.align
-    passed = whole if part.motion else place_of_motion
+    passed = whole if part.motion else position_of
     own: list[Any] = [
         ("friction_mv", Friction), ("presliding_um", Presliding), ("static_ratio", Ratio), ("stribeck_mm_s", Fall),
         ("smooth_mm_s", Smooth), ("ahead_s", AheadS), ("share", FrictionShare),

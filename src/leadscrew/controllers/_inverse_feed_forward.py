@@ -21,8 +21,9 @@ from __future__ import annotations
 from typing import Annotated, Any, NamedTuple, cast
 
 from leadscrew.controllers._look_ahead import advanced
-from leadscrew.controllers._wrapping import place_of_motion, same_kind, whole, wrapped
+from leadscrew.controllers._wrapping import same_kind, wrapped
 from leadscrew.kernel.block import Block
+from leadscrew.kernel.by_position import position_of, whole
 from leadscrew.kernel.parameters import Doc, Ge, Gt, Le, Unit
 from leadscrew.util.errors import entry_point
 
@@ -56,7 +57,7 @@ def inverse_feed_forward(
     """
     part = wrapped(inner, "inverse_feed_forward")
     law, before = part.law, inner.prepare
-    passed = whole if part.motion else place_of_motion
+    passed = whole if part.motion else position_of
     align_law: Any = part.align
     own = [("gain", Gain), ("damping", Damping), ("stiffness", Stiffness), ("ahead_s", AheadS), ("share", Share)]
     params_type = cast(Any, NamedTuple("InverseParams", [("inner", type(inner.params)), *own]))

@@ -12,8 +12,7 @@ from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 
-from leadscrew.controllers._wrapping import copied
-from leadscrew.kernel.layout import Layout
+from leadscrew.kernel.layout import Layout, copied
 from leadscrew.kernel.parameters import Doc, Ge, Gt, Unit
 from leadscrew.plants._xy_table_cutting import XYTableCuttingParams, hold
 from leadscrew.references._motion import Motion

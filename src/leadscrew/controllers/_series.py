@@ -17,8 +17,9 @@ from dataclasses import replace
 from typing import Any, NamedTuple, cast
 
 from leadscrew.controllers._filters import FILTERS
-from leadscrew.controllers._wrapping import prepared, takes_motion
+from leadscrew.controllers._wrapping import takes_motion
 from leadscrew.kernel.block import Block, make
+from leadscrew.kernel.by_position import prepared
 from leadscrew.util.errors import BlockError, entry_point
 
 

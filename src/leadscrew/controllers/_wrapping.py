@@ -5,10 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
-import numpy as np
-
 from leadscrew.kernel.block import Block, make
-from leadscrew.kernel.layout import is_branch
+from leadscrew.kernel.by_position import position_of, prepared, whole
+from leadscrew.kernel.layout import copied
 from leadscrew.util.errors import BlockError
 
 PROBE_DT = 0.5e-3
@@ -29,33 +28,6 @@ class Inner(NamedTuple):
     def ready(self, dt: float) -> Any:
         """What its step gets as ``p`` at this period."""
         return prepared(self.block, dt)
-
-
-def place_of_number(command):
-    """The position of a command that is a number."""
-    return command
-
-
-def place_of_motion(command):
-    """The position of a command that is a motion."""
-    return command.position
-
-
-def whole(command):
-    """A command as it is."""
-    return command
-
-
-def copied(value: Any) -> Any:
-    """A state whose arrays are its own."""
-    if isinstance(value, np.ndarray):
-        return value.copy()
-    return type(value)(*(copied(v) for v in value)) if is_branch(value) else value
-
-
-def prepared(block: Block, dt: float) -> Any:
-    """What the step of a block gets as ``p`` at this period."""
-    return block.params if block.prepare is None else block.prepare(block.params, dt)
 
 
 def takes_motion(block: Block, dt: float = PROBE_DT) -> bool:
@@ -89,7 +61,7 @@ def wrapped(inner: Block, maker: str) -> Inner:
     if inner.signals != ("command", "feedback", "dt") or inner.initial is not None:
         raise BlockError(f"{maker}({inner.name}): needs a controller that takes command, feedback and dt")
     motion = takes_motion(inner)
-    place = place_of_motion if motion else place_of_number
+    place = position_of if motion else whole
     return Inner(inner, inner.step, inner.align, motion, place)
 
 

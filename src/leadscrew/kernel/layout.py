@@ -45,6 +45,13 @@ def is_branch(value: Any) -> bool:
     return isinstance(value, tuple) and hasattr(value, "_fields")
 
 
+def copied(value: Any) -> Any:
+    """A value whose arrays are its own."""
+    if isinstance(value, np.ndarray):
+        return value.copy()
+    return type(value)(*(copied(v) for v in value)) if is_branch(value) else value
+
+
 class Layout:
     """The layout of one value, and the packing of values of its type."""
 

@@ -13,6 +13,7 @@ import numpy as np
 
 from leadscrew.kernel import ieee, validate
 from leadscrew.kernel.block import Block
+from leadscrew.kernel.by_position import by_position
 from leadscrew.kernel.engines import Entry
 from leadscrew.kernel.frame import SLOTS
 from leadscrew.kernel.linker import LARGEST, LIMITS
@@ -252,6 +253,7 @@ class Live:
         for built in ("program", "signals", "module"):
             loop.__dict__.pop(built, None)
         loop.blocks["controller"] = controller
+        loop.blocks["controller"] = controller = by_position(loop.blocks, loop.period)
         new = Live(loop, self.engine, self.replicate)
         old_state = self.program.plan.state.unpack(*self.state)
         params, fresh = loop.values()

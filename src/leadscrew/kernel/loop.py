@@ -16,6 +16,7 @@ import numpy as np
 
 from leadscrew.kernel import validate
 from leadscrew.kernel.block import Block, takes
+from leadscrew.kernel.by_position import by_position
 from leadscrew.kernel.engines import ENGINES
 from leadscrew.kernel.frame import SLOTS, Clock, as_floats, bundle
 from leadscrew.kernel.layout import Layout
@@ -109,6 +110,8 @@ class Loop:
         self.period = validate.positive("period", sample if period is None else period, "s")
         self.substeps = validate.whole("substeps", substeps, 1, 1_000_000)
         self.step = self.period / self.substeps
+        if not self.continuous:
+            self.blocks["controller"] = by_position(self.blocks, self.period)
         self.sent = validate.in_steps("computation_delay", computation_delay, self.step)
         self.seen = validate.in_steps("transport_delay", transport_delay, self.step)
         if method is None:

@@ -10,7 +10,7 @@ import numpy as np
 
 from leadscrew.kernel.block import Block
 from leadscrew.kernel.frame import as_floats, bundle
-from leadscrew.kernel.layout import is_branch
+from leadscrew.kernel.layout import copied, is_branch
 from leadscrew.kernel.noise import Noise
 from leadscrew.kernel.source import where
 from leadscrew.kernel.subset import PRINT
@@ -19,12 +19,6 @@ from leadscrew.util.frames import place
 
 if TYPE_CHECKING:
     from leadscrew.kernel.loop import Loop
-
-
-def _copied(value: Any) -> Any:
-    if isinstance(value, np.ndarray):
-        return value.copy()
-    return type(value)(*(_copied(v) for v in value)) if is_branch(value) else value
 
 
 def _kind(value: Any) -> str:
@@ -67,7 +61,7 @@ class _Probe:
         if block is None:
             return None
         lead = [self.loop.prepared(block, slot)] if block.params is not None else []
-        state = None if block.state is None else _copied(self.loop.start_state(block))
+        state = None if block.state is None else copied(self.loop.start_state(block))
         if state is not None:
             lead.append(state)
         given = {n: signals[n] for n in block.signals if n in ("command", "feedback", "actual", "output")}

@@ -6,8 +6,8 @@ from collections.abc import Callable
 from typing import Any, NamedTuple
 
 from leadscrew.controllers._force.with_output import WITH_OUTPUT
-from leadscrew.controllers._wrapping import prepared
 from leadscrew.kernel.block import Block, make
+from leadscrew.kernel.by_position import prepared
 from leadscrew.util.errors import BlockError
 
 

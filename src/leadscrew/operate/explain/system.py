@@ -8,7 +8,6 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import Any, NamedTuple
 
-from leadscrew.controllers._wrapping import copied
 from leadscrew.fuzzy.block import Memory
 from leadscrew.fuzzy.engine import Engine
 from leadscrew.fuzzy.explanation import explain
@@ -16,6 +15,7 @@ from leadscrew.fuzzy.shapes import STRAIGHT, membership_function, prepared
 from leadscrew.fuzzy.system import INTEGRAL, Term, Variable
 from leadscrew.fuzzy.tables import tuned_terms
 from leadscrew.kernel.block import Block
+from leadscrew.kernel.layout import copied
 from leadscrew.operate.explain.shown import Acting, Now, Quantity, rules_view, sets_view
 
 SAMPLES = 41

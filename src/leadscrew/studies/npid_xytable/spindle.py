@@ -24,9 +24,10 @@ from leadscrew.analysis.harmonics import folded
 from leadscrew.controllers._npid import npid
 from leadscrew.controllers._resonant import resonant
 from leadscrew.controllers._response import TableModel, law_response, table_response
-from leadscrew.controllers._wrapping import prepared, takes_motion
+from leadscrew.controllers._wrapping import takes_motion
 from leadscrew.disturbances._wandering_spindle import wandering_spindle
 from leadscrew.kernel.block import Block
+from leadscrew.kernel.by_position import prepared
 from leadscrew.plants._xy_table_cutting import xy_table_cutting
 from leadscrew.studies.lab import Lab, measure
 from leadscrew.studies.npid_xytable.calibration import DEAD_TIME_S, PERIOD_S

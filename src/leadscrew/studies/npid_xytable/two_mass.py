@@ -12,8 +12,9 @@ import numpy as np
 
 from leadscrew.controllers._biquad import Notch, biquad
 from leadscrew.controllers._response import law_matrices
-from leadscrew.controllers._wrapping import prepared, takes_motion
+from leadscrew.controllers._wrapping import takes_motion
 from leadscrew.kernel.block import Block
+from leadscrew.kernel.by_position import prepared
 from leadscrew.plants._linear import hold_matrices
 from leadscrew.plants._xy_table_two_mass import XYTableTwoMassParams, matrices
 from leadscrew.studies.lab import Lab, measure
