@@ -69,12 +69,12 @@ def test_options_that_cannot_be_are_refused_and_nothing_is_written(refused, tmp_
 
 
 @pytest.mark.slow
-def test_a_study_whose_commands_are_motions_gets_no_file(refused, tmp_path):
+def test_a_study_with_another_drive_gets_no_file(refused, tmp_path):
     said = refused(
         "design", "npid", "--study", "fsmc_ballscrew", "-o", tmp_path / "x.toml", "--plot", tmp_path / "x.png"
     )
     assert "--study fsmc_ballscrew: the designed controller cannot run in this study" in said
-    assert "are motions, with velocity and acceleration, and npid_slope takes a number; nothing is written" in said
+    assert "npid_slope commands a voltage, and ballscrew_stage takes a torque" in said and "nothing is written" in said
     assert left(tmp_path) == []
 
 
@@ -82,5 +82,8 @@ def test_a_controller_is_tried_in_the_study_that_its_file_names():
     blocks = (resolve.block("npid_slope"), resolve.block("npid"))
     for block in blocks:
         runs_in(resolve.study("npid_xytable"), block, "npid_xytable")
-        with pytest.raises(ValueRefused, match=f"--study here: .* are motions, .* and {block.name} takes a number"):
+        with pytest.raises(
+            ValueRefused,
+            match=f"--study here: .* {block.name} commands a voltage, and ballscrew_stage takes a torque",
+        ):
             runs_in(resolve.study("fsmc_ballscrew"), block, "here")

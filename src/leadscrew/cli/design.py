@@ -132,24 +132,12 @@ def runs_in(home: Study, block: Block, named: str) -> None:
     for scenario in list(home.scenarios)[:1]:
         try:
             with warnings.catch_warnings():
-                warnings.simplefilter("ignore", UnitWarning)  # what does not fit is said below, in one sentence
+                warnings.simplefilter("error", UnitWarning)
                 _ = home.loop(block, scenario).signals
-        except BlockError as error:
-            why = str(error)
-            if any(_commands_motions(home, other, scenario) for other in list(home.controllers)[:1]):
-                why = (
-                    f"its commands (scenario {scenario}) are motions, with velocity and acceleration, and {block.name} "
-                    "takes a number"
-                )
+        except (BlockError, UnitWarning) as error:
             raise ValueRefused(
-                f"--study {named}: the designed controller cannot run in this study: {why}; nothing is written"
+                f"--study {named}: the designed controller cannot run in this study: {error}; nothing is written"
             ) from None
-
-
-def _commands_motions(home: Study, controller: str, scenario: str) -> bool:
-    from leadscrew.references._motion import Motion
-
-    return isinstance(home.loop(controller, scenario).signals["command"], Motion)
 
 
 def paper_of(axis: TableAxis, gains: Gains) -> Any:
