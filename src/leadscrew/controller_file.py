@@ -23,13 +23,11 @@ from pathlib import Path
 from typing import Any
 
 from leadscrew import legacy, names, toml_file
-from leadscrew.kernel.parameters import nearest
 from leadscrew.util.atomic import atomic_write
 from leadscrew.util.errors import DataError
 
 SCHEMA_VERSION = legacy.CURRENT
 KIND = "controller"
-KEYS = ("schema_version", "kind", "study", "controller", "set", "tuning")
 
 
 @dataclass(frozen=True)
@@ -70,31 +68,18 @@ def validated(table: Mapping[str, Any], where: Path) -> ControllerFile:
     Raises:
         DataError: names file and key of what is wrong.
     """
+    from leadscrew import file_schema
+    from leadscrew.experiment_file import ControllerTable
+
     if table.get("kind") != KIND:
         said = f"its kind is {table['kind']!r}" if "kind" in table else "it has no kind"
         raise DataError(f"{where}: is not a controller file: {said}, expected kind = {KIND!r}")
-    for key in table:
-        if key not in KEYS:
-            raise DataError(f"{where}: there is no key {key!r}{nearest(key, list(KEYS))}")
-    for key, kind, expected in (
-        ("schema_version", int, "1 or 2"), ("study", str, "a name"), ("controller", str, "a name"),
-        ("set", dict, "a table"), ("tuning", dict, "a table"),
-    ):  # fmt: skip
-        if key not in table:
-            if kind is dict:
-                continue
-            raise DataError(f"{where}: the key {key!r} is missing")
-        value = table[key]
-        if not isinstance(value, kind) or value == "" or isinstance(value, bool):
-            raise DataError(f"{where}: {key} = {value!r}: expected {expected}")
-    if table["schema_version"] not in (1, SCHEMA_VERSION):
-        raise DataError(f"{where}: schema_version = {table['schema_version']!r}: expected 1 or {SCHEMA_VERSION}")
-    if table["controller"].endswith(".toml"):
-        raise DataError(f"{where}: controller = {table['controller']!r}: a controller file names no other one")
+    read = file_schema.validated(ControllerTable, table, where)
+    if names.is_toml(read.controller):
+        raise DataError(f"{where}: controller = {read.controller!r}: a controller file names no other one")
     return ControllerFile(
-        names.from_file(table["study"], where), names.from_file(table["controller"], where),
-        legacy.completed(table["schema_version"], table["controller"], dict(toml_file.flat(table.get("set", {})))),
-        table.get("tuning", {}),
+        names.from_file(read.study, where), names.from_file(read.controller, where),
+        legacy.completed(read.schema_version, read.controller, dict(toml_file.flat(read.changes))), read.tuning,
     )  # fmt: skip
 
 

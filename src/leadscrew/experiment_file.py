@@ -1,38 +1,46 @@
-"""The schema of an experiment file; imported only when one is read, because pydantic is heavy."""
+"""The keys of experiment and controller files; imported only when one is read, because pydantic is heavy."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, ValidationError
+from pydantic import BeforeValidator, Field
 
-from leadscrew import legacy, toml_file
+from leadscrew import file_schema, legacy, toml_file
+from leadscrew.file_schema import Finite, Name, Table
 from leadscrew.kernel.engines import without_numba
-from leadscrew.kernel.parameters import nearest
-from leadscrew.util.errors import DataError
 
 Engine = Annotated[Literal["llvm", "c", "python"], BeforeValidator(without_numba)]
 
 
-class ExperimentFile(BaseModel):
-    """The keys of the file."""
-
-    model_config = ConfigDict(extra="forbid", strict=True)
+class ExperimentTable(Table):
+    """One loop of a study, with changes."""
 
     schema_version: Literal[1, 2]
-    study: Annotated[str, Field(min_length=1)]
+    study: Name
     controller: str | None = None
     scenario: str | None = None
-    duration: Annotated[float, Field(gt=0, allow_inf_nan=False)] | None = None
+    duration: Annotated[Finite, Field(gt=0)] | None = None
     engine: Engine | None = None
     every: Annotated[int, Field(ge=1)] = 1
     substeps: Annotated[int, Field(ge=1)] | None = None
     record: list[str] | None = None
     seed: Annotated[int, Field(ge=0)] | None = None
     replicate: Annotated[int, Field(ge=0, lt=2**31)] = 0
-    files: dict[str, str] = {}
-    changes: Annotated[dict[str, Any], Field(alias="set")] = {}
+    files: dict[str, str] = Field(default_factory=dict)
+    changes: dict[str, Any] = Field(default_factory=dict, alias="set")
+
+
+class ControllerTable(Table):
+    """A controller of a study with its parameters."""
+
+    schema_version: Literal[1, 2]
+    kind: Literal["controller"]
+    study: Name
+    controller: Name
+    changes: dict[str, Any] = Field(default_factory=dict, alias="set")
+    tuning: dict[str, Any] = Field(default_factory=dict)
 
 
 def validated(table: Mapping[str, Any], where: str) -> dict[str, Any]:
@@ -44,17 +52,7 @@ def validated(table: Mapping[str, Any], where: str) -> dict[str, Any]:
     table = dict(table)
     if "replicate" not in table and "run" in table:  # its name in 0.1.0
         table["replicate"] = table.pop("run")
-    try:
-        file = ExperimentFile.model_validate(table)
-    except ValidationError as error:
-        first = error.errors()[0]
-        key = ".".join(map(str, first["loc"]))
-        if first["type"] == "extra_forbidden":
-            known = [f.alias or n for n, f in ExperimentFile.model_fields.items()]
-            raise DataError(f"{where}: there is no key {key!r}{nearest(key, known)}") from None
-        if first["type"] == "missing":
-            raise DataError(f"{where}: the key {key!r} is missing") from None
-        raise DataError(f"{where}: {key} = {first['input']!r}: {first['msg']}") from None
+    file = file_schema.validated(ExperimentTable, table, where)
     return {
         "study": file.study,
         "controller": file.controller,

@@ -45,10 +45,10 @@ def test_what_is_written_is_read_back(file):
 @pytest.mark.parametrize(
     ("old", "new", "complaint"),
     [
-        ('model = "servo_axis"', 'model = "robot"', "model = 'robot': expected servo_axis"),
-        ("period = 0.001", "period = 0", "period = 0: expected a number from 1e-06 to 1"),
+        ('model = "servo_axis"', 'model = "robot"', "model = 'robot': Input should be 'servo_axis'"),
+        ("period = 0.001", "period = 0", "period = 0: Input should be greater than or equal to 0.000001"),
         ("period = 0.001", "perod = 0.001", "there is no key 'perod'; did you mean period"),
-        ("speed = 127.0", "speed = -1", "limits.speed = -1: expected a number"),
+        ("speed = 127.0", "speed = -1", "limits.speed = -1: Input should be greater"),
         ("travel = [0.0, 246.0]", "travel = [246.0, 0.0]", "limits.travel = .*the lower first"),
         ("mass = 95.1", "mas = 95.1", "no parameter 'mas'|set.mass is missing"),
         ("mass = 95.1", "mass = -95.1", "mass = -95.1.*"),

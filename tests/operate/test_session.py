@@ -113,12 +113,12 @@ def test_values_of_every_type_come_back_from_the_file(tmp_path, session):
         ("periods = 500", "periods = -1", "periods = -1"),
         ("periods = 500", "periods = 200", "event 4 has period = 250; allowed are 200 to 200"),
         ("periods = 500", "", "the key 'periods' is missing"),
-        ('do = "set"', 'do = "sets"', "event.0.do = 'sets'"),
+        ('do = "set"', 'do = "sets"', "event.1.do = 'sets'"),
         ("[start]", "[start]\nstudi = 1", "did you mean study"),
         ('digest = "', 'digest = "x', "digest = "),
         ("[start]", "[start", "cannot be read as TOML"),
         ('do = "set"', 'do = "set"\ncontroller = "gain"', "event 1: a switch, and nothing else, names a controller"),
-        ('how = "ramped"', 'how = "rough"', "event.0.how = 'rough'"),
+        ('how = "ramped"', 'how = "rough"', "event.1.how = 'rough'"),
     ],
 )
 def test_a_file_that_is_no_session_is_refused_by_its_key(session, tmp_path, old, new, said):

@@ -102,10 +102,10 @@ def test_a_preset_never_leaves_its_folder(tmp_path, name):
 
 @pytest.mark.parametrize(
     "text, why",
-    [("{", "no preset"), ("[]", "no preset"), ('{"schema_version":1}', "no preset"), ("[" * 100_000, "no preset"),
-     ('{"schema_version":2,"study":"a","controller":"b","values":{}}', "version 1"),
-     ('{"schema_version":1,"study":1,"controller":"b","values":{}}', "names"),
-     ('{"schema_version":1,"study":"a","controller":"b","values":[]}', "table"),
+    [("{", "no preset"), ("[]", "no preset"), ('{"schema_version":1}', "'study' is missing"), ("[" * 100_000, "no preset"),
+     ('{"schema_version":2,"study":"a","controller":"b","values":{}}', "schema_version = 2"),
+     ('{"schema_version":1,"study":1,"controller":"b","values":{}}', "study = 1: Input should be a valid string"),
+     ('{"schema_version":1,"study":"a","controller":"b","values":[]}', "valid dictionary"),
      ('{"schema_version":1,"study":"a","controller":"b","values":{"k":NaN}}', "NaN"),
      (" " * 300_000, "more than 256000 bytes"),
      ('{"schema_version":1,"study":"a","controller":"b","values":{"k":1e999}}', "beyond"),

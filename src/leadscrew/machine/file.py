@@ -41,28 +41,17 @@ A linear machine has ``numerator`` and ``denominator`` (lists, highest power fir
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
-from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 from leadscrew import toml_file
-from leadscrew.kernel.parameters import nearest
 from leadscrew.util.atomic import atomic_write
-from leadscrew.util.errors import DataError, ValueRefused, entry_point
-from leadscrew.util.escape import checked_line
+from leadscrew.util.errors import DataError, entry_point
 
-LONGEST_NAME = 100
 SCHEMA_VERSION = 1
 KIND = "machine"
-MODELS = ("servo_axis", "servo_axis_lugre", "linear")
-NUMBERS = {"period": (1e-6, 1.0), "delay_s": (0.0, 1.0), "resolution": (0.0, 1e3), "noise": (0.0, 1e3)}
-"""Ranges; a period of 0 is none."""
-LIMITS = ("drive", "speed", "acceleration")
-CASCADE = ("kp", "kv", "ki")
-LOG = ("file", "sha256", "columns", "units", "start", "end", "period")
 
 
 @dataclass(frozen=True)
@@ -138,108 +127,17 @@ def validated(table: Mapping[str, Any], where: Path) -> MachineFile:
     Raises:
         DataError: names file and key of what is wrong.
     """
-    reader = _Reader(where)
+    from leadscrew import file_schema
+    from leadscrew.machine.table import MachineTable
+
     if table.get("kind") != KIND:
         raise DataError(f"{where}: is not a machine file: kind = {table.get('kind')!r}, expected {KIND!r}")
-    texts, tables = (
-        ("name", "model", "position_unit", "drive_unit"),
-        ("set", "interval", "cascade", "log", "identified"),
-    )
-    reader.known(table, ("schema_version", "kind", *texts, *NUMBERS, "limits", *tables), "")
-    if table.get("schema_version") != SCHEMA_VERSION:
-        raise DataError(f"{where}: schema_version = {table.get('schema_version')!r}: expected {SCHEMA_VERSION}")
-    said = {key: reader.text(table, key) for key in texts}
-    try:
-        for key in ("name", "position_unit", "drive_unit"):
-            checked_line(key, said[key], LONGEST_NAME)
-    except ValueRefused as error:
-        raise DataError(f"{where}: {error}") from None
-    if said["model"] not in MODELS:
-        raise DataError(f"{where}: model = {said['model']!r}: expected {', '.join(MODELS)}")
-    numbers = {
-        key: reader.number(table, key, *span, default=None if key == "period" else 0.0) for key, span in NUMBERS.items()
-    }
-    limits = reader.table(table, "limits")
-    reader.known(limits, (*LIMITS, "travel"), "limits.")
-    bounds = {key: reader.number(limits, key, 1e-12, 1e12, prefix="limits.") for key in LIMITS}
-    travel = reader.pair(limits, "travel", "limits.")
-    parameters = dict(toml_file.flat(reader.table(table, "set")))
-    reader.force(said, parameters)
-    cascade = reader.table(table, "cascade")
-    reader.known(cascade, CASCADE, "cascade.")
-    intervals = dict(toml_file.flat(reader.table(table, "interval")))
+    read = file_schema.validated(MachineTable, table, where)
     return MachineFile(
-        name=said["name"], model=said["model"], position_unit=said["position_unit"], drive_unit=said["drive_unit"],
-        period=numbers["period"], delay_s=numbers["delay_s"], resolution=numbers["resolution"],
-        noise=numbers["noise"], drive=bounds["drive"], speed=bounds["speed"], acceleration=bounds["acceleration"],
-        travel=travel, parameters=parameters,
-        intervals={key: reader.pair(intervals, key, "interval.") for key in intervals},
-        cascade={key: reader.number(cascade, key, 0.0, 1e12, prefix="cascade.") for key in cascade},
-        identified=reader.table(table, "identified"), log=reader.log(table), folder=where.resolve().parent,
+        name=read.name, model=read.model, position_unit=read.position_unit, drive_unit=read.drive_unit,
+        period=read.period, delay_s=read.delay_s, resolution=read.resolution, noise=read.noise,
+        drive=read.limits.drive, speed=read.limits.speed, acceleration=read.limits.acceleration,
+        travel=read.limits.travel, parameters=read.parameters, intervals=read.interval,
+        cascade=read.cascade.model_dump(exclude_unset=True), identified=read.identified,
+        log={} if read.log is None else read.log.model_dump(exclude_unset=True), folder=where.resolve().parent,
     )  # fmt: skip
-
-
-class _Reader:
-    """Checks of values; each names the file and the key."""
-
-    def __init__(self, where: Path) -> None:
-        self.where = where
-
-    def known(self, table: Mapping[str, Any], keys: tuple[str, ...], prefix: str) -> None:
-        for key in table:
-            if key not in keys:
-                raise DataError(f"{self.where}: there is no key {prefix + key!r}{nearest(key, list(keys))}")
-
-    def text(self, table: Mapping[str, Any], key: str) -> str:
-        value = table.get(key)
-        if not isinstance(value, str) or not value:
-            raise DataError(f"{self.where}: {key} = {value!r}: expected a text")
-        return value
-
-    def table(self, table: Mapping[str, Any], key: str) -> Mapping[str, Any]:
-        value = table.get(key, {})
-        if not isinstance(value, Mapping):
-            raise DataError(f"{self.where}: {key} = {value!r}: expected a table")
-        return value
-
-    def force(self, said: Mapping[str, str], parameters: Mapping[str, Any]) -> None:
-        """A torque that moves a length needs its force: 1 N for 1 N m would be a lead of 6.28 m."""
-        from leadscrew.logs.units import drive_in, length_in
-
-        with suppress(ValueRefused):
-            pair = length_in(said["position_unit"])[0], drive_in(said["drive_unit"])[0]
-            if said["model"] != "linear" and pair == ("m", "N m") and parameters.get("force_per_drive", 1.0) == 1.0:
-                raise DataError(
-                    f"{self.where}: drive_unit = {said['drive_unit']!r} with position_unit = {said['position_unit']!r}"
-                    ": set.force_per_drive must be the N of 1 N m, 2 pi times the gear over the lead in m"
-                )
-
-    def log(self, table: Mapping[str, Any]) -> Mapping[str, Any]:
-        log = self.table(table, "log")
-        self.known(log, LOG, "log.")
-        for key in ("file", "sha256") if log else ():
-            self.text(log, key)
-        for key in ("columns", "units"):
-            self.table(log, key)
-        for key in ("start", "end", "period"):
-            if key in log:
-                self.number(log, key, -1e12, 1e12, prefix="log.")
-        return log
-
-    def number(
-        self, table: Mapping[str, Any], key: str, low: float, high: float, default: float | None = None,
-        prefix: str = "",
-    ) -> float:  # fmt: skip
-        value = table.get(key, default)
-        if isinstance(value, bool) or not isinstance(value, int | float) or not low <= value <= high:
-            raise DataError(f"{self.where}: {prefix}{key} = {value!r}: expected a number from {low:g} to {high:g}")
-        return float(value)
-
-    def pair(self, table: Mapping[str, Any], key: str, prefix: str) -> tuple[float, float]:
-        value = table.get(key)
-        good = isinstance(value, list) and len(value) == 2 and all(
-            isinstance(v, int | float) and not isinstance(v, bool) and math.isfinite(v) for v in value
-        )  # fmt: skip
-        if not good or not value[0] <= value[1]:  # type: ignore[index]
-            raise DataError(f"{self.where}: {prefix}{key} = {value!r}: expected two finite numbers, the lower first")
-        return float(value[0]), float(value[1])  # type: ignore[index]

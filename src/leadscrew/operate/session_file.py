@@ -26,16 +26,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationError
+from pydantic import Field
 
 from leadscrew import legacy, names
 from leadscrew._version import __version__
 from leadscrew.experiment_file import Engine
-from leadscrew.kernel.parameters import nearest
+from leadscrew.file_schema import Name, Table, validated
 from leadscrew.operate.operated import Event, Rerun, Session, Start
 from leadscrew.toml_file import flat
 from leadscrew.toml_file import read as table_of
@@ -47,23 +46,19 @@ KIND = "session"
 Count = Annotated[int, Field(ge=0, lt=2**53)]
 
 
-class _Table(BaseModel):
-    model_config = ConfigDict(extra="forbid", strict=True)
-
-
-class StartTable(_Table):
+class StartTable(Table):
     """What the machine was."""
 
-    study: Annotated[str, Field(min_length=1)]
+    study: Name
     controller: str | None = None
     scenario: str | None = None
     seed: Count | None = None
     engine: Engine | None = None
     circle: bool = False
-    changes: Annotated[dict[str, Any], Field(alias="set")] = {}
+    changes: dict[str, Any] = Field(default_factory=dict, alias="set")
 
 
-class EventTable(_Table):
+class EventTable(Table):
     """What was done to it."""
 
     period: Count
@@ -75,10 +70,10 @@ class EventTable(_Table):
     why: str = ""
     compare: bool = True
     before: str = ""
-    changes: Annotated[dict[str, Any], Field(alias="set")] = {}
+    changes: dict[str, Any] = Field(default_factory=dict, alias="set")
 
 
-class SessionFile(_Table):
+class SessionFile(Table):
     """The keys of the file."""
 
     schema_version: Literal[1, 2]
@@ -86,10 +81,10 @@ class SessionFile(_Table):
     leadscrew: str = ""
     periods: Count
     digest: Annotated[str, Field(pattern="^[0-9a-f]{64}$")]
-    marks: dict[Annotated[str, Field(pattern="^[0-9]{1,16}$")], str] = {}
+    marks: dict[Annotated[str, Field(pattern="^[0-9]{1,16}$")], str] = Field(default_factory=dict)
     start: StartTable
-    event: list[EventTable] = []
-    files: dict[str, str] = {}
+    event: list[EventTable] = Field(default_factory=list)
+    files: dict[str, str] = Field(default_factory=dict)
 
 
 def text(session: Session) -> str:
@@ -163,7 +158,7 @@ def read(path: str | Path) -> Session:
     if table.get("kind") != KIND:
         said = f"its kind is {table['kind']!r}" if "kind" in table else "it has no kind"
         raise DataError(f"{where}: is not a session: {said}, expected kind = {KIND!r}")
-    found = _validated(table, str(where))
+    found = validated(SessionFile, table, where)
     events = tuple(_event_of(e, where, found.schema_version) for e in found.event)
     _in_order(events, found.periods, str(where))
     s = found.start
@@ -197,20 +192,6 @@ def _in_order(events: tuple[Event, ...], periods: int, where: str) -> None:
         if (event.do == "switch") != bool(event.controller):
             raise DataError(f"{where}: event {i + 1}: a switch, and nothing else, names a controller")
         last = event.period
-
-
-def _validated(table: Mapping[str, Any], where: str) -> SessionFile:
-    try:
-        return SessionFile.model_validate(table)
-    except ValidationError as error:
-        first = error.errors()[0]
-        key = ".".join(map(str, first["loc"]))
-        if first["type"] == "extra_forbidden":
-            known = [f.alias or n for m in (SessionFile, StartTable, EventTable) for n, f in m.model_fields.items()]
-            raise DataError(f"{where}: there is no key {key!r}{nearest(key.rsplit('.', 1)[-1], known)}") from None
-        if first["type"] == "missing":
-            raise DataError(f"{where}: the key {key!r} is missing") from None
-        raise DataError(f"{where}: {key} = {first['input']!r}: {first['msg']}") from None
 
 
 def check_folder(folder: Path) -> None:

@@ -7,8 +7,9 @@ import re
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
+from leadscrew.file_schema import Table, validated
 from leadscrew.kernel.parameters import nearest
 from leadscrew.panel import strict_json
 from leadscrew.panel.strict_json import plain
@@ -19,6 +20,15 @@ MOST_BYTES = 256_000
 MOST_FILES = 500
 NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9 _.-]{0,63}\Z")
 """Names of presets and sessions; no slash, and no leading point."""
+
+
+class PresetTable(Table):
+    """The file."""
+
+    schema_version: Literal[1]
+    study: str
+    controller: str
+    values: dict[str, Any]
 
 
 @dataclass(frozen=True)
@@ -69,14 +79,8 @@ def load(folder: Path, name: str) -> Preset:
         table = strict_json.loads(data.decode("utf-8"))
     except ValueError as error:
         raise DataError(f"{path.name} is no preset: {error}") from None
-    known = {"schema_version", "study", "controller", "values"}
-    if set(table) != known or table["schema_version"] != 1:
-        raise DataError(f"{path.name} is no preset of version 1: it has to hold {', '.join(sorted(known))}")
-    if not (isinstance(table["study"], str) and isinstance(table["controller"], str)):
-        raise DataError(f"{path.name}: study and controller have to be names")
-    if not isinstance(table["values"], dict):
-        raise DataError(f"{path.name}: values has to be a table of numbers by key")
-    return Preset(table["study"], table["controller"], table["values"])
+    read = validated(PresetTable, table, path.name)
+    return Preset(read.study, read.controller, read.values)
 
 
 def delete(folder: Path, name: str) -> None:

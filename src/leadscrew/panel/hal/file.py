@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import math
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Literal
 
-from pydantic import BaseModel, ConfigDict, Field, PrivateAttr, ValidationError, model_validator
+from pydantic import Field, PrivateAttr, model_validator
 
+from leadscrew.file_schema import Finite, Table, validated
 from leadscrew.kernel.parameters import nearest
 from leadscrew.util import reading
 from leadscrew.util.errors import DataError
@@ -16,17 +17,13 @@ MOST_SIGNALS = 20
 """That one FIFO of sampler takes."""
 LONGEST_RAMP_S = 10.0
 """Of a parameter with a ``rate``, from one bound to the other: leaving must not take longer."""
-Finite = Annotated[float, Field(allow_inf_nan=False)]
 HalName = Annotated[str, Field(pattern=r"^[A-Za-z0-9_][A-Za-z0-9_.:+-]{0,46}$")]
 """Of a pin, parameter or signal; HAL allows 47 characters."""
 Role = Literal["command", "feedback", "actual", "error", "output", "disturbance", "other"]
-STRICT = ConfigDict(extra="forbid", strict=True, frozen=True)
 
 
-class Signal(BaseModel):
+class Signal(Table):
     """What is sampled: a signal of HAL, or a pin."""
-
-    model_config = STRICT
 
     source: HalName
     label: Annotated[str, Field(min_length=1, max_length=60)]
@@ -44,10 +41,8 @@ class Signal(BaseModel):
         return self.shown_unit or self.unit
 
 
-class Parameter(BaseModel):
+class Parameter(Table):
     """What may be written: an input pin that nothing drives, or a parameter that HAL says may be written."""
-
-    model_config = STRICT
 
     key: Annotated[str, Field(pattern=r"^[A-Za-z][A-Za-z0-9_.-]{0,63}$")]
     hal: HalName
@@ -81,10 +76,8 @@ class Parameter(BaseModel):
         return self
 
 
-class Band(BaseModel):
+class Band(Table):
     """A tolerance drawn in a plot, in the shown unit."""
-
-    model_config = STRICT
 
     low: Finite
     high: Finite
@@ -93,20 +86,16 @@ class Band(BaseModel):
     """The source that it lies about; empty: zero."""
 
 
-class Plot(BaseModel):
+class Plot(Table):
     """A plot of some signals."""
-
-    model_config = STRICT
 
     title: Annotated[str, Field(min_length=1, max_length=60)]
     sources: Annotated[list[HalName], Field(min_length=1)]
-    bands: list[Band] = []
+    bands: list[Band] = Field(default_factory=list)
 
 
-class HalFile(BaseModel):
+class HalFile(Table):
     """The keys of the file."""
-
-    model_config = STRICT
 
     schema_version: Literal[1]
     kind: Literal["hal"]
@@ -124,8 +113,8 @@ class HalFile(BaseModel):
     writes_per_s: Annotated[float, Field(gt=0, le=100, allow_inf_nan=False)] = 20.0
     """Changes by the operator; more are refused."""
     signals: Annotated[list[Signal], Field(min_length=1, max_length=MOST_SIGNALS)]
-    parameters: Annotated[list[Parameter], Field(max_length=100)] = []
-    plots: list[Plot] = []
+    parameters: Annotated[list[Parameter], Field(max_length=100)] = Field(default_factory=list)
+    plots: list[Plot] = Field(default_factory=list)
     _where: str = PrivateAttr("")
 
     @property
@@ -175,27 +164,6 @@ def parsed(text: str, where: str) -> HalFile:
     table = reading.toml_of(text, where)
     if table.get("kind") != "hal":
         raise DataError(f"{where}: kind = {table.get('kind')!r}: expected kind = 'hal'")
-    try:
-        found = HalFile.model_validate(table)
-    except ValidationError as error:
-        raise DataError(f"{where}: {_told(error)}") from None
+    found = validated(HalFile, table, where)
     found._where = where
     return found
-
-
-MODELS: dict[str, type[BaseModel]] = {"signals": Signal, "parameters": Parameter, "plots": Plot, "bands": Band}
-
-
-def _told(error: ValidationError) -> str:
-    first = error.errors()[0]
-    names = [x for x in first["loc"] if isinstance(x, str)]
-    key = ".".join(f"{x + 1}" if isinstance(x, int) else x for x in first["loc"])
-    if first["type"] == "extra_forbidden":
-        owner: Any = MODELS.get(names[-2], HalFile) if len(names) > 1 else HalFile
-        return f"there is no key {key!r}{nearest(names[-1], list(owner.model_fields))}"
-    if first["type"] == "missing":
-        return f"the key {key!r} is missing"
-    told = first["msg"].removeprefix("Value error, ")
-    return f"{key}: {told}" if first["type"] == "value_error" and key else told if not key else (
-        f"{key} = {first['input']!r}: {told}"
-    )  # fmt: skip
