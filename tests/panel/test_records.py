@@ -102,7 +102,8 @@ def test_a_preset_never_leaves_its_folder(tmp_path, name):
 
 @pytest.mark.parametrize(
     "text, why",
-    [("{", "no preset"), ("[]", "no preset"), ('{"schema_version":1}', "'study' is missing"), ("[" * 100_000, "no preset"),
+    [("{", "no preset"), ("[]", "no preset"), ("[" * 100_000, "no preset"),
+     ('{"schema_version":1}', "'study' is missing"),
      ('{"schema_version":2,"study":"a","controller":"b","values":{}}', "schema_version = 2"),
      ('{"schema_version":1,"study":1,"controller":"b","values":{}}', "study = 1: Input should be a valid string"),
      ('{"schema_version":1,"study":"a","controller":"b","values":[]}', "valid dictionary"),
