@@ -10,6 +10,7 @@ from dataclasses import replace
 import pytest
 
 from leadscrew import controller_file, experiment
+from leadscrew.cli.values import parse
 from leadscrew.experiment import Experiment
 from leadscrew.kernel.parameters import renamed
 from leadscrew.operate.settable import checked
@@ -54,6 +55,9 @@ def test_the_symmetric_limit_becomes_two(old, ends):
     loop = Experiment("npid_xytable", "ours.pid_159_ff", "sine_1mm", {"controller.inner.max_output": old}).loop()
     assert tuple(loop.parameters[f"controller.inner.{end}"] for end in ("lower", "upper")) == ends
     assert checked({"controller.inner.max_output": old}, loop.sheet, {}) == {
+        "controller.inner.lower": ends[0], "controller.inner.upper": ends[1]
+    }  # fmt: skip
+    assert parse([f"controller.inner.max_output={old}"], loop.sheet) == {
         "controller.inner.lower": ends[0], "controller.inner.upper": ends[1]
     }  # fmt: skip
 

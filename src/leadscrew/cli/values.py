@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 import math
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
-from leadscrew.kernel.parameters import ParameterSpec, nearest
+from leadscrew.kernel.parameters import ParameterSpec, nearest, renamed
 from leadscrew.util.errors import NameUnknown, ValueRefused
 
 EXPECTED = {
@@ -33,12 +34,23 @@ def parse(pairs: Sequence[str], sheet: Mapping[str, ParameterSpec]) -> dict[str,
         key = key.strip()
         if not equals or not key:
             raise ValueRefused(f"--set {pair!r}: expected KEY=VALUE")
+        if key not in sheet and (limits := _old_limit(key, text, sheet)):
+            changes |= limits
+            continue
         if key not in sheet:
             raise NameUnknown(f"--set: there is no parameter {key!r}{nearest(key, list(sheet))}")
         if key in changes:
             raise ValueRefused(f"--set {key}: given twice")
         changes[key] = value(sheet[key], text)
     return changes
+
+
+def _old_limit(key: str, text: str, sheet: Mapping[str, ParameterSpec]) -> dict[str, Any]:
+    """Both limits of an output, by the one key that they had in 0.1.0."""
+    with contextlib.suppress(ValueError):
+        found = renamed({key: _float(text)}, sheet)
+        return {k: sheet[k].check(v, "--set") for k, v in found.items() if k in sheet}
+    return {}
 
 
 def value(entry: ParameterSpec, text: str) -> Any:
@@ -48,7 +60,9 @@ def value(entry: ParameterSpec, text: str) -> Any:
         ValueRefused: it is not one, or out of range; names key, text and what is expected.
     """
     try:
-        found = _READ[entry.type](text.strip())
+        text = text.strip()
+        unlimited = text.lstrip("+-") == "inf" and entry.type == "float" and math.isinf(entry.default)
+        found = float(text) if unlimited else _READ[entry.type](text)
     except (ValueError, KeyError, RecursionError, OverflowError):
         unit = f" ({entry.unit})" if entry.unit and entry.type != "bool" else ""
         shown = text if len(text) <= 60 else f"{text[:57]}..."
@@ -59,8 +73,7 @@ def value(entry: ParameterSpec, text: str) -> Any:
 def _float(text: str) -> float:
     found = float(text)
     if math.isinf(found):
-        # No manifest can carry it, and no machine has it.
-        raise ValueError
+        raise ValueError  # no machine has it
     return found
 
 

@@ -79,9 +79,7 @@ def ordered(params: Any, dt: float) -> Any:
         ValueRefused: ``lower`` lies above ``upper``.
     """
     if params.lower > params.upper:
-        raise ValueRefused(
-            f"lower = {params.lower!r} ({type(params).__name__}): must not lie above upper = {params.upper!r}"
-        )
+        raise ValueRefused(f"lower = {params.lower!r}: must not lie above upper = {params.upper!r}")
     return params
 
 

@@ -8,6 +8,16 @@ if TYPE_CHECKING:
     from leadscrew.kernel.loop import Loop
 
 
+UNITS = {"voltage": "V", "torque": "N m", "force": "N", "duty": "1"}
+"""Of what a plant takes."""
+
+
+def _taken(loop: Loop) -> str:
+    """The unit that a plant takes, for a controller that does not say its own."""
+    plant = loop.blocks["plant"]
+    return UNITS.get(plant.drive, "") if plant is not None else ""
+
+
 def signal_unit(loop: Loop, signal: str) -> str:
     """The unit of a loop's signal as far as its blocks say."""
 
@@ -18,7 +28,7 @@ def signal_unit(loop: Loop, signal: str) -> str:
     if root == "time":
         return "s"
     if root in ("output", "applied"):
-        return of("controller")
+        return of("controller") or ("" if of("actuator") else _taken(loop))
     if root == "disturbance":
         return of("disturbance")
     return of("plant", "sensor", "reference")
