@@ -17,7 +17,7 @@ from leadscrew.controllers._npid_split import npid_split
 from leadscrew.controllers._pd_dob import pd_dob
 from leadscrew.controllers._repetitive import repetitive
 from leadscrew.controllers._series import series
-from leadscrew.controllers._sliding import smc_integral
+from leadscrew.controllers._sliding.integral import smc_integral
 from leadscrew.controllers._sliding.super_twisting import super_twisting
 from leadscrew.controllers._vud import vud_beta_e, vud_scaled
 from leadscrew.disturbances._hard_spot import hard_spot

@@ -316,15 +316,15 @@ def _depends_on_period(block: Block, period: float) -> bool:
     return both[0] != both[1]
 
 
-NO_LIMIT = 1e30
+NO_LIMIT = {"double": 1e308, "float": 1e38}
 """What stands in an export for a limit at infinity: HAL and FMI take finite parameters only."""
 
 
-def _with_finite_parameters(loop: Loop) -> Loop:
-    """The loop, with 1e30 in the place of infinite parameters of its controller."""
+def _with_finite_parameters(loop: Loop, real: str) -> Loop:
+    """The loop, with a number beyond all others in the place of infinite parameters of its controller."""
     return loop.using(
         {
-            key: math.copysign(NO_LIMIT, value)
+            key: math.copysign(NO_LIMIT[real], value)
             for key, value in loop.parameters.items()
             if key.startswith("controller.") and isinstance(value, float) and math.isinf(value)
         }
@@ -349,11 +349,11 @@ def export_controller(
         ValueRefused: a bad name, drive or number type; a loop that diverges.
         BlockError: a loop without a control period.
     """
-    loop = _with_finite_parameters(loop)
-    block, plant = loop.blocks["controller"], loop.blocks["plant"]
-    assert block is not None and plant is not None
     if real not in REALS:
         raise ValueRefused(f"real = {real!r}: there are {', '.join(REALS)}")
+    loop = _with_finite_parameters(loop, real)
+    block, plant = loop.blocks["controller"], loop.blocks["plant"]
+    assert block is not None and plant is not None
     if loop.continuous or block.continuous:
         raise BlockError(f"{block.name}: a continuous loop (period=None) has no control period to run on a machine")
     checked_name(name)
