@@ -17,7 +17,7 @@ from leadscrew.disturbances._white_noise import white_noise
 from leadscrew.kernel.loop import Loop
 from leadscrew.plants._xy_table import xy_table
 from leadscrew.references._chirp import log_chirp
-from leadscrew.sensors._noisy_ruler import noisy_ruler
+from leadscrew.sensors._counts import noisy_ruler
 from leadscrew.util.errors import DataError, ValueRefused
 
 PERIOD, DELAY = 0.5e-3, 0.775e-3

@@ -12,7 +12,7 @@ from leadscrew.controllers._pid import pid
 from leadscrew.controllers._resonant import TUNINGS as RESONANT
 from leadscrew.controllers._resonant import resonant
 from leadscrew.disturbances._wandering_spindle import speed_hz, wandering_spindle
-from leadscrew.sensors._noisy_ruler import noisy_ruler
+from leadscrew.sensors._counts import noisy_ruler
 from leadscrew.util.errors import ValueRefused
 from tests.controllers.table_axis import PERIOD, rms_um, table_axis, tried
 

@@ -10,7 +10,7 @@ from leadscrew.plants._servo_axis import servo_axis
 from leadscrew.references._eased_sine import eased_sine_motion
 from leadscrew.references._motion import Motion
 from leadscrew.references._s_curve import s_curve
-from leadscrew.sensors._axis_reading import axis_reading
+from leadscrew.sensors._counts import axis_reading
 
 DT = 1e-3
 

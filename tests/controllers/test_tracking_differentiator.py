@@ -16,7 +16,7 @@ from leadscrew.controllers._tracking_differentiator import TUNINGS, fhan, follow
 from leadscrew.references._eased_sine import eased_sine
 from leadscrew.references._sine import sine
 from leadscrew.references._step import step
-from leadscrew.sensors._noisy_ruler import noisy_ruler
+from leadscrew.sensors._counts import noisy_ruler
 from leadscrew.util.errors import BlockError, ValueRefused
 from tests.controllers.xy_loop import PERIOD, outputs, xy_loop
 
