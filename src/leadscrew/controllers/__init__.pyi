@@ -100,11 +100,11 @@ from ._tracking_differentiator import tracking_differentiator as tracking_differ
 from ._vud.duty_pd import duty_pd as duty_pd
 from ._vud.duty_pd_observed import duty_pd_observed as duty_pd_observed
 from ._vud.duty_pid import duty_pid as duty_pid
-from ._vud.error_factor import vud_beta_e as vud_beta_e
 from ._vud.family import vud_family as vud_family
 from ._vud.fast import vud_fast as vud_fast
-from ._vud.incremental import vud_incremental as vud_incremental
-from ._vud.integral_factor import vud_integral_factor as vud_integral_factor
-from ._vud.literal import vud as vud
 from ._vud.power_law import power_law as power_law
+from ._vud.printed import vud as vud
+from ._vud.printed import vud_beta_e as vud_beta_e
+from ._vud.printed import vud_incremental as vud_incremental
+from ._vud.printed import vud_integral_factor as vud_integral_factor
 from ._vud.scaled import vud_scaled as vud_scaled
