@@ -84,12 +84,12 @@ from ._sliding.fuzzy import (
 )
 from ._sliding.integral import smc_integral as smc_integral
 from ._sliding.super_twisting import super_twisting as super_twisting
-from ._sofnn.all_weights import sofnn_all_weights as sofnn_all_weights
-from ._sofnn.fixed import fnn as fnn
+from ._sofnn.network import fnn as fnn
+from ._sofnn.network import sofc as sofc
 from ._sofnn.network import sofnn as sofnn
+from ._sofnn.network import sofnn_all_weights as sofnn_all_weights
 from ._sofnn.rules import with_network as with_network
 from ._sofnn.rules import with_rules as with_rules
-from ._sofnn.standard import sofc as sofc
 from ._tangent.curvature_feed_forward import curvature_feed_forward as curvature_feed_forward
 from ._tangent.curvature_network import curvature_network as curvature_network
 from ._tangent.tangent_dob import tangent_dob as tangent_dob

@@ -5,11 +5,8 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from leadscrew.controllers._sofnn.all_weights import AllWeightsParams
-from leadscrew.controllers._sofnn.fixed import FnnParams
 from leadscrew.controllers._sofnn.levels import MOST_LEVEL, Scales, scales
-from leadscrew.controllers._sofnn.network import SofnnParams
-from leadscrew.controllers._sofnn.standard import SofcParams
+from leadscrew.controllers._sofnn.network import AllWeightsParams, FnnParams, SofcParams, SofnnParams
 from leadscrew.controllers._tangent.believed import RING
 from leadscrew.controllers._tangent.curvature_network import TWICE, CurvatureNetworkParams
 from leadscrew.kernel.block import Block

@@ -13,10 +13,8 @@ from typing import Any
 
 import numpy as np
 
-from leadscrew.controllers._sofnn.fixed import fnn
-from leadscrew.controllers._sofnn.network import sofnn
+from leadscrew.controllers._sofnn.network import fnn, sofc, sofnn
 from leadscrew.controllers._sofnn.rules import with_network, with_rules
-from leadscrew.controllers._sofnn.standard import sofc
 from leadscrew.kernel.block import Block
 from leadscrew.neural.inference_net import initial_rules
 from leadscrew.neural.performance import Performance
