@@ -126,7 +126,7 @@ from leadscrew.fuzzy.inference import Axis
 from leadscrew.kernel.block import controller
 from leadscrew.kernel.parameters import Doc, Ge, Gt, Le, Lt, Unit
 from leadscrew.neural.groups import SIZE, learn_all, said_by, triangle_of
-from leadscrew.neural.inference_net import AXIS, CENTRES, W0, fired, initial_rules, network_output
+from leadscrew.neural.inference_net import AXIS, CENTRES, W0, fired, initial_rules, network_output, strengths
 from leadscrew.neural.kalman import kalman_learn
 from leadscrew.neural.performance import GOLDEN, TABLE, Performance
 
@@ -256,10 +256,11 @@ def ready_sofc(params: SofcParams, dt: float) -> SofcPlan:
 def credit(weights, past, g, clamp):
     """Corrects the four rules that fired, each by ``g`` times its firing strength, in place."""
     k = 7 * past.j + past.i
-    weights[k] = held(weights[k] + (1.0 - past.nu) * (1.0 - past.mu) * g, clamp)
-    weights[k + 1] = held(weights[k + 1] + (1.0 - past.nu) * past.mu * g, clamp)
-    weights[k + 7] = held(weights[k + 7] + past.nu * (1.0 - past.mu) * g, clamp)
-    weights[k + 8] = held(weights[k + 8] + past.nu * past.mu * g, clamp)
+    h = strengths(past)
+    weights[k] = held(weights[k] + h.h0 * g, clamp)
+    weights[k + 1] = held(weights[k + 1] + h.h1 * g, clamp)
+    weights[k + 7] = held(weights[k + 7] + h.h2 * g, clamp)
+    weights[k + 8] = held(weights[k + 8] + h.h3 * g, clamp)
     return g
 
 
@@ -371,16 +372,13 @@ def ready_sofnn(params: SofnnParams, dt: float) -> SofnnPlan:
 def nlms(weights, past, innovation, mu, clamp):
     """Normalised LMS on the four rules, in place; gives the sum of the squared firing strengths."""
     k = 7 * past.j + past.i
-    h0 = (1.0 - past.nu) * (1.0 - past.mu)
-    h1 = (1.0 - past.nu) * past.mu
-    h2 = past.nu * (1.0 - past.mu)
-    h3 = past.nu * past.mu
-    square = h0 * h0 + h1 * h1 + (h2 * h2 + h3 * h3)
+    h = strengths(past)
+    square = h.h0 * h.h0 + h.h1 * h.h1 + (h.h2 * h.h2 + h.h3 * h.h3)
     step = mu * innovation / square
-    weights[k] = held(weights[k] + h0 * step, clamp)
-    weights[k + 1] = held(weights[k + 1] + h1 * step, clamp)
-    weights[k + 7] = held(weights[k + 7] + h2 * step, clamp)
-    weights[k + 8] = held(weights[k + 8] + h3 * step, clamp)
+    weights[k] = held(weights[k] + h.h0 * step, clamp)
+    weights[k + 1] = held(weights[k + 1] + h.h1 * step, clamp)
+    weights[k + 7] = held(weights[k + 7] + h.h2 * step, clamp)
+    weights[k + 8] = held(weights[k + 8] + h.h3 * step, clamp)
     return square
 
 
