@@ -6,7 +6,7 @@ from collections.abc import Callable
 from typing import Any, NamedTuple
 
 from leadscrew.controllers._force.with_output import WITH_OUTPUT
-from leadscrew.controllers._wrapping import prepared
+from leadscrew.controllers._wrapping import prepared, whole
 from leadscrew.kernel.block import Block, make
 from leadscrew.util.errors import BlockError
 
@@ -26,11 +26,6 @@ class Inner(NamedTuple):
     def ready(self, dt: float) -> Any:
         """What its step gets as ``p`` at this period."""
         return prepared(self.block, dt)
-
-
-def whole(signal):
-    """A signal as it is."""
-    return signal
 
 
 def force_of(signal):

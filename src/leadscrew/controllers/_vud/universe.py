@@ -15,7 +15,7 @@ magnitudes where the target is positive. In the first period there is no earlier
 from __future__ import annotations
 
 from functools import cache
-from typing import Annotated, Any, NamedTuple
+from typing import Annotated, Any, NamedTuple, cast
 
 import numpy as np
 
@@ -49,8 +49,8 @@ Rules = Annotated[np.ndarray, Ge(-1), Le(1), Doc("duty of each rule, rows by e a
 
 
 @cache
-def ruled(settings: type) -> Any:
-    """The type of the parameters as a step reads them: as they are, and the rules made ready."""
+def ruled(settings: Any) -> Any:
+    """The type of the parameters as a step reads them: one for each block, so that no loop is compiled twice."""
     return NamedTuple("Ruled", [("settings", settings), ("rules", RuleBase)])
 
 
@@ -82,7 +82,8 @@ def ready(params, dt: float) -> Any:
     Raises:
         ValueRefused: centres that do not increase.
     """
-    return ruled(type(params))(params, rule_base(params.e_centres, params.ec_centres, params.rules))
+    plan_type = ruled(cast(Any, type(params)))
+    return plan_type(params, rule_base(params.e_centres, params.ec_centres, params.rules))
 
 
 def held(x, largest):
