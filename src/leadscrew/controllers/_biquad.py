@@ -33,7 +33,7 @@ from typing import Annotated, Any, NamedTuple
 import numpy as np
 
 from leadscrew.controllers._parallel import TINY
-from leadscrew.controllers._wrapping import around, same_kind, wrapped
+from leadscrew.controllers._wrapping import around, prepared, same_kind, wrapped
 from leadscrew.kernel.block import Block
 from leadscrew.kernel.parameters import Doc, Ge, Gt, Le, Unit
 from leadscrew.util.errors import ValueRefused, entry_point
@@ -148,7 +148,7 @@ def biquad(inner: Block, *sections: Section, name: str = "") -> Block:
     state_type = around("BiquadState", inner.state, ("memory", np.ndarray), ("level", Level))
 
     def prepare(params: Any, dt: float) -> Any:
-        ready = part.prepare(params.inner, dt)
+        ready = prepared(inner, dt, params.inner)
         plan_type = around("BiquadPlan", ready, ("table", np.ndarray), ("dc_gain", float), ("rest", np.ndarray))
         table = np.array([coefficients(section, dt) for section in params[1:]])
         dc_gain = np.prod(table[:, :3].sum(axis=1) / (1.0 + table[:, 3:].sum(axis=1)))

@@ -22,7 +22,7 @@ from __future__ import annotations
 import math
 from typing import Annotated, Any
 
-from leadscrew.controllers._wrapping import around, same_kind, wrapped
+from leadscrew.controllers._wrapping import around, prepared, same_kind, wrapped
 from leadscrew.kernel.block import Block
 from leadscrew.kernel.parameters import Doc, Ge
 from leadscrew.util.errors import entry_point
@@ -61,7 +61,7 @@ def dead_zone_inverse(inner: Block, name: str = "", width: float = 0.02, softnes
     params_type = around("DeadZoneInverseParams", inner.params, *own)
 
     def prepare(params: Any, dt: float) -> Any:
-        ready = part.prepare(params.inner, dt)
+        ready = prepared(inner, dt, params.inner)
         return around("DeadZoneInversePlan", ready, *own)(ready, params.width, params.softness)
 
     def align(params, command, feedback, output):

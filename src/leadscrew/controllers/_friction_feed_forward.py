@@ -26,7 +26,7 @@ from typing import Annotated, Any
 
 from leadscrew.controllers._inverse_feed_forward import AheadS
 from leadscrew.controllers._look_ahead import advanced
-from leadscrew.controllers._wrapping import around, place_of_motion, same_kind, whole, wrapped
+from leadscrew.controllers._wrapping import around, place_of_motion, prepared, same_kind, whole, wrapped
 from leadscrew.kernel.block import Block
 from leadscrew.kernel.parameters import Doc, Ge, Gt, Le, Unit
 from leadscrew.util.errors import entry_point
@@ -77,7 +77,7 @@ def friction_feed_forward(
     state_type = around("FrictionState", inner.state, ("bent", Bristle))
 
     def prepare(params: Any, dt: float) -> Any:
-        ready = part.prepare(params.inner, dt)
+        ready = prepared(inner, dt, params.inner)
         plan_type = around(
             "FrictionPlan", ready, ("volt", float), ("rate", float), ("static_ratio", float), ("stribeck_mm_s", float),
             ("smooth_mm_s", float), ("bristles", bool), ("ahead_s", float), ("middle_s", float),

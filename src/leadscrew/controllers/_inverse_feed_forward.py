@@ -24,7 +24,7 @@ from leadscrew.controllers._look_ahead import advanced
 from leadscrew.controllers._npid import npid
 from leadscrew.controllers._pid import TUNINGS as PID
 from leadscrew.controllers._pid import pid
-from leadscrew.controllers._wrapping import around, place_of_motion, same_kind, whole, wrapped
+from leadscrew.controllers._wrapping import around, place_of_motion, prepared, same_kind, whole, wrapped
 from leadscrew.kernel.block import Block
 from leadscrew.kernel.parameters import Doc, Ge, Gt, Le, Unit
 from leadscrew.util.errors import entry_point
@@ -70,7 +70,7 @@ def inverse_feed_forward(
     params_type = around("InverseParams", inner.params, *own)
 
     def prepare(params: Any, dt: float) -> Any:
-        ready = part.prepare(params.inner, dt)
+        ready = prepared(inner, dt, params.inner)
         return around("InversePlan", ready, *own)(ready, *params[1:])
 
     def align(params, command, feedback, output):

@@ -30,7 +30,7 @@ from typing import Annotated, Any, NamedTuple
 
 from leadscrew.controllers._look_ahead import advanced
 from leadscrew.controllers._pid import TUNINGS as PID
-from leadscrew.controllers._wrapping import around, same_kind, wrapped
+from leadscrew.controllers._wrapping import around, prepared, same_kind, wrapped
 from leadscrew.kernel.block import Block
 from leadscrew.kernel.parameters import Doc, Ge, Gt, Le, Unit
 from leadscrew.util.errors import BlockError, entry_point
@@ -143,7 +143,7 @@ def learned_feed_forward(inner: Block, name: str = "", **values: float) -> Block
     state_type = around("LearnedState", inner.state, ("shares", LearnedShares))
 
     def prepare(params: Any, dt: float) -> Any:
-        ready = part.prepare(params.inner, dt)
+        ready = prepared(inner, dt, params.inner)
         return around("LearnedPlan", ready, ("belief", LearnedBelief))(ready, params.belief)
 
     def align(params, command, feedback, output):

@@ -28,13 +28,9 @@ class Inner(NamedTuple):
     place: Callable[..., Any]
     """Of its command: the position."""
 
-    def prepare(self, params: Any, dt: float) -> Any:
-        """What its step gets as ``p`` for these parameters at this period."""
-        return params if self.block.prepare is None else self.block.prepare(params, dt)
-
     def ready(self, dt: float) -> Any:
         """What its step gets as ``p`` at this period."""
-        return self.prepare(self.block.params, dt)
+        return prepared(self.block, dt)
 
 
 def place_of_number(command):
@@ -59,9 +55,10 @@ def copied(value: Any) -> Any:
     return type(value)(*(copied(v) for v in value)) if is_branch(value) else value
 
 
-def prepared(block: Block, dt: float) -> Any:
-    """What the step of a block gets as ``p`` at this period."""
-    return block.params if block.prepare is None else block.prepare(block.params, dt)
+def prepared(block: Block, dt: float, params: Any = None) -> Any:
+    """What the step of a block gets as ``p`` at this period; ``params`` count in place of its own."""
+    given = block.params if params is None else params
+    return given if block.prepare is None else block.prepare(given, dt)
 
 
 def takes_motion(block: Block, dt: float = PROBE_DT) -> bool:
