@@ -543,8 +543,8 @@ def sofnn_all_weights(p, s, command, feedback, dt):
         then = place_before(s.at, p.measure.delay)
         learn_groups(p.filter, s, s.past_e[then], s.past_ec[then], s.past_d[then], now.g)
         leak(s.weights, p.prior, p.measure.leak)
-    said = said_by(s.weights, s.certainties, s.centres_e, s.centres_ec, now.e, now.ec)
-    end = answered(p, s, now, held(said.level, 6.0))
+    output = said_by(s.weights, s.certainties, s.centres_e, s.centres_ec, now.e, now.ec)
+    end = answered(p, s, now, held(output.level, 6.0))
     return AllWeightsState(
         now.watch, s.weights, s.certainties, s.centres_e, s.centres_ec, s.covariance, s.past_e, s.past_ec, s.past_d,
         end.at, end.offset, 0, end.short,

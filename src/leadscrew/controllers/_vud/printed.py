@@ -1,7 +1,7 @@
 """The VUD controller of Long, Yuan, Xu, Du (2014) as printed, and three in which one equation is another.
 
 All see the axis through :mod:`leadscrew.controllers._vud.universe`: ``e``, ``ec``, their factors ``alpha``, and
-``shape``, what the rules say on the contracted universes. They differ in what becomes of ``shape``:
+``shape``, what the rules say on the contracted universes. They differ in what becomes of ``shape``::
 
     vud                  rho_(k+1) = beta(rho_k) shape                               (21) with (19) as printed
     vud_beta_e           rho_(k+1) = clip(beta(e_k) shape, -1, 1)                    the error in place of the duty
