@@ -8,7 +8,7 @@ from leadscrew.controllers._vud import duty_pd
 from leadscrew.kernel.loop import Loop
 from leadscrew.plants._lathe_servo import lathe_servo
 from leadscrew.references._step import step
-from leadscrew.sensors._grating_count import grating_count
+from leadscrew.sensors._counts import grating_count
 from leadscrew.util.errors import ValueRefused
 
 

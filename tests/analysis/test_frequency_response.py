@@ -16,7 +16,7 @@ from leadscrew.disturbances._white_noise import white_noise
 from leadscrew.kernel.loop import Loop
 from leadscrew.plants._xy_table import xy_table
 from leadscrew.references._chirp import log_chirp
-from leadscrew.sensors._noisy_ruler import noisy_ruler
+from leadscrew.sensors._counts import noisy_ruler
 from leadscrew.studies.npid_xytable.tunings import table_pid
 from leadscrew.util.errors import DataError, ValueRefused
 

@@ -16,7 +16,7 @@ from leadscrew.plants._xy_table import xy_table
 from leadscrew.references._ramp import ramp
 from leadscrew.references._sine import sine, sine_motion
 from leadscrew.references._step import step
-from leadscrew.sensors._ruler import ruler
+from leadscrew.sensors._counts import ruler
 from leadscrew.studies.npid_xytable.tunings import table_pid
 from leadscrew.util.errors import NameUnknown, ValueRefused
 

@@ -14,7 +14,7 @@ from leadscrew.plants._mass_dahl import mass_dahl
 from leadscrew.plants._xy_table import XYTableState, xy_table
 from leadscrew.references._sine import sine
 from leadscrew.references._step import step
-from leadscrew.sensors._ruler import ruler
+from leadscrew.sensors._counts import ruler
 from leadscrew.studies.npid_xytable.reference_loops import reference_loops, table_i_sampled
 from leadscrew.studies.npid_xytable.tunings import table_pid
 from leadscrew.util.errors import ValueRefused

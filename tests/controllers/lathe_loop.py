@@ -4,7 +4,7 @@ from leadscrew.controllers._vud.duty_pid import duty_pid
 from leadscrew.kernel.loop import Loop
 from leadscrew.plants._lathe_servo import lathe_servo
 from leadscrew.references._step import step
-from leadscrew.sensors._grating_count import grating_count
+from leadscrew.sensors._counts import grating_count
 from leadscrew.studies.vud_lathe.controllers import FAST
 from leadscrew.studies.vud_lathe.scenarios import METRICS
 

@@ -12,7 +12,7 @@ from leadscrew.kernel.block import controller
 from leadscrew.kernel.loop import Loop
 from leadscrew.plants._ballscrew_stage import TRAVEL_MM_PER_RAD, ballscrew_stage
 from leadscrew.references._sine import sine_motion
-from leadscrew.sensors._ruler import ruler
+from leadscrew.sensors._counts import ruler
 
 UM = 1e3 * TRAVEL_MM_PER_RAD
 """Micrometres of the table per radian."""

@@ -9,7 +9,7 @@ from leadscrew.controllers._adaptive_resonant import adaptive_resonant
 from leadscrew.controllers._inverse_feed_forward import inverse_feed_forward
 from leadscrew.controllers._resonant import resonant
 from leadscrew.disturbances._wandering_spindle import speed_hz, wandering_spindle
-from leadscrew.sensors._noisy_ruler import noisy_ruler
+from leadscrew.sensors._counts import noisy_ruler
 from leadscrew.studies.npid_xytable.tunings import TUNINGS, table_pid
 from leadscrew.util.errors import ValueRefused
 from tests.controllers.table_axis import PERIOD, rms_um, table_axis, tried

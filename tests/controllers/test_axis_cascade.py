@@ -11,7 +11,7 @@ from leadscrew.plants._servo_axis import servo_axis
 from leadscrew.references._eased_sine import eased_sine_motion
 from leadscrew.references._motion import Motion
 from leadscrew.references._s_curve import s_curve
-from leadscrew.sensors._axis_reading import axis_reading
+from leadscrew.sensors._counts import axis_reading
 from leadscrew.studies.npid_xytable.tunings import table_pid
 from tests.controllers.emps_cascade import emps_cascade
 

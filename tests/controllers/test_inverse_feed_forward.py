@@ -25,6 +25,14 @@ def test_the_inner_law_sees_the_commanded_position():
     assert tried(block, [here, here], [0.1, 0.25]) == tried(table_pid, [0.3, 0.3], [0.1, 0.25])
 
 
+def test_a_wrapped_loop_with_another_gain_is_not_compiled_again():
+    """A new class of prepared parameters would need a new program."""
+    plans = [
+        b.prepare(b.params, 5e-4) for b in (inverse_feed_forward(table_pid), inverse_feed_forward(table_pid(kp=1.0)))
+    ]
+    assert type(plans[0]) is type(plans[1])
+
+
 @pytest.mark.parametrize("late", [0.775e-3, *(pytest.param(x, marks=pytest.mark.slow) for x in (0.0, 1.5e-3))])
 def test_a_known_plant_follows_a_sine_within_5_nm(late):
     """Without it the printed gains leave 7.1 um."""

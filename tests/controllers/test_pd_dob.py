@@ -16,7 +16,7 @@ from leadscrew.plants._ballscrew_stage import INERTIA, TRAVEL_MM_PER_RAD, ballsc
 from leadscrew.plants._mass_maxwell_slip import mass_maxwell_slip
 from leadscrew.references._motion import Motion
 from leadscrew.references._sine import sine_motion
-from leadscrew.sensors._ruler import ruler
+from leadscrew.sensors._counts import ruler
 from leadscrew.studies.fsmc_ballscrew.tunings import SCHEDULED as TUNINGS
 from leadscrew.util.errors import ValueRefused
 from tests.controllers.stage_loop import SINES, UM, errors_um, stage_loop

@@ -28,7 +28,7 @@ from leadscrew.kernel.module import Module
 from leadscrew.plants._ballscrew_stage import TRAVEL_MM_PER_RAD, ballscrew_stage
 from leadscrew.references._motion import Motion
 from leadscrew.references._sine import sine_motion
-from leadscrew.sensors._ruler import ruler
+from leadscrew.sensors._counts import ruler
 from leadscrew.studies.fsmc_ballscrew.tunings import SCHEDULED as PD_DOB
 from leadscrew.util.errors import ValueRefused
 from tests.controllers.stage_loop import SINES, UM, stage_loop

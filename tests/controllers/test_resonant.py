@@ -16,7 +16,7 @@ from leadscrew.controllers._wrapping import wrapped
 from leadscrew.disturbances._five_sines import five_sines
 from leadscrew.disturbances._sine_load import sine_load
 from leadscrew.plants._xy_table import xy_table
-from leadscrew.sensors._noisy_ruler import noisy_ruler
+from leadscrew.sensors._counts import noisy_ruler
 from leadscrew.studies.npid_xytable.tunings import TUNINGS, table_pid
 from leadscrew.util.errors import BlockError, ValueRefused
 from tests.controllers.table_axis import PERIOD, lines_um, rms_um, table_axis, tried

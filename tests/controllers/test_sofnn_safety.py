@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from leadscrew.controllers._sofnn import fnn, sofc, sofnn
-from leadscrew.controllers._sofnn.all_weights import sofnn_all_weights
+from leadscrew.controllers._sofnn.network import sofnn_all_weights
 from leadscrew.neural.inference_net import W0
 from leadscrew.sensors._cut_camera import SeenCut
 from leadscrew.studies.sofnn_tangent.tunings import TUNINGS

@@ -14,7 +14,7 @@ from leadscrew.controllers._tracking_differentiator import fhan, follow, trackin
 from leadscrew.references._eased_sine import eased_sine
 from leadscrew.references._sine import sine
 from leadscrew.references._step import step
-from leadscrew.sensors._noisy_ruler import noisy_ruler
+from leadscrew.sensors._counts import noisy_ruler
 from leadscrew.studies.npid_xytable.tunings import TUNINGS, table_pid
 from leadscrew.util.errors import BlockError, ValueRefused
 from tests.controllers.xy_loop import PERIOD, outputs, xy_loop

@@ -13,7 +13,7 @@ from leadscrew.kernel.loop import Loop
 from leadscrew.kernel.metrics import overshoot, settling_time, steady_state_error
 from leadscrew.plants._lathe_servo import lathe_servo
 from leadscrew.references._step import step
-from leadscrew.sensors._grating_count import grating_count
+from leadscrew.sensors._counts import grating_count
 from leadscrew.studies.vud_lathe.controllers import VARIANTS
 from leadscrew.util.errors import ValueRefused
 from tests.studies import lathe_oracle as oracle

@@ -41,7 +41,7 @@ def stage_log() -> None:
     from leadscrew.controllers._axis_cascade import axis_cascade
     from leadscrew.plants._servo_axis import servo_axis
     from leadscrew.references._waypoints import waypoints
-    from leadscrew.sensors._axis_reading import axis_reading
+    from leadscrew.sensors._counts import axis_reading
 
     friction = {"coulomb": 20.0, "static": 20.0, "viscous": 65.0}
     stage = servo_axis(

@@ -30,9 +30,8 @@ from leadscrew.references._cutting_program import cutting_program
 from leadscrew.references._eased_sine import eased_sine_motion
 from leadscrew.references._sine import sine
 from leadscrew.references._step import step
-from leadscrew.sensors._axis_reading import axis_reading
+from leadscrew.sensors._counts import axis_reading, grating_count
 from leadscrew.sensors._faulty_load_cell import faulty_load_cell
-from leadscrew.sensors._grating_count import grating_count
 from leadscrew.studies.fsmc_ballscrew.tunings import FUZZY as FSMC
 from leadscrew.studies.grey_turning.tunings import TUNINGS as GREY_FUZZY
 from leadscrew.studies.npid_xytable.tunings import TUNINGS

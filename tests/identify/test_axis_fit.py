@@ -192,7 +192,7 @@ def test_the_ball_screw_stage_tells_its_bristles_and_is_simulated_with_them():
     from leadscrew.controllers._pd_dob import pd_dob
     from leadscrew.plants._ballscrew_stage import ballscrew_stage
     from leadscrew.references._friction_test import friction_test, friction_test_duration
-    from leadscrew.sensors._ruler import ruler
+    from leadscrew.sensors._counts import ruler
 
     bare = pd_dob(kp=300.0, kd=0.5, kp_slow=0.0, kd_slow=0.0, observer_rate=0.0, friction=False, travel_per_rad=1.5923)
     loop = Loop(

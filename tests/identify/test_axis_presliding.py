@@ -13,7 +13,7 @@ from leadscrew.identify.axis.static_friction import presliding
 from leadscrew.logs.arrays import axis_log
 from leadscrew.plants._ballscrew_stage import INERTIA, ballscrew_stage
 from leadscrew.references._friction_test import friction_test, friction_test_duration
-from leadscrew.sensors._ruler import ruler
+from leadscrew.sensors._counts import ruler
 from tests.identify.test_axis_simulation import PUBLISHED, emps
 
 PER_RAD = 1.5923e-3

@@ -9,7 +9,7 @@ from leadscrew.identify.output_error import Trajectory, fit_output_error
 from leadscrew.kernel.loop import Loop
 from leadscrew.plants._lathe_servo import lathe_servo
 from leadscrew.references._step import step
-from leadscrew.sensors._encoder_count import encoder_count
+from leadscrew.sensors._counts import encoder_count
 from leadscrew.util.errors import DataError, NameUnknown, ValueRefused
 
 GAIN, EXPONENT, SPEED = "controller.gain", "controller.exponent", "plant.full_duty_speed_mm_s"

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from leadscrew.controllers._sofnn.all_weights import sofnn_all_weights
+from leadscrew.controllers._sofnn.network import sofnn_all_weights
 from leadscrew.disturbances._cut_load import cut_load
 from leadscrew.kernel.loop import Loop
 from leadscrew.references._cut_line import cut_line

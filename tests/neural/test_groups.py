@@ -5,8 +5,7 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 
-from leadscrew.controllers._sofnn.all_weights import AllWeightsState, sofnn_all_weights
-from leadscrew.controllers._sofnn.network import sofnn
+from leadscrew.controllers._sofnn.network import AllWeightsState, sofnn, sofnn_all_weights
 from leadscrew.export.folder import compiler_path
 from leadscrew.neural.groups import SIZE, full_covariance, learn_all, said_by, triangle_of
 from leadscrew.neural.inference_net import AXIS, CENTRES, W0, fired, network_output

@@ -13,10 +13,15 @@ from leadscrew.disturbances._five_sines_pulse import FiveSinesPulseParams, five_
 from leadscrew.disturbances._pulse_load import PulseLoadParams
 from leadscrew.kernel.noise import Noise, normal
 from leadscrew.plants._lathe_servo import LathePosition
-from leadscrew.sensors import _noisy_count as noisy_count
-from leadscrew.sensors._encoder_count import EncoderCountParams, encoder_count
-from leadscrew.sensors._grating_count import GratingCountParams, grating_count
-from leadscrew.sensors._noisy import NoisyParams, noisy
+from leadscrew.sensors import _counts
+from leadscrew.sensors._counts import (
+    EncoderCountParams,
+    GratingCountParams,
+    NoisyParams,
+    encoder_count,
+    grating_count,
+    noisy,
+)
 
 DT = 1e-3
 NOISE = Noise(7, 0, 2, 11)
@@ -31,14 +36,14 @@ def same(a, b):
 @given(places, places)
 def test_a_counter_without_noise_is_the_counter_of_the_study(position, reading):
     at = LathePosition(position, reading)
-    plain = noisy_count.NoisyGratingParams(), noisy_count.NoisyEncoderParams()
-    assert noisy_count.noisy_grating(plain[0], at, NOISE) == grating_count(GratingCountParams(), at)
-    assert noisy_count.noisy_encoder(plain[1], at, NOISE) == encoder_count(EncoderCountParams(), at)
+    plain = _counts.NoisyGratingParams(), _counts.NoisyEncoderParams()
+    assert _counts.noisy_grating(plain[0], at, NOISE) == grating_count(GratingCountParams(), at)
+    assert _counts.noisy_encoder(plain[1], at, NOISE) == encoder_count(EncoderCountParams(), at)
 
 
 def test_noise_is_added_before_the_rounding():
     w = 0.05 * normal(NOISE, 0)
-    seen = noisy_count.noisy_grating(noisy_count.NoisyGratingParams(0.001, 0.05), LathePosition(0.0, 1.0), NOISE)
+    seen = _counts.noisy_grating(_counts.NoisyGratingParams(0.001, 0.05), LathePosition(0.0, 1.0), NOISE)
     assert seen == pytest.approx(0.001 * math.floor((1.0 + w) / 0.001 + 0.5))
     assert noisy(NoisyParams(0.05), 1.0, NOISE) == 1.0 + w
 

@@ -12,7 +12,7 @@ from leadscrew.controllers._grey_fuzzy import gpfc, smith, tfc
 from leadscrew.controllers._guard.feed_override import feed_override
 from leadscrew.controllers._guard.force_guard import force_guard
 from leadscrew.controllers._input_dob import input_dob
-from leadscrew.controllers._sofnn.all_weights import sofnn_all_weights
+from leadscrew.controllers._sofnn.network import sofnn_all_weights
 from leadscrew.controllers._vud.family import vud_family
 from leadscrew.controllers._vud.scaled import vud_scaled
 from leadscrew.kernel.parameters import entries

@@ -28,7 +28,7 @@ from leadscrew.plants._ballscrew_play import BallscrewPlayState, ballscrew_play,
 from leadscrew.plants._ballscrew_stage import ballscrew_stage
 from leadscrew.plants._mass_dahl import MassDahlState, mass_dahl, mass_dahl_jacobian
 from leadscrew.references._sine import sine_motion
-from leadscrew.sensors._axis_encoder import axis_encoder
+from leadscrew.sensors._counts import axis_encoder
 from leadscrew.sensors._dual_encoder import dual_encoder
 from leadscrew.studies.fsmc_ballscrew.tunings import SCHEDULED as TUNINGS
 from tests.tools import runnable

@@ -11,7 +11,7 @@ from leadscrew.plants import _lathe_servo_limited as limited_module
 from leadscrew.plants._lathe_servo import lathe_servo
 from leadscrew.plants._lathe_servo_limited import LatheLimitedState, lathe_servo_limited
 from leadscrew.references._step import step
-from leadscrew.sensors._grating_count import grating_count
+from leadscrew.sensors._counts import grating_count
 from tests.tools import runnable
 
 NEVER = {"current_limit_a": 1e9, "top_speed_mm_s": 1e9}

@@ -11,8 +11,7 @@ from leadscrew.kernel.loop import Loop
 from leadscrew.plants._lathe_screw import LatheScrewPosition, lathe_screw
 from leadscrew.plants._lathe_servo import lathe_servo
 from leadscrew.references._step import step
-from leadscrew.sensors._grating_count import grating_count
-from leadscrew.sensors._screw_encoder import screw_encoder
+from leadscrew.sensors._counts import grating_count, screw_encoder
 from leadscrew.util.errors import ValueRefused
 from tests.tools import runnable
 
@@ -115,7 +114,7 @@ def test_the_encoder_counts_the_nut_and_misses_the_screw():
 def test_the_same_counts_on_half_the_lead_see_twice_as_fine():
     block = screw_encoder(lead_mm=5.0)
     feedback = block.step(block.prepare(block.params, 1e-3), LatheScrewPosition(motor=0.0012))
-    assert feedback == pytest.approx(0.001) and math.isclose(block.prepare(block.params, 1e-3).resolution, 0.0005)
+    assert feedback == pytest.approx(0.001) and math.isclose(block.prepare(block.params, 1e-3).resolution_mm, 0.0005)
 
 
 @pytest.mark.sweep

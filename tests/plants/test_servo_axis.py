@@ -9,7 +9,7 @@ from leadscrew.friction.static_map import Sliding, TwoSided
 from leadscrew.plants._servo_axis import ServoAxisParams, servo_axis, servo_axis_start, servo_axis_step
 from leadscrew.plants._servo_axis_lugre import servo_axis_lugre
 from leadscrew.references._eased_sine import eased_sine_motion
-from leadscrew.sensors._axis_reading import axis_reading
+from leadscrew.sensors._counts import axis_reading
 from tests.controllers.emps_cascade import emps_cascade
 
 PLAIN = ServoAxisParams(mass=2.0, force_per_drive=1.0, offset=0.0, per_si=1.0)

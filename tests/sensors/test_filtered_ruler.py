@@ -10,8 +10,8 @@ from leadscrew.controllers._pd_dob import pd_dob
 from leadscrew.kernel.loop import Loop
 from leadscrew.plants._ballscrew_stage import ballscrew_stage
 from leadscrew.references._sine import sine_motion
+from leadscrew.sensors._counts import ruler
 from leadscrew.sensors._filtered_ruler import filtered_ruler
-from leadscrew.sensors._ruler import ruler
 from leadscrew.util.errors import ValueRefused
 
 DT = 2.5e-4

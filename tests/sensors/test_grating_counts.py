@@ -12,7 +12,7 @@ from leadscrew.actuators._saturation import saturation
 from leadscrew.kernel.loop import Loop
 from leadscrew.kernel.noise import Noise
 from leadscrew.plants._lathe_servo import LathePosition, lathe_servo
-from leadscrew.sensors._grating_count import grating_count
+from leadscrew.sensors._counts import grating_count
 from leadscrew.sensors.grating import _counting as counting
 from leadscrew.sensors.grating._counter import grating_counter, sector_of
 from leadscrew.sensors.grating._quadrature import (

@@ -14,10 +14,9 @@ from leadscrew.disturbances._sine_load import sine_load
 from leadscrew.disturbances._step_load import step_load
 from leadscrew.disturbances._white_noise import white_noise
 from leadscrew.kernel.noise import Noise
+from leadscrew.sensors._counts import noisy_ruler, ruler
 from leadscrew.sensors._ideal import ideal
 from leadscrew.sensors._lag import lag
-from leadscrew.sensors._noisy_ruler import noisy_ruler
-from leadscrew.sensors._ruler import ruler
 from leadscrew.util.errors import ValueRefused
 
 

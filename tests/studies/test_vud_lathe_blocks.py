@@ -9,8 +9,7 @@ from plain_loop import run_plain
 
 from leadscrew.controllers._vud import duty_pd, power_law, vud, vud_beta_e
 from leadscrew.plants._lathe_servo import LathePosition, lathe_servo
-from leadscrew.sensors._encoder_count import encoder_count
-from leadscrew.sensors._grating_count import grating_count
+from leadscrew.sensors._counts import encoder_count, grating_count
 from leadscrew.util.errors import ValueRefused
 
 MILDER = vud_beta_e(output_gain=1.0, output_tau=0.5)

@@ -5,7 +5,7 @@ import pytest
 
 from leadscrew.controllers._vud.power_law import power_law
 from leadscrew.plants._lathe_servo import lathe_servo
-from leadscrew.sensors._encoder_count import encoder_count
+from leadscrew.sensors._counts import encoder_count
 from leadscrew.studies.vud_lathe import old_servo as original
 from leadscrew.studies.vud_lathe.laws import bent_gain_fit, best_exponent, gain_fits, moves
 from leadscrew.studies.vud_lathe.old_servo import EXPONENT, GAIN, SPEED

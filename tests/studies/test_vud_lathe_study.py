@@ -7,8 +7,7 @@ from plain_loop import PERIOD, run_plain
 
 from leadscrew import resolve
 from leadscrew.plants._lathe_servo import lathe_servo
-from leadscrew.sensors._encoder_count import encoder_count
-from leadscrew.sensors._grating_count import grating_count
+from leadscrew.sensors._counts import encoder_count, grating_count
 from leadscrew.studies import results
 from leadscrew.studies.vud_lathe import laws
 from leadscrew.studies.vud_lathe.claims import CORRECTED, OLD, PAPER, PD, metric

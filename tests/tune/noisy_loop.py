@@ -10,7 +10,7 @@ from leadscrew.kernel.loop import Loop
 from leadscrew.kernel.metrics import max_error, overshoot, rms_error, settling_time
 from leadscrew.kernel.parameters import Doc, Ge, Gt, Unit
 from leadscrew.references._step import step
-from leadscrew.sensors._noisy_ruler import noisy_ruler
+from leadscrew.sensors._counts import noisy_ruler
 from leadscrew.study_data import Scenario, Study
 
 

@@ -9,7 +9,7 @@ from leadscrew.kernel.block import Block, plant
 from leadscrew.kernel.metrics import iae, max_error, rms_error
 from leadscrew.plants._lathe_servo import LatheServoParams, LatheServoState, lathe_servo, show
 from leadscrew.references._step import step
-from leadscrew.sensors._grating_count import grating_count
+from leadscrew.sensors._counts import grating_count
 
 if TYPE_CHECKING:
     from leadscrew.kernel.loop import Loop

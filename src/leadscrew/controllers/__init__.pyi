@@ -81,12 +81,12 @@ from ._sliding.fuzzy import (
 )
 from ._sliding.integral import smc_integral as smc_integral
 from ._sliding.super_twisting import super_twisting as super_twisting
-from ._sofnn.all_weights import sofnn_all_weights as sofnn_all_weights
-from ._sofnn.fixed import fnn as fnn
+from ._sofnn.network import fnn as fnn
+from ._sofnn.network import sofc as sofc
 from ._sofnn.network import sofnn as sofnn
+from ._sofnn.network import sofnn_all_weights as sofnn_all_weights
 from ._sofnn.rules import with_network as with_network
 from ._sofnn.rules import with_rules as with_rules
-from ._sofnn.standard import sofc as sofc
 from ._tangent.curvature_feed_forward import curvature_feed_forward as curvature_feed_forward
 from ._tangent.curvature_network import curvature_network as curvature_network
 from ._tangent.tangent_dob import tangent_dob as tangent_dob
@@ -97,11 +97,11 @@ from ._tracking_differentiator import tracking_differentiator as tracking_differ
 from ._vud.duty_pd import duty_pd as duty_pd
 from ._vud.duty_pd_observed import duty_pd_observed as duty_pd_observed
 from ._vud.duty_pid import duty_pid as duty_pid
-from ._vud.error_factor import vud_beta_e as vud_beta_e
 from ._vud.family import vud_family as vud_family
 from ._vud.fast import vud_fast as vud_fast
-from ._vud.incremental import vud_incremental as vud_incremental
-from ._vud.integral_factor import vud_integral_factor as vud_integral_factor
-from ._vud.literal import vud as vud
 from ._vud.power_law import power_law as power_law
+from ._vud.printed import vud as vud
+from ._vud.printed import vud_beta_e as vud_beta_e
+from ._vud.printed import vud_incremental as vud_incremental
+from ._vud.printed import vud_integral_factor as vud_integral_factor
 from ._vud.scaled import vud_scaled as vud_scaled

@@ -28,13 +28,14 @@ controller is aligned to the output divided by the DC gain, and the sections wor
 from __future__ import annotations
 
 import math
-from typing import Annotated, Any, NamedTuple, cast
+from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 
 from leadscrew.controllers._parallel import TINY
-from leadscrew.controllers._wrapping import same_kind, wrapped
+from leadscrew.controllers._wrapping import around, same_kind, wrapped
 from leadscrew.kernel.block import Block
+from leadscrew.kernel.by_position import prepared
 from leadscrew.kernel.parameters import Doc, Ge, Gt, Le, Unit
 from leadscrew.util.errors import ValueRefused, entry_point
 
@@ -143,24 +144,20 @@ def biquad(inner: Block, *sections: Section, name: str = "") -> Block:
     part = wrapped(inner, "biquad")
     given = sections or (Notch(),)
     size = 2 * len(given)
-    law, before = part.law, inner.prepare
-    align_inner: Any = part.align
-    fields = [("inner", type(inner.params)), *((f"section_{i + 1}", type(s)) for i, s in enumerate(given))]
-    params_type = cast(Any, NamedTuple("BiquadParams", fields))
-    remembered = [("inner", type(inner.state)), ("memory", np.ndarray), ("level", Level)]
-    state_type = cast(Any, NamedTuple("BiquadState", remembered))
+    law = part.law
+    params_type = around("BiquadParams", inner.params, *((f"section_{i + 1}", type(s)) for i, s in enumerate(given)))
+    state_type = around("BiquadState", inner.state, ("memory", np.ndarray), ("level", Level))
 
     def prepare(params: Any, dt: float) -> Any:
-        ready = params.inner if before is None else before(params.inner, dt)
-        planned = [("inner", type(ready)), ("table", np.ndarray), ("dc_gain", float), ("rest", np.ndarray)]
-        plan_type = cast(Any, NamedTuple("BiquadPlan", planned))
+        ready = prepared(inner, dt, params.inner)
+        plan_type = around("BiquadPlan", ready, ("table", np.ndarray), ("dc_gain", float), ("rest", np.ndarray))
         table = np.array([coefficients(section, dt) for section in params[1:]])
         dc_gain = np.prod(table[:, :3].sum(axis=1) / (1.0 + table[:, 3:].sum(axis=1)))
         return plan_type(ready, table, float(dc_gain), np.zeros(size))
 
     def align(params, command, feedback, output):
         """The state from which the next output is ``output``: all sections at rest around it."""
-        after = align_inner(params.inner, command, feedback, output / params.dc_gain)
+        after = part.align(params.inner, command, feedback, output / params.dc_gain)
         return state_type(after, params.rest, output)
 
     def sectioned(p, s, command, feedback, dt):
@@ -171,6 +168,6 @@ def biquad(inner: Block, *sections: Section, name: str = "") -> Block:
 
     return same_kind(
         sectioned, part, params_type(inner.params, *given), state_type(inner.state, np.zeros(size), 0.0),
-        "Its output goes through second-order sections.", prepare=prepare, align=None if align_inner is None else align,
+        "Its output goes through second-order sections.", prepare=prepare, align=align,
         name=name or f"{inner.name}_biquad",
     )  # fmt: skip

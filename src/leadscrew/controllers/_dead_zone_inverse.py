@@ -20,10 +20,11 @@ of these is a start at 0.
 from __future__ import annotations
 
 import math
-from typing import Annotated, Any, NamedTuple, cast
+from typing import Annotated, Any
 
-from leadscrew.controllers._wrapping import same_kind, wrapped
+from leadscrew.controllers._wrapping import around, same_kind, wrapped
 from leadscrew.kernel.block import Block
+from leadscrew.kernel.by_position import prepared
 from leadscrew.kernel.parameters import Doc, Ge
 from leadscrew.util.errors import entry_point
 
@@ -56,19 +57,17 @@ def dead_zone_inverse(inner: Block, name: str = "", width: float = 0.02, softnes
         BlockError: ``inner`` is not a sampled controller with parameters and state, or takes other signals.
     """
     part = wrapped(inner, "dead_zone_inverse")
-    law, before = part.law, inner.prepare
-    align_inner: Any = part.align
-    own = [("width", Width), ("softness", Softness)]
-    params_type = cast(Any, NamedTuple("DeadZoneInverseParams", [("inner", type(inner.params)), *own]))
+    law = part.law
+    own: list[Any] = [("width", Width), ("softness", Softness)]
+    params_type = around("DeadZoneInverseParams", inner.params, *own)
 
     def prepare(params: Any, dt: float) -> Any:
-        ready = params.inner if before is None else before(params.inner, dt)
-        plan_type = cast(Any, NamedTuple("DeadZoneInversePlan", [("inner", type(ready)), *own]))
-        return plan_type(ready, params.width, params.softness)
+        ready = prepared(inner, dt, params.inner)
+        return around("DeadZoneInversePlan", ready, *own)(ready, params.width, params.softness)
 
     def align(params, command, feedback, output):
         """The state from which the next output is ``output``."""
-        return align_inner(params.inner, command, feedback, narrowed(output, params.width, params.softness))
+        return part.align(params.inner, command, feedback, narrowed(output, params.width, params.softness))
 
     def compensated(p, s, command, feedback, dt):
         """The inner controller, its output widened by the dead zone."""
@@ -77,5 +76,5 @@ def dead_zone_inverse(inner: Block, name: str = "", width: float = 0.02, softnes
 
     return same_kind(
         compensated, part, params_type(inner.params, width, softness), inner.state, "A dead zone is compensated.",
-        prepare=prepare, align=None if align_inner is None else align, name=name or f"{inner.name}_dead_zone_inverse",
+        prepare=prepare, align=align, name=name or f"{inner.name}_dead_zone_inverse",
     )  # fmt: skip

@@ -16,13 +16,15 @@ first value of the table.
 
 from __future__ import annotations
 
-from typing import Annotated, Any, NamedTuple, cast
+from typing import Annotated, Any
 
 import numpy as np
 
-from leadscrew.kernel.block import Block, make
+from leadscrew.controllers._wrapping import around, same_kind, wrapped
+from leadscrew.kernel.block import Block
+from leadscrew.kernel.by_position import prepared
 from leadscrew.kernel.parameters import Doc, Gt, Le, Unit
-from leadscrew.util.errors import BlockError, ValueRefused, entry_point
+from leadscrew.util.errors import ValueRefused, entry_point
 
 Table = Annotated[np.ndarray, Doc("added to the output, at equal intervals of one period; in the unit of the output")]
 PeriodS = Annotated[float, Unit("s"), Gt(0), Le(1e4), Doc("time after which the table starts again")]
@@ -49,28 +51,21 @@ def feed_forward_table(inner: Block, table: Any = (0.0,), period_s: float = 1.0,
         BlockError: ``inner`` is not a sampled controller with parameters and state, or takes other signals.
         ValueRefused: a table that is not a row of finite numbers, or a period out of range.
     """
-    if inner.kind != "controller" or inner.continuous or inner.params is None or inner.state is None:
-        raise BlockError(f"feed_forward_table({inner.name}): needs a sampled controller with parameters and state")
-    if set(inner.signals) != {"command", "feedback", "dt"} or inner.initial is not None:
-        raise BlockError(f"feed_forward_table({inner.name}): needs a controller that takes command, feedback and dt")
-    law, before = inner.step, inner.prepare
-    align_inner: Any = inner.align
-    params_type = cast(
-        Any, NamedTuple("TableParams", [("inner", type(inner.params)), ("table", Table), ("period_s", PeriodS)])
-    )
-    state_type = cast(Any, NamedTuple("TableState", [("inner", type(inner.state)), ("place", Place)]))
+    part = wrapped(inner, "feed_forward_table")
+    law = part.law
+    params_type = around("TableParams", inner.params, ("table", Table), ("period_s", PeriodS))
+    state_type = around("TableState", inner.state, ("place", Place))
 
     def prepare(params: Any, dt: float) -> Any:
-        ready = params.inner if before is None else before(params.inner, dt)
+        ready = prepared(inner, dt, params.inner)
         values = checked(params.table)
         n = float(values.size)
-        fields = [("inner", type(ready)), ("table", np.ndarray), ("count", float), ("stride", float)]
-        plan_type = cast(Any, NamedTuple("TablePlan", fields))
+        plan_type = around("TablePlan", ready, ("table", np.ndarray), ("count", float), ("stride", float))
         return plan_type(ready, values, n, n * dt / params.period_s % n)
 
     def align(params, command, feedback, output):
         """The state from which the next output is ``output``."""
-        return state_type(align_inner(params.inner, command, feedback, output - params.table[0]), 0.0)
+        return state_type(part.align(params.inner, command, feedback, output - params.table[0]), 0.0)
 
     def with_table(p, s, command, feedback, dt):
         """The inner controller and the table."""
@@ -83,9 +78,7 @@ def feed_forward_table(inner: Block, table: Any = (0.0,), period_s: float = 1.0,
             behind - here
         )
 
-    return make(
-        "controller", with_table, params_type(inner.params, checked(table), period_s), state_type(inner.state, 0.0),
-        prepare=prepare, align=None if align_inner is None else align, name=name or f"{inner.name}_table",
-        unit=inner.unit, drive=inner.drive, full_scale=inner.full_scale, sense=inner.sense,
-        doc=f"{inner.doc} A table of earlier passes is added.",
+    return same_kind(
+        with_table, part, params_type(inner.params, checked(table), period_s), state_type(inner.state, 0.0),
+        "A table of earlier passes is added.", prepare=prepare, align=align, name=name or f"{inner.name}_table",
     )  # fmt: skip

@@ -22,13 +22,13 @@ as in steady motion at the commanded speed.
 from __future__ import annotations
 
 import math
-from typing import Annotated, Any, NamedTuple, cast
+from typing import Annotated, Any
 
 from leadscrew.controllers._inverse_feed_forward import AheadS
 from leadscrew.controllers._look_ahead import advanced
-from leadscrew.controllers._wrapping import same_kind, wrapped
+from leadscrew.controllers._wrapping import around, same_kind, wrapped
 from leadscrew.kernel.block import Block
-from leadscrew.kernel.by_position import position_of, whole
+from leadscrew.kernel.by_position import position_of, prepared, whole
 from leadscrew.kernel.parameters import Doc, Ge, Gt, Le, Unit
 from leadscrew.util.errors import entry_point
 
@@ -68,22 +68,21 @@ def friction_feed_forward(
         BlockError: ``inner`` is not a sampled controller with parameters and state, or takes other signals.
     """
     part = wrapped(inner, "friction_feed_forward")
-    law, before = part.law, inner.prepare
-    align_law: Any = part.align
+    law = part.law
     passed = whole if part.motion else position_of
     own: list[Any] = [
         ("friction_mv", Friction), ("presliding_um", Presliding), ("static_ratio", Ratio), ("stribeck_mm_s", Fall),
         ("smooth_mm_s", Smooth), ("ahead_s", AheadS), ("share", FrictionShare),
     ]  # fmt: skip
-    params_type = cast(Any, NamedTuple("FrictionParams", [("inner", type(inner.params)), *own]))
-    state_type = cast(Any, NamedTuple("FrictionState", [("inner", type(inner.state)), ("bent", Bristle)]))
+    params_type = around("FrictionParams", inner.params, *own)
+    state_type = around("FrictionState", inner.state, ("bent", Bristle))
 
     def prepare(params: Any, dt: float) -> Any:
-        ready = params.inner if before is None else before(params.inner, dt)
-        plan: list[Any] = [("inner", type(ready)), ("volt", float), ("rate", float), ("static_ratio", float),
-                           ("stribeck_mm_s", float), ("smooth_mm_s", float), ("bristles", bool), ("ahead_s", float),
-                           ("middle_s", float)]  # fmt: skip
-        plan_type = cast(Any, NamedTuple("FrictionPlan", plan))
+        ready = prepared(inner, dt, params.inner)
+        plan_type = around(
+            "FrictionPlan", ready, ("volt", float), ("rate", float), ("static_ratio", float), ("stribeck_mm_s", float),
+            ("smooth_mm_s", float), ("bristles", bool), ("ahead_s", float), ("middle_s", float),
+        )  # fmt: skip
         bristles = params.presliding_um > 0.0
         return plan_type(
             ready, 1e-3 * params.share * params.friction_mv, 1e3 / params.presliding_um if bristles else 0.0,
@@ -115,7 +114,7 @@ def friction_feed_forward(
         v = advanced(command, params.middle_s).velocity
         bent = resting(params, v)
         known = bent if params.bristles else steady(params, advanced(command, params.ahead_s).velocity)
-        return state_type(align_law(params.inner, passed(command), feedback, output - params.volt * known), bent)
+        return state_type(part.align(params.inner, passed(command), feedback, output - params.volt * known), bent)
 
     def with_friction(p, s, command, feedback, dt):
         """The inner controller and the friction of the commanded motion."""
@@ -127,5 +126,5 @@ def friction_feed_forward(
         with_friction, part,
         params_type(inner.params, friction_mv, presliding_um, static_ratio, stribeck_mm_s, smooth_mm_s, ahead_s, share),
         state_type(inner.state, 0.0), "The friction of the commanded motion is added.", motion=True, prepare=prepare,
-        align=None if align_law is None else align, name=name or f"{inner.name}_friction",
+        align=align, name=name or f"{inner.name}_friction",
     )  # fmt: skip

@@ -18,12 +18,12 @@ A limit of the inner controller's output does not count it. Bumpless start as th
 
 from __future__ import annotations
 
-from typing import Annotated, Any, NamedTuple, cast
+from typing import Annotated, Any
 
 from leadscrew.controllers._look_ahead import advanced
-from leadscrew.controllers._wrapping import same_kind, wrapped
+from leadscrew.controllers._wrapping import around, same_kind, wrapped
 from leadscrew.kernel.block import Block
-from leadscrew.kernel.by_position import position_of, whole
+from leadscrew.kernel.by_position import position_of, prepared, whole
 from leadscrew.kernel.parameters import Doc, Ge, Gt, Le, Unit
 from leadscrew.util.errors import entry_point
 
@@ -56,20 +56,24 @@ def inverse_feed_forward(
         BlockError: ``inner`` is not a sampled controller with parameters and state, or takes other signals.
     """
     part = wrapped(inner, "inverse_feed_forward")
-    law, before = part.law, inner.prepare
+    law = part.law
     passed = whole if part.motion else position_of
-    align_law: Any = part.align
-    own = [("gain", Gain), ("damping", Damping), ("stiffness", Stiffness), ("ahead_s", AheadS), ("share", Share)]
-    params_type = cast(Any, NamedTuple("InverseParams", [("inner", type(inner.params)), *own]))
+    own: list[Any] = [
+        ("gain", Gain),
+        ("damping", Damping),
+        ("stiffness", Stiffness),
+        ("ahead_s", AheadS),
+        ("share", Share),
+    ]
+    params_type = around("InverseParams", inner.params, *own)
 
     def prepare(params: Any, dt: float) -> Any:
-        ready = params.inner if before is None else before(params.inner, dt)
-        plan_type = cast(Any, NamedTuple("InversePlan", [("inner", type(ready)), *own]))
-        return plan_type(ready, *params[1:])
+        ready = prepared(inner, dt, params.inner)
+        return around("InversePlan", ready, *own)(ready, *params[1:])
 
     def align(params, command, feedback, output):
         """The state from which the next output is ``output``."""
-        return align_law(params.inner, passed(command), feedback, output - inverse_voltage(params, command))
+        return part.align(params.inner, passed(command), feedback, output - inverse_voltage(params, command))
 
     def with_voltage(p, s, command, feedback, dt):
         """The inner controller, and the voltage of the commanded motion."""
@@ -80,5 +84,5 @@ def inverse_feed_forward(
         with_voltage, part,
         params_type(inner.params, gain, damping, stiffness, ahead_s, share), inner.state,
         "The voltage of the commanded motion is added.", motion=True, prepare=prepare,
-        align=None if align_law is None else align, name=name or f"{inner.name}_ff",
+        align=align, name=name or f"{inner.name}_ff",
     )  # fmt: skip

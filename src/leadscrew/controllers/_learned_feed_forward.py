@@ -26,11 +26,12 @@ inner controller's output does not count what is added. Bumpless start as the in
 from __future__ import annotations
 
 import math
-from typing import Annotated, Any, NamedTuple, cast
+from typing import Annotated, Any, NamedTuple
 
 from leadscrew.controllers._look_ahead import advanced
-from leadscrew.controllers._wrapping import same_kind, wrapped
+from leadscrew.controllers._wrapping import around, same_kind, wrapped
 from leadscrew.kernel.block import Block
+from leadscrew.kernel.by_position import prepared
 from leadscrew.kernel.parameters import Doc, Ge, Gt, Le, Unit
 from leadscrew.util.errors import BlockError, entry_point
 
@@ -137,22 +138,20 @@ def learned_feed_forward(inner: Block, name: str = "", **values: float) -> Block
     part = wrapped(inner, "learned_feed_forward")
     if part.motion:
         raise BlockError(f"learned_feed_forward({inner.name}): needs a controller of a position, not of a motion")
-    law, before = part.law, inner.prepare
-    align_inner: Any = part.align
-    params_type = cast(Any, NamedTuple("LearnedParams", [("inner", type(inner.params)), ("belief", LearnedBelief)]))
-    state_type = cast(Any, NamedTuple("LearnedState", [("inner", type(inner.state)), ("shares", LearnedShares)]))
+    law = part.law
+    params_type = around("LearnedParams", inner.params, ("belief", LearnedBelief))
+    state_type = around("LearnedState", inner.state, ("shares", LearnedShares))
 
     def prepare(params: Any, dt: float) -> Any:
-        ready = params.inner if before is None else before(params.inner, dt)
-        plan_type = cast(Any, NamedTuple("LearnedPlan", [("inner", type(ready)), ("belief", LearnedBelief)]))
-        return plan_type(ready, params.belief)
+        ready = prepared(inner, dt, params.inner)
+        return around("LearnedPlan", ready, ("belief", LearnedBelief))(ready, params.belief)
 
     def align(params, command, feedback, output):
         """The state from which the next output is ``output``."""
         b = params.belief
         parts = motion_parts(b, advanced(command, b.dead_time_s))
         rest = output - b.share * (parts.inertia + parts.viscous)
-        return state_type(align_inner(params.inner, command.position, feedback, rest), LearnedShares(aligned=1.0))
+        return state_type(part.align(params.inner, command.position, feedback, rest), LearnedShares(aligned=1.0))
 
     def with_learning(p, s, command, feedback, dt):
         """The inner controller on the commanded position, and what was learned to add for the commanded motion."""
@@ -163,6 +162,6 @@ def learned_feed_forward(inner: Block, name: str = "", **values: float) -> Block
     block = same_kind(
         with_learning, part, params_type(inner.params, LearnedBelief()), state_type(inner.state, LearnedShares()),
         "Feed-forward of motion and friction is learned.", motion=True, prepare=prepare,
-        align=None if align_inner is None else align, name=name or f"{inner.name}_learned",
+        align=align, name=name or f"{inner.name}_learned",
     )  # fmt: skip
     return block.using(**{f"belief.{key}": value for key, value in values.items()})

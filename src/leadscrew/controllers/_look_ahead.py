@@ -15,12 +15,14 @@ both zero it is the inner controller. Bumpless start as the inner controller's.
 
 from __future__ import annotations
 
-from typing import Annotated, Any, NamedTuple, cast
+from typing import Annotated, Any
 
-from leadscrew.kernel.block import Block, make
+from leadscrew.controllers._wrapping import around, same_kind, wrapped
+from leadscrew.kernel.block import Block
+from leadscrew.kernel.by_position import prepared
 from leadscrew.kernel.parameters import Doc, Ge, Le, Unit
 from leadscrew.references._motion import Motion
-from leadscrew.util.errors import BlockError, entry_point
+from leadscrew.util.errors import entry_point
 
 ActsLate = Annotated[float, Unit("s"), Ge(0), Le(0.1), Doc("time until the torque acts, d")]
 SeenLate = Annotated[float, Unit("s"), Ge(0), Le(0.1), Doc("lag of the sensor's filter, tau")]
@@ -45,33 +47,26 @@ def look_ahead(inner: Block, name: str = "", acts_late_s: float = 0.0, seen_late
     Raises:
         BlockError: ``inner`` is not a sampled controller with parameters and state, or takes other signals.
     """
-    known = {"command", "feedback", "dt"}
-    if inner.kind != "controller" or inner.continuous or inner.params is None or inner.state is None:
-        raise BlockError(f"look_ahead({inner.name}): needs a sampled controller with parameters and state")
-    if set(inner.signals) != known or inner.initial is not None:
-        raise BlockError(f"look_ahead({inner.name}): needs a controller that takes command, feedback and dt")
-    law, before = inner.step, inner.prepare
-    align_inner: Any = inner.align
-    own = [("acts_late_s", ActsLate), ("seen_late_s", SeenLate)]
-    params_type = cast(Any, NamedTuple("LookAheadParams", [("inner", type(inner.params)), *own]))
+    part = wrapped(inner, "look_ahead")
+    law = part.law
+    own: list[Any] = [("acts_late_s", ActsLate), ("seen_late_s", SeenLate)]
+    params_type = around("LookAheadParams", inner.params, *own)
 
     def prepare(params: Any, dt: float) -> Any:
-        ready = params.inner if before is None else before(params.inner, dt)
-        plan_type = cast(Any, NamedTuple("LookAheadPlan", [("inner", type(ready)), *own]))
-        return plan_type(ready, params.acts_late_s, params.seen_late_s)
+        ready = prepared(inner, dt, params.inner)
+        return around("LookAheadPlan", ready, *own)(ready, params.acts_late_s, params.seen_late_s)
 
     def align(params, command, feedback, output):
         """The state from which the next output is ``output``."""
         d, tau = params.acts_late_s, params.seen_late_s
-        return align_inner(params.inner, advanced(command, d), moved_on(command, feedback, d, tau), output)
+        return part.align(params.inner, advanced(command, d), moved_on(command, feedback, d, tau), output)
 
     def looking_ahead(p, s, command, feedback, dt):
         """The inner controller on a command and a feedback moved on to the time when its torque acts."""
         d, tau = p.acts_late_s, p.seen_late_s
         return law(p.inner, s, advanced(command, d), moved_on(command, feedback, d, tau), dt)
 
-    return make(
-        "controller", looking_ahead, params_type(inner.params, acts_late_s, seen_late_s), inner.state, prepare=prepare,
-        align=None if align_inner is None else align, name=name or f"{inner.name}_look_ahead", unit=inner.unit,
-        drive=inner.drive, full_scale=inner.full_scale, sense=inner.sense, doc=f"{inner.doc} It looks ahead.",
+    return same_kind(
+        looking_ahead, part, params_type(inner.params, acts_late_s, seen_late_s), inner.state, "It looks ahead.",
+        motion=True, prepare=prepare, align=align, name=name or f"{inner.name}_look_ahead",
     )  # fmt: skip

@@ -50,7 +50,7 @@ def series(first: Block, second: Block, name: str = "") -> Block:
     state_type = _bundle("SeriesState", names["state"], kept)
 
     def prepare(params: Any, dt: float) -> Any:
-        ready = [prepared(replace(block, params=part), dt) for block, part in zip((first, second), params, strict=True)]
+        ready = [prepared(block, dt, part) for block, part in zip((first, second), params, strict=True)]
         return _bundle("SeriesPlan", names["params"], ready)(*ready)
 
     def initial(params: Any) -> Any:

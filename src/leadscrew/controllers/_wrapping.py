@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any, NamedTuple
+from functools import cache
+from typing import Any, NamedTuple, cast
 
 from leadscrew.kernel.block import Block, make
 from leadscrew.kernel.by_position import position_of, prepared, whole
@@ -19,7 +20,8 @@ class Inner(NamedTuple):
 
     block: Block
     law: Callable[..., Any]
-    align: Callable[..., Any] | None
+    align: Any
+    """Its ``align``; None where it has none, and then the wrapper has none (:func:`same_kind`)."""
     motion: bool
     """Whether its command is a :class:`~leadscrew.references.Motion`; else it is a number."""
     place: Callable[..., Any]
@@ -65,16 +67,31 @@ def wrapped(inner: Block, maker: str) -> Inner:
     return Inner(inner, inner.step, inner.align, motion, place)
 
 
+@cache
+def _class_around(name: str, inner: Any, own: Any) -> Any:
+    return NamedTuple(name, [("inner", inner), *own])
+
+
+def around(name: str, inner: Any, *own: tuple[str, Any]) -> Any:
+    """A NamedTuple class: what the wrapped block has as ``inner``, then the wrapper's own fields.
+
+    The same class for the same fields, so that a loop with other values is not compiled again.
+    """
+    return _class_around(name, cast(Any, type(inner)), own)
+
+
 def same_kind(
-    step: Any, part: Inner, params: Any, state: Any, says: str, motion: bool | None = None, **more: Any
-) -> Block:
+    step: Any, part: Inner, params: Any, state: Any, says: str, motion: bool | None = None, align: Any = None,
+    **more: Any,
+) -> Block:  # fmt: skip
     """A controller that drives what the wrapped one drives; ``says`` is added to the sentence that describes it.
 
-    ``motion``: whether it takes motions; unless told otherwise it does if the wrapped one does.
+    ``motion``: whether it takes motions (default: whether the wrapped one does). ``align`` counts where the wrapped one
+    has one.
     """
     inner = part.block
     step.takes_motion = part.motion if motion is None else motion
     return make(
         "controller", step, params, state, unit=inner.unit, drive=inner.drive, full_scale=inner.full_scale,
-        sense=inner.sense, doc=f"{inner.doc} {says}", **more,
+        sense=inner.sense, doc=f"{inner.doc} {says}", align=align if part.align is not None else None, **more,
     )  # fmt: skip

@@ -114,7 +114,7 @@ class TableAxis:
         from leadscrew.kernel.loop import Loop
         from leadscrew.kernel.metrics import chatter, max_error, rms_error
         from leadscrew.references._eased_sine import eased_sine
-        from leadscrew.sensors._noisy_ruler import noisy_ruler
+        from leadscrew.sensors._counts import noisy_ruler
 
         late = {"from_time": 0.5 * RUN_S}
         metrics = {"rms_error": rms_error(**late), "max_error": max_error(**late), "chatter": chatter(**late)}

@@ -136,6 +136,16 @@ def elements_force(e):
     return total
 
 
+def speed_after(f, e, stiffness, mass, speed, push, dt):
+    """Speed of a mass ``dt`` later under ``push``: an implicit step over the springs that stick and the damping.
+
+    ``stiffness`` is :func:`total_stiffness`. For a rotor, inertia and torque.
+    """
+    stuck = stuck_stiffness(f, e)
+    damping = f.damping * stuck / stiffness + f.viscous
+    return (mass * speed + dt * (push - elements_force(e))) / (mass + dt * damping + dt * dt * stuck)
+
+
 def move_elements(f, e, v, dt):
     """Moves all elements in place by ``dt`` at the constant speed ``v``: the exact solution of 1. and 2.
 

@@ -2,7 +2,9 @@
 
 Every function takes windows of shape ``(..., N)``, oldest sample first, and gives arrays of shape ``(...)``. Where a
 model cannot be fitted it gives the last sample, as the step functions of :mod:`leadscrew.grey.gm11` do; with N = 5 the
-two agree to rounding. The equations are there; here N - 1 stands where 4 stands there.
+two agree to rounding. The equations are there; here N - 1 stands where 4 stands there. The steps are written out for
+five samples, so they cannot serve the other lengths of ``leadscrew predict --window`` and of
+:mod:`leadscrew.grey.filters`.
 """
 
 from __future__ import annotations

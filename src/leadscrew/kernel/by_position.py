@@ -100,9 +100,10 @@ def _lead(block: Block, dt: float) -> list[Any]:
     return lead if block.state is None else [*lead, _state(block)]
 
 
-def prepared(block: Block, dt: float) -> Any:
-    """What the step of a block gets as ``p`` at this period."""
-    return block.params if block.prepare is None else block.prepare(block.params, dt)
+def prepared(block: Block, dt: float, params: Any = None) -> Any:
+    """What the step of a block gets as ``p`` at this period; ``params`` count in place of its own."""
+    own = block.params if params is None else params
+    return own if block.prepare is None else block.prepare(own, dt)
 
 
 def _state(block: Block) -> Any:

@@ -205,11 +205,11 @@ def loop_of(machine: MachineFile, axis: Block, controller: Block, scenario: Scen
 
 def _sensor(machine: MachineFile) -> Block | None:
     if machine.model in AXES:
-        from leadscrew.sensors._axis_reading import axis_reading
+        from leadscrew.sensors._counts import axis_reading
 
         return axis_reading(resolution=machine.resolution, noise=machine.noise)
     if not machine.resolution and not machine.noise:
         return None
-    from leadscrew.sensors._noisy_ruler import noisy_ruler
+    from leadscrew.sensors._counts import noisy_ruler
 
     return noisy_ruler(resolution_mm=machine.resolution or 1e-9, noise_mm=machine.noise)

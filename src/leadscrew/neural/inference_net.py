@@ -91,6 +91,23 @@ def fired(axis_e, axis_ec, e, ec):
     return Fired(i, j, upper_membership(axis_e, i, e_inside), upper_membership(axis_ec, j, ec_inside))
 
 
+class Strengths(NamedTuple):
+    """Firing strengths of the four rules: ``7 j + i``, its right, its upper and its upper right neighbour."""
+
+    h0: float
+    h1: float
+    h2: float
+    h3: float
+
+
+def strengths(fired):
+    """How much each of the four rules fires; for a step."""
+    return Strengths(
+        (1.0 - fired.nu) * (1.0 - fired.mu), (1.0 - fired.nu) * fired.mu, fired.nu * (1.0 - fired.mu),
+        fired.nu * fired.mu,
+    )  # fmt: skip
+
+
 def network_output(weights, fired):
     """Output of the network in levels: the four consequents that fire, weighted; for a step. Not limited."""
     k = 7 * fired.j + fired.i

@@ -16,6 +16,8 @@ import math
 
 import numpy as np
 
+from leadscrew.neural.inference_net import strengths
+
 
 def kalman_learn(weights, covariance, fired, innovation, r, q, cap, clamp):
     """Learns ``innovation`` (levels) where ``fired`` says; for a step. Gives ``s``, the innovation's variance.
@@ -33,17 +35,14 @@ def kalman_learn(weights, covariance, fired, innovation, r, q, cap, clamp):
     :func:`leadscrew.neural.kalman_dense.kalman_learn_dense` is the plain formula.
     """
     k = 7 * fired.j + fired.i
-    h0 = (1.0 - fired.nu) * (1.0 - fired.mu)
-    h1 = (1.0 - fired.nu) * fired.mu
-    h2 = fired.nu * (1.0 - fired.mu)
-    h3 = fired.nu * fired.mu
+    h = strengths(fired)
     gain = np.zeros(49)
     scale = np.zeros(49)
     for i in range(49):
-        gain[i] = (h0 * covariance[k, i] + h1 * covariance[k + 1, i]) + (
-            h2 * covariance[k + 7, i] + h3 * covariance[k + 8, i]
+        gain[i] = (h.h0 * covariance[k, i] + h.h1 * covariance[k + 1, i]) + (
+            h.h2 * covariance[k + 7, i] + h.h3 * covariance[k + 8, i]
         )
-    s = max((h0 * gain[k] + h1 * gain[k + 1]) + (h2 * gain[k + 7] + h3 * gain[k + 8]), 0.0) + r
+    s = max((h.h0 * gain[k] + h.h1 * gain[k + 1]) + (h.h2 * gain[k + 7] + h.h3 * gain[k + 8]), 0.0) + r
     move = innovation / s
     for i in range(49):
         weights[i] = min(max(weights[i] + gain[i] * move, -clamp), clamp)

@@ -25,9 +25,8 @@ from leadscrew.friction.maxwell_slip import (
     Elements,
     MaxwellSlipScrew,
     checked,
-    elements_force,
     move_elements,
-    stuck_stiffness,
+    speed_after,
     total_stiffness,
     unloaded,
 )
@@ -94,10 +93,7 @@ def ballscrew_gms(p, s, u, dt):
     speed = s.speed
     elements = s.elements
     for _ in range(p.pieces):
-        stuck = stuck_stiffness(f, elements)
-        damping = f.damping * stuck / p.stiffness + f.viscous
-        pushed = p.inertia * speed + h * (u - elements_force(elements))
-        speed = pushed / (p.inertia + h * damping + h * h * stuck)
+        speed = speed_after(f, elements, p.stiffness, p.inertia, speed, u, h)
         elements = move_elements(f, elements, speed, h)
         angle = angle + h * speed
     return BallscrewGmsState(angle, speed, elements)

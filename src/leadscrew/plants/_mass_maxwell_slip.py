@@ -23,9 +23,8 @@ from leadscrew.friction.maxwell_slip import (
     Elements,
     MaxwellSlip,
     checked,
-    elements_force,
     move_elements,
-    stuck_stiffness,
+    speed_after,
     total_stiffness,
     unloaded,
 )
@@ -65,10 +64,7 @@ def sensible(params: MassMaxwellSlipParams, dt: float) -> MassMaxwellSlipParams:
 def mass_maxwell_slip(p, s, u, dt):
     """A mass under generalised Maxwell-slip friction: state after ``dt`` under a force."""
     f = p.friction
-    stuck = stuck_stiffness(f, s.elements)
-    damping = f.damping * stuck / total_stiffness(f) + f.viscous
-    pushed = p.mass * s.speed + dt * (u - elements_force(s.elements))
-    speed = pushed / (p.mass + dt * damping + dt * dt * stuck)
+    speed = speed_after(f, s.elements, total_stiffness(f), p.mass, s.speed, u, dt)
     return MassMaxwellSlipState(s.position + dt * speed, speed, move_elements(f, s.elements, speed, dt))
 
 

@@ -18,7 +18,7 @@ from typing import Annotated, NamedTuple
 
 from leadscrew.kernel.block import sensor
 from leadscrew.kernel.parameters import Doc, Ge, Unit
-from leadscrew.sensors._ruler import rounded
+from leadscrew.sensors._counts import counted
 
 TINY = 1e-30
 """Below this a settled correction is 0: its tail would end in denormal numbers, which are slow."""
@@ -52,8 +52,7 @@ def plan_dual_encoder(params: DualEncoderParams, dt: float) -> DualEncoderPlan:
 @sensor(DualEncoderParams, DualEncoderState, prepare=plan_dual_encoder)
 def dual_encoder(p, s, actual):
     """The motor's count, corrected slowly by the table's."""
-    motor = rounded(actual.motor, p.resolution) if p.resolution > 0.0 else actual.motor
-    table = rounded(actual.position, p.resolution) if p.resolution > 0.0 else actual.position
+    motor, table = counted(actual.motor, p.resolution), counted(actual.position, p.resolution)
     correction = s.correction + p.gain * (table - motor - s.correction)
     kept = correction if abs(correction) > TINY else 0.0
     return DualEncoderState(kept), motor + kept

@@ -17,7 +17,7 @@ from typing import Annotated, NamedTuple
 
 from leadscrew.kernel.block import sensor
 from leadscrew.kernel.parameters import Doc, Ge, Gt, Unit
-from leadscrew.sensors._ruler import rounded
+from leadscrew.sensors._counts import rounded
 
 TINY = 1e-30
 """Below this a reading that dies away is 0: its tail would end in denormal numbers, which are slow."""

@@ -18,8 +18,8 @@ from typing import Annotated, NamedTuple
 from leadscrew.kernel.block import sensor
 from leadscrew.kernel.noise import normal
 from leadscrew.kernel.parameters import Doc, Ge, Unit
+from leadscrew.sensors._counts import rounded
 from leadscrew.sensors._load_cell import LoadCellParams, LoadCellState, counted, weighed
-from leadscrew.sensors._ruler import rounded
 
 
 class LatheSensorsParams(NamedTuple):

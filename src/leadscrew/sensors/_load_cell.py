@@ -16,7 +16,7 @@ from typing import Annotated, NamedTuple
 from leadscrew.kernel.block import sensor
 from leadscrew.kernel.noise import normal
 from leadscrew.kernel.parameters import Doc, Ge, Lt, Unit
-from leadscrew.sensors._ruler import rounded
+from leadscrew.sensors._counts import counted, rounded
 
 TINY = 1e-30
 """Below this a settled reading is 0: its tail would end in denormal numbers, which are slow."""
@@ -39,11 +39,6 @@ class LoadCellState(NamedTuple):
 
     force: Annotated[float, Unit("N"), Doc("after the filter")] = 0.0
     raw: Annotated[float, Unit("N"), Doc("before it")] = 0.0
-
-
-def counted(value, count):
-    """A value as its converter tells it."""
-    return rounded(value, max(count, 1e-300)) if count > 0.0 else value
 
 
 def weighed(p, s, force, noise):

@@ -22,7 +22,7 @@ Bumpless start: as the inner controller's.
 
 from __future__ import annotations
 
-from typing import Annotated, Any, NamedTuple, cast
+from typing import Annotated, Any, NamedTuple
 
 from leadscrew.controllers._force.programme import (
     NEAR,
@@ -40,7 +40,9 @@ from leadscrew.controllers._force.programme import (
     programmed,
 )
 from leadscrew.controllers._force.wrapped import same_kind, wrapped
+from leadscrew.controllers._wrapping import around
 from leadscrew.kernel.block import Block
+from leadscrew.kernel.by_position import prepared
 from leadscrew.kernel.parameters import Doc, Ge, Gt, Le, Unit
 from leadscrew.plants._turning.process import RadialServo
 from leadscrew.util.errors import entry_point
@@ -82,28 +84,28 @@ def depth_feed_forward(
         BlockError: ``inner`` is not an incremental controller with a state field ``output``.
     """
     part = wrapped(inner, "depth_feed_forward")
-    law, its, with_output, before = part.law, part.its, part.with_output, inner.prepare
-    align_law: Any = part.align
-    fields: list[Any] = [("inner", type(inner.params)), ("exponent", Exponent), ("preview_s", PreviewS),
-                         ("depth_error", DepthError), ("radial", RadialServo), ("least_depth", LeastDepth),
-                         ("air", Air), ("air_feed", AirFeed)]  # fmt: skip
-    params_type = cast(Any, NamedTuple("DepthFeedForwardParams", fields))
-    kept: list[Any] = [("inner", type(inner.state)), ("programme", FeedForwardState)]
-    state_type = cast(Any, NamedTuple("DepthFeedForwardState", kept))
+    law, its, with_output = part.law, part.its, part.with_output
+    params_type = around(
+        "DepthFeedForwardParams", inner.params, ("exponent", Exponent), ("preview_s", PreviewS),
+        ("depth_error", DepthError), ("radial", RadialServo), ("least_depth", LeastDepth), ("air", Air),
+        ("air_feed", AirFeed),
+    )  # fmt: skip
+    state_type = around("DepthFeedForwardState", inner.state, ("programme", FeedForwardState))
 
     def prepare(params: Any, dt: float) -> Any:
-        ready = params.inner if before is None else before(params.inner, dt)
-        plan: list[Any] = [("inner", type(ready)), ("power", float), ("from_s", float), ("depth_error", float),
-                           ("follower", Follower), ("least_depth", float), ("air", float),
-                           ("air_feed", float)]  # fmt: skip
-        return cast(Any, NamedTuple("DepthFeedForwardPlan", plan))(
+        ready = prepared(inner, dt, params.inner)
+        plan_type = around(
+            "DepthFeedForwardPlan", ready, ("power", float), ("from_s", float), ("depth_error", float),
+            ("follower", Follower), ("least_depth", float), ("air", float), ("air_feed", float),
+        )  # fmt: skip
+        return plan_type(
             ready, 1.0 / params.exponent, params.preview_s - dt, params.depth_error, follower(params.radial, dt),
             params.least_depth, params.air, params.air_feed,
         )  # fmt: skip
 
     def align(params, command, feedback, output):
         """The state from which the next output is ``output``."""
-        state, here = align_law(params.inner, its(command), its(feedback), output), Depth(command.depth, 0.0)
+        state, here = part.align(params.inner, its(command), its(feedback), output), Depth(command.depth, 0.0)
         return state_type(state, FeedForwardState(here, here, command.depth, command.depth, output, 0.0, 0.0))
 
     def fed_forward(p, s, command, feedback, dt):
@@ -135,5 +137,5 @@ def depth_feed_forward(
         fed_forward, part,
         params_type(inner.params, exponent, preview_s, depth_error, servo, least_depth, air, air_feed),
         state_type(inner.state, FeedForwardState()), "Its output goes with the programmed depth of cut.", True,
-        prepare=prepare, align=None if align_law is None else align, name=name or f"{inner.name}_depth_ff",
+        prepare=prepare, align=align, name=name or f"{inner.name}_depth_ff",
     )  # fmt: skip

@@ -16,10 +16,12 @@ Bumpless start: the output before is set so that the next one is the last one.
 
 from __future__ import annotations
 
-from typing import Annotated, Any, NamedTuple, cast
+from typing import Annotated, Any
 
 from leadscrew.controllers._force.wrapped import same_kind, takes_cut, wrapped
+from leadscrew.controllers._wrapping import around
 from leadscrew.kernel.block import Block
+from leadscrew.kernel.by_position import prepared
 from leadscrew.kernel.parameters import Doc, Ge, Gt, Unit
 from leadscrew.util.errors import BlockError, entry_point
 
@@ -40,21 +42,19 @@ def gain_normalised(inner: Block, nominal_v: float = 0.2367, floor: float = 0.3,
     part = wrapped(inner, "gain_normalised")
     if not {"lower", "upper"} <= set(getattr(inner.params, "_fields", ())):
         raise BlockError(f"gain_normalised({inner.name}): needs a controller with parameters lower and upper")
-    law, with_output, align_law, before = part.law, part.with_output, cast(Any, part.align), inner.prepare
-    fields: list[Any] = [("inner", type(inner.params)), ("nominal_v", NominalV), ("floor", Floor)]
-    params_type = cast(Any, NamedTuple("GainNormalisedParams", fields))
+    law, with_output = part.law, part.with_output
+    params_type = around("GainNormalisedParams", inner.params, ("nominal_v", NominalV), ("floor", Floor))
 
     def prepare(params: Any, dt: float) -> Any:
-        ready = params.inner if before is None else before(params.inner, dt)
-        plan: list[Any] = [("inner", type(ready)), ("nominal_v", float), ("floor", float), ("lower", float),
-                           ("upper", float)]  # fmt: skip
-        return cast(Any, NamedTuple("GainNormalisedPlan", plan))(
+        ready = prepared(inner, dt, params.inner)
+        own = [(name, float) for name in ("nominal_v", "floor", "lower", "upper")]
+        return around("GainNormalisedPlan", ready, *own)(
             ready, params.nominal_v, params.floor, params.inner.lower, params.inner.upper
         )
 
     def align(params, command, feedback, output):
         """The state from which the next output is ``output``."""
-        state = align_law(params.inner, command, feedback, output)
+        state = part.align(params.inner, command, feedback, output)
         added = output - state.output
         return with_output(state, (output - params.floor * added) / (1.0 + added / params.nominal_v))
 
@@ -69,5 +69,5 @@ def gain_normalised(inner: Block, nominal_v: float = 0.2367, floor: float = 0.3,
     return same_kind(
         normalised, part, params_type(inner.params, nominal_v, floor), inner.state,
         "Its increments grow with its output.", takes_cut(inner), prepare=prepare,
-        align=None if align_law is None else align, name=name or f"{inner.name}_normalised",
+        align=align, name=name or f"{inner.name}_normalised",
     )  # fmt: skip

@@ -7,7 +7,6 @@ from typing import Any, NamedTuple
 
 from leadscrew.controllers._force.with_output import WITH_OUTPUT
 from leadscrew.kernel.block import Block, make
-from leadscrew.kernel.by_position import prepared
 from leadscrew.util.errors import BlockError
 
 
@@ -16,21 +15,12 @@ class Inner(NamedTuple):
 
     block: Block
     law: Callable[..., Any]
-    align: Callable[..., Any] | None
+    align: Any
     its: Callable[..., Any]
     """Of what the wrapper is told or reads: what the controller is told or reads."""
 
     with_output: Callable[..., Any]
     """Of its state and another output: the state with that output."""
-
-    def ready(self, dt: float) -> Any:
-        """What its step gets as ``p`` at this period."""
-        return prepared(self.block, dt)
-
-
-def whole(signal):
-    """A signal as it is."""
-    return signal
 
 
 def force_of(signal):
@@ -62,14 +52,16 @@ def wrapped(inner: Block, maker: str) -> Inner:
     return Inner(inner, inner.step, inner.align, whole if takes_cut(inner) else force_of, sets)
 
 
-def same_kind(step: Any, part: Inner, params: Any, state: Any, says: str, cut: bool, **more: Any) -> Block:
+def same_kind(
+    step: Any, part: Inner, params: Any, state: Any, says: str, cut: bool, align: Any = None, **more: Any
+) -> Block:
     """A controller that drives what the wrapped one drives; ``says`` is added to the sentence that describes it.
 
-    ``cut``: whether it is told the programme and reads all sensors.
+    ``cut``: whether it is told the programme and reads all sensors. ``align`` counts where the wrapped one has one.
     """
     inner = part.block
     step.takes_cut = cut
     return make(
         "controller", step, params, state, unit=inner.unit, drive=inner.drive, full_scale=inner.full_scale,
-        sense=inner.sense, doc=f"{inner.doc} {says}", **more,
+        sense=inner.sense, doc=f"{inner.doc} {says}", align=align if part.align is not None else None, **more,
     )  # fmt: skip

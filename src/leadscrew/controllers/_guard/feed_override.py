@@ -32,7 +32,9 @@ from typing import Annotated, Any, NamedTuple, cast
 from leadscrew.controllers._guard.answering import Answer
 from leadscrew.controllers._guard.watching import Seen
 from leadscrew.controllers._guard.wrapped import finite_command, finite_reading, taken_apart
+from leadscrew.controllers._wrapping import around
 from leadscrew.kernel.block import Block, make
+from leadscrew.kernel.by_position import prepared
 from leadscrew.kernel.parameters import Doc, Gt, Unit
 from leadscrew.references._cutting_program import NEVER_S
 from leadscrew.util.errors import entry_point
@@ -120,14 +122,12 @@ def feed_override(
     align_of: Any = align_law
     told_feed, told_rapid = (feed_of, rapid_of) if machine else (programmed, nothing)
     own: list[Any] = [("programmed_feed", ProgrammedFeed), ("feed_per_unit", FeedPerUnit)]
-    params_type = cast(Any, NamedTuple("FeedOverrideParams", [("inner", type(inner.params)), *own]))
-    parts: list[Any] = [("inner", type(inner.state)), ("last", float)]
-    state_type = cast(Any, NamedTuple("FeedOverrideState", parts))
+    params_type = around("FeedOverrideParams", inner.params, *own)
+    state_type = around("FeedOverrideState", inner.state, ("last", float))
 
     def prepare(params: Any, dt: float) -> Any:
-        ready = params.inner if inner.prepare is None else inner.prepare(params.inner, dt)
-        plan: list[Any] = [("inner", type(ready)), *own]
-        return cast(Any, NamedTuple("FeedOverridePlan", plan))(ready, params.programmed_feed, params.feed_per_unit)
+        ready = prepared(inner, dt, params.inner)
+        return around("FeedOverridePlan", ready, *own)(ready, params.programmed_feed, params.feed_per_unit)
 
     def ceiling_of(p, command):
         """The inner controller's output at the programmed feed."""

@@ -32,7 +32,9 @@ from leadscrew.controllers._guard.answering import Answer
 from leadscrew.controllers._guard.holding import FREE, RUNNING, AirCut, Guard, Recovery, decided, sent
 from leadscrew.controllers._guard.watching import CellChecks, Levels, Seen, looked
 from leadscrew.controllers._guard.wrapped import finite_command, taken_apart, whole
+from leadscrew.controllers._wrapping import around
 from leadscrew.kernel.block import Block, make
+from leadscrew.kernel.by_position import prepared
 from leadscrew.kernel.parameters import Doc, Ge, Le, Lt
 from leadscrew.references._cutting_program import CutCommand
 from leadscrew.util.errors import ValueRefused, entry_point
@@ -93,18 +95,15 @@ def force_guard(
     fast = clock is not None
     own: list[Any] = [("levels", Levels), ("cell", CellChecks), ("recover", Recovery), ("air", AirCut)]
     own += [("clock", Clock)] if fast else []
-    params_type = cast(Any, NamedTuple("ForceGuardParams", [("inner", type(inner.params)), *own]))
+    params_type = around("ForceGuardParams", inner.params, *own)
     times: list[Any] = [("filtered", float), ("asked", float), ("turn", int), ("wait", int)]
-    parts: list[Any] = [("inner", type(inner.state)), ("seen", Seen), ("guard", Guard), ("command", CutCommand)]
-    state_type = cast(Any, NamedTuple("ForceGuardState", [*parts, *(times if fast else [])]))
+    parts: list[Any] = [("seen", Seen), ("guard", Guard), ("command", CutCommand)]
+    state_type = around("ForceGuardState", inner.state, *parts, *(times if fast else []))
 
     def prepare(params: Any, dt: float) -> Any:
         checked(params.levels, params.recover, params.clock if fast else None)
-        before = inner.prepare
-        slower = dt * params.clock.every if fast else dt
-        ready = params.inner if before is None else before(params.inner, slower)
-        plan_type = cast(Any, NamedTuple("ForceGuardPlan", [("inner", type(ready)), *own]))
-        return plan_type(ready, *params[1:])
+        ready = prepared(inner, dt * params.clock.every if fast else dt, params.inner)
+        return around("ForceGuardPlan", ready, *own)(ready, *params[1:])
 
     def align(params, command, feedback, output):
         """The state from which the next output is ``output``."""

@@ -23,8 +23,7 @@ from typing import Annotated, Literal, NamedTuple
 
 import numpy as np
 
-from leadscrew.controllers._sofnn.fixed import Rules
-from leadscrew.controllers._sofnn.levels import ROOM
+from leadscrew.controllers._sofnn.levels import MOST_LEVEL, ROOM, Watch, lacking, sent, watched
 from leadscrew.kernel.parameters import Doc, Ge, Gt, Le, Unit
 from leadscrew.neural.performance import MOST, ODD, Performance, correction, looked_up
 
@@ -45,7 +44,7 @@ Target = Annotated[Literal["stored", "accumulate"] | int, Doc("what the correcte
 Clamp = Annotated[float, Gt(0), Le(MOST), Doc("largest consequent, either way, levels")]
 Learning = Annotated[bool, Doc("whether the rules are changed; off holds what was learned")]
 Freeze = Annotated[bool, Doc("no learning while the offset is at its limit and would be pushed further")]
-Prior = Rules
+Rules = Annotated[np.ndarray, Ge(-MOST_LEVEL), Le(MOST_LEVEL), Doc("49 consequents, levels; number 7 EC + E, from NB")]
 
 Weights = Annotated[np.ndarray, Doc("49 consequents, levels; number 7 EC + E, from NB")]
 PastE = Annotated[np.ndarray, Doc("E of the last samples, levels")]
@@ -69,6 +68,26 @@ class Measure(NamedTuple):
     freeze: bool
 
 
+class Seen(NamedTuple):
+    """What a sample shows."""
+
+    watch: Watch
+    e: float
+    """Deviation, levels."""
+    ec: float
+    """Its change, levels."""
+    g: float
+    """Correction, levels."""
+
+
+class Answer(NamedTuple):
+    """What a sample ends with."""
+
+    offset: float
+    short: float
+    at: int
+
+
 def measure(params) -> Measure:
     """The measure of a controller's parameters."""
     return Measure(
@@ -86,10 +105,17 @@ def rectified(p, error, e, ec):
     return 0.0 if abs(error) < p.dead_zone else p.kg * raw
 
 
-def learns(p, most, known, offset, g):
+def seen(p, s, command, feedback):
+    """What a sample shows."""
+    watch = watched(p.scales, s.watch, command, feedback)
+    e, ec = p.scales.k_e * watch.error, p.scales.k_ec * watch.rate
+    return Seen(watch, e, ec, rectified(p.measure, watch.error, e, ec))
+
+
+def learns(p, s, now):
     """Whether the rules are changed in this sample."""
-    pushed = p.freeze and abs(offset) >= FULL * most and g * offset > 0.0
-    return p.learning and known > p.delay and not pushed
+    pushed = p.measure.freeze and abs(s.offset) >= FULL * p.scales.most and now.g * s.offset > 0.0
+    return p.measure.learning and now.watch.known > p.measure.delay and not pushed
 
 
 def place_before(at, delay):
@@ -104,6 +130,16 @@ def place_after(at):
 
 def leak(weights, prior, share):
     """Moves the rules towards the prior, in place."""
-    for i in range(weights.shape[0]):
-        weights[i] = weights[i] + share * (prior[i] - weights[i])
+    if share > 0.0:
+        for i in range(weights.shape[0]):
+            weights[i] = weights[i] + share * (prior[i] - weights[i])
     return share
+
+
+def answered(p, s, now, level):
+    """The offset for what the rules say; inputs and level go to the past, in place."""
+    short = lacking(p.scales, s.watch.blind, s.aligned, s.short, level, s.offset)
+    s.past_e[s.at] = now.e
+    s.past_ec[s.at] = now.ec
+    s.past_d[s.at] = level
+    return Answer(sent(p.scales, now.watch, level, short, s.offset), short, place_after(s.at))

@@ -11,7 +11,10 @@ deviation. ``x`` follows the offset that was sent, limits counted, so nothing wi
 
 from __future__ import annotations
 
-from typing import Annotated
+import math
+from typing import Annotated, Any
+
+import numpy as np
 
 from leadscrew.kernel.parameters import Doc, Ge, Gt, Le, Unit
 from leadscrew.util.errors import ValueRefused
@@ -20,6 +23,8 @@ RING = 32
 """Samples that are remembered."""
 TINY = 1e-30
 """Below this a filter's state is 0."""
+TWICE = math.pi / 90.0
+"""Twice an angle in deg, in radians."""
 MOST_DEG = 15.0
 """Largest offset of the study's axis."""
 
@@ -43,6 +48,37 @@ def samples(delay_s: float, dt: float, reach: int, maker: str) -> int:
     if late + reach >= RING:
         raise ValueRefused(f"delay_s = {delay_s!r} ({maker}): {late} samples, expected {RING - 1 - reach} or fewer")
     return late
+
+
+def checked_prior(params: Any, count: int, maker: str) -> tuple[np.ndarray, np.ndarray]:
+    """What ``count`` weights start from, and its covariance.
+
+    Raises:
+        ValueRefused: a prior of the wrong shape, or one whose covariance is not symmetric.
+    """
+    prior, covariance = np.array(params.prior, dtype=float), np.array(params.prior_covariance, dtype=float)
+    if prior.shape != (count,) or covariance.shape != (count, count):
+        raise ValueRefused(
+            f"prior of shape {prior.shape}, prior_covariance of shape {covariance.shape} ({maker}): expected {count} "
+            f"and {count} x {count}"
+        )
+    if not np.allclose(covariance, covariance.T, rtol=1e-9, atol=1e-12):
+        raise ValueRefused(f"prior_covariance ({maker}): expected a symmetric matrix")
+    return prior, 0.5 * (covariance + covariance.T)
+
+
+def start_from_prior(p, s):
+    """Weights and covariance of the prior, in place."""
+    for i in range(s.weights.shape[0]):
+        s.weights[i] = p.prior[i]
+        for j in range(s.weights.shape[0]):
+            s.covariance[i, j] = p.prior_covariance[i, j]
+    return 0.0
+
+
+def acting(p, s, wait, sight):
+    """The share in which it learns: ``sight``; 0 while it waits, and where the last offset was at its limit."""
+    return (1.0 if wait == 0 else 0.0) * sight * (1.0 if abs(s.sent) < p.most else 0.0)
 
 
 def back(ring, at, late):

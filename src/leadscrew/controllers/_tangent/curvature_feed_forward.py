@@ -40,6 +40,7 @@ import numpy as np
 from leadscrew.controllers._tangent.believed import (
     MOST_DEG,
     RING,
+    TWICE,
     AxisLag,
     FilterS,
     Most,
@@ -48,10 +49,13 @@ from leadscrew.controllers._tangent.believed import (
     Preview,
     ReturnS,
     SensorDelay,
+    acting,
     back,
+    checked_prior,
     next_place,
     quiet,
     samples,
+    start_from_prior,
     trusted,
     within,
 )
@@ -65,8 +69,6 @@ LAGS = 4
 """Of them of curvatures."""
 SCALE = 30.0
 """mm: brings curvatures to the size of the other regressors."""
-TWICE = math.pi / 90.0
-"""Twice an angle in deg, in radians."""
 START = 0.03
 """deg^2: variance of a weight that nothing is known of."""
 
@@ -146,18 +148,11 @@ def plan(params: CurvatureFeedForwardParams, dt: float) -> CurvatureFeedForwardP
     good = lags.shape == (LAGS,) and (lags == np.round(lags)).all() and lags[0] >= 0 and (np.diff(lags) > 0).all()
     if not good:
         raise ValueRefused(f"lags = {lags.tolist()} (curvature_feed_forward): expected 4 whole numbers, ascending")
-    prior, covariance = np.array(params.prior, dtype=float), np.array(params.prior_covariance, dtype=float)
-    if prior.shape != (COUNT,) or covariance.shape != (COUNT, COUNT):
-        raise ValueRefused(
-            f"prior of shape {prior.shape}, prior_covariance of shape {covariance.shape} (curvature_feed_forward): "
-            f"expected {COUNT} and {COUNT} x {COUNT}"
-        )
-    if not np.allclose(covariance, covariance.T, rtol=1e-9, atol=1e-12):
-        raise ValueRefused("prior_covariance (curvature_feed_forward): expected a symmetric matrix")
+    prior, covariance = checked_prior(params, COUNT, "curvature_feed_forward")
     old = 1 + params.preview
     late = samples(params.delay_s, dt, old + int(lags[-1]), "curvature_feed_forward")
     return CurvatureFeedForwardPlan(
-        prior, 0.5 * (covariance + covariance.T), lags, params.forgetting, params.noise, params.trace_cap,
+        prior, covariance, lags, params.forgetting, params.noise, params.trace_cap,
         params.weight_limit, float(params.learning), params.gain, -math.expm1(-dt / params.filter_s),
         dt / params.return_s, late + old, late + old + int(lags[-1]), float(params.before), params.plant_gain,
         -math.expm1(-dt / params.axis_lag_s), late, params.most, np.zeros(RING),
@@ -177,11 +172,7 @@ def begun(p, s, command, way):
         s.headings[i] = command.heading
         s.places[i] = s.axis
     s.curvatures[RING - 1] = command.curvature
-    for i in range(COUNT):
-        s.weights[i] = p.prior[i]
-        for j in range(COUNT):
-            s.covariance[i, j] = p.prior_covariance[i, j]
-    return 0.0
+    return start_from_prior(p, s)
 
 
 def regressor(p, s, at, late, i):
@@ -216,7 +207,7 @@ def curvature_feed_forward(p, s, command, feedback, dt):
     sight = trusted(s.sight, feedback.seen, p.returns)
     reading = feedback.deviation if feedback.seen > 0.5 else 0.0
     inn = reading - command.deviation - p.plant_gain * back(s.places, s.at, p.late) - told
-    acts = (1.0 if wait == 0 else 0.0) * sight * (1.0 if abs(s.sent) < p.most else 0.0)
+    acts = acting(p, s, wait, sight)
     learns = acts * p.learning
     q = p.keep * p.noise
     for i in range(COUNT):

@@ -43,6 +43,7 @@ import numpy as np
 from leadscrew.controllers._tangent.believed import (
     MOST_DEG,
     RING,
+    TWICE,
     AxisLag,
     FilterS,
     Most,
@@ -51,23 +52,23 @@ from leadscrew.controllers._tangent.believed import (
     Preview,
     ReturnS,
     SensorDelay,
+    acting,
     back,
+    checked_prior,
     next_place,
     quiet,
     samples,
+    start_from_prior,
     trusted,
     within,
 )
 from leadscrew.fuzzy.inference import Axis
 from leadscrew.kernel.block import controller
 from leadscrew.kernel.parameters import Doc, Ge, Gt, Le, Unit
-from leadscrew.neural.inference_net import AXIS, CLAMP, RULES, SETS, fired, network_output
-from leadscrew.util.errors import ValueRefused
+from leadscrew.neural.inference_net import AXIS, CLAMP, RULES, SETS, fired, network_output, strengths
 
 COUNT = RULES + 2
 """Weights: 49 rules, then sin 2 phi and cos 2 phi."""
-TWICE = math.pi / 90.0
-"""Twice an angle in deg, in radians."""
 
 
 def start_covariance(
@@ -165,18 +166,11 @@ def plan(params: CurvatureNetworkParams, dt: float) -> CurvatureNetworkPlan:
     Raises:
         ValueRefused: a prior of the wrong shape, or one whose covariance is not symmetric.
     """
-    prior, covariance = np.array(params.prior, dtype=float), np.array(params.prior_covariance, dtype=float)
-    if prior.shape != (COUNT,) or covariance.shape != (COUNT, COUNT):
-        raise ValueRefused(
-            f"prior of shape {prior.shape}, prior_covariance of shape {covariance.shape} (curvature_network): expected "
-            f"{COUNT} and {COUNT} x {COUNT}"
-        )
-    if not np.allclose(covariance, covariance.T, rtol=1e-9, atol=1e-12):
-        raise ValueRefused("prior_covariance (curvature_network): expected a symmetric matrix")
+    prior, covariance = checked_prior(params, COUNT, "curvature_network")
     old = 1 + params.preview
     late = samples(params.delay_s, dt, old, "curvature_network")
     return CurvatureNetworkPlan(
-        prior, 0.5 * (covariance + covariance.T), AXIS, params.k_c, params.k_h, -math.expm1(-dt / params.highpass_s),
+        prior, covariance, AXIS, params.k_c, params.k_h, -math.expm1(-dt / params.highpass_s),
         params.k_d, params.noise, float(params.learning), params.gain, -math.expm1(-dt / params.filter_s),
         dt / params.return_s, late + old, params.plant_gain, -math.expm1(-dt / params.axis_lag_s), late, params.most,
         np.zeros(RING),
@@ -199,11 +193,7 @@ def begun(p, s):
         s.changes[i] = 0.0
         s.headings[i] = 0.0
         s.places[i] = s.axis
-    for i in range(COUNT):
-        s.weights[i] = p.prior[i]
-        for j in range(COUNT):
-            s.covariance[i, j] = p.prior_covariance[i, j]
-    return 0.0
+    return start_from_prior(p, s)
 
 
 def said(s, rules, heading):
@@ -218,21 +208,20 @@ def said(s, rules, heading):
 def learned(p, s, rules, heading, inn, on):
     """The share ``on`` of one Kalman update of all 51 weights, in place."""
     k = 7 * rules.j + rules.i
-    h0, h1 = (1.0 - rules.nu) * (1.0 - rules.mu), (1.0 - rules.nu) * rules.mu
-    h2, h3 = rules.nu * (1.0 - rules.mu), rules.nu * rules.mu
+    h = strengths(rules)
     turned, across = math.sin(TWICE * heading), math.cos(TWICE * heading)
     gained = np.zeros(51)
     for i in range(COUNT):
         gained[i] = (
-            h0 * s.covariance[k, i]
-            + h1 * s.covariance[k + 1, i]
-            + h2 * s.covariance[k + 7, i]
-            + h3 * s.covariance[k + 8, i]
+            h.h0 * s.covariance[k, i]
+            + h.h1 * s.covariance[k + 1, i]
+            + h.h2 * s.covariance[k + 7, i]
+            + h.h3 * s.covariance[k + 8, i]
             + turned * s.covariance[RULES, i]
             + across * s.covariance[RULES + 1, i]
         )
     q = (
-        h0 * gained[k] + h1 * gained[k + 1] + h2 * gained[k + 7] + h3 * gained[k + 8]
+        h.h0 * gained[k] + h.h1 * gained[k + 1] + h.h2 * gained[k + 7] + h.h3 * gained[k + 8]
         + turned * gained[RULES] + across * gained[RULES + 1] + p.noise
     )  # fmt: skip
     root = on / math.sqrt(q)
@@ -269,7 +258,7 @@ def curvature_network(p, s, command, feedback, dt):
     reading = feedback.deviation if feedback.seen > 0.5 else 0.0
     needed = -(reading - command.deviation - p.plant_gain * back(s.places, s.at, p.late)) / p.plant_gain
     inn = needed / p.k_d - said(s, then, heading)
-    acts = (1.0 if wait == 0 else 0.0) * sight * (1.0 if abs(s.sent) < p.most else 0.0)
+    acts = acting(p, s, wait, sight)
     if acts * p.learning > 0.0:
         learned(p, s, then, heading, inn, acts)
     ahead = said(s, fired(p.levels, p.levels, s.curvatures[s.at], s.changes[s.at]), command.heading_ahead)

@@ -25,7 +25,9 @@ from typing import Annotated, Any, Literal, NamedTuple, cast
 import numpy as np
 
 from leadscrew.controllers._tangent.believed import MOST_DEG, Most, within
+from leadscrew.controllers._wrapping import around
 from leadscrew.kernel.block import Block, make
+from leadscrew.kernel.by_position import prepared
 from leadscrew.kernel.parameters import Doc, Ge, Unit, checked_replace
 from leadscrew.util.errors import BlockError, ValueRefused, entry_point
 
@@ -126,17 +128,14 @@ def taught_offset(
         raise BlockError(f"taught_offset({inner.name}): needs a sampled controller with parameters and state")
     if inner.signals != ("command", "feedback", "dt") or inner.initial is not None:
         raise BlockError(f"taught_offset({inner.name}): needs a controller that takes command, feedback and dt")
-    law, before = inner.step, inner.prepare
+    law = inner.step
     align_inner: Any = inner.align
-    fields: list[Any] = [("inner", type(inner.params)), ("taught", TaughtParams)]
-    params_type = cast(Any, NamedTuple("TaughtOffsetParams", fields))
-    own: list[Any] = [("inner", type(inner.state)), ("taught", TaughtState)]
-    state_type = cast(Any, NamedTuple("TaughtOffsetState", own))
+    params_type = around("TaughtOffsetParams", inner.params, ("taught", TaughtParams))
+    state_type = around("TaughtOffsetState", inner.state, ("taught", TaughtState))
 
     def prepare(params: Any, dt: float) -> Any:
-        ready = params.inner if before is None else before(params.inner, dt)
-        plan_type = cast(Any, NamedTuple("TaughtOffsetPlan", [("inner", type(ready)), ("taught", TaughtPlan)]))
-        return plan_type(ready, plan(params.taught, dt))
+        ready = prepared(inner, dt, params.inner)
+        return around("TaughtOffsetPlan", ready, ("taught", TaughtPlan))(ready, plan(params.taught, dt))
 
     def align(params, command, feedback, output):
         """The state from which the next output is ``output``."""

@@ -3,13 +3,10 @@
 from leadscrew.controllers._vud.duty_pd import duty_pd
 from leadscrew.controllers._vud.duty_pd_observed import duty_pd_observed
 from leadscrew.controllers._vud.duty_pid import duty_pid
-from leadscrew.controllers._vud.error_factor import vud_beta_e
 from leadscrew.controllers._vud.family import vud_family
 from leadscrew.controllers._vud.fast import vud_fast
-from leadscrew.controllers._vud.incremental import vud_incremental
-from leadscrew.controllers._vud.integral_factor import vud_integral_factor
-from leadscrew.controllers._vud.literal import vud
 from leadscrew.controllers._vud.power_law import power_law
+from leadscrew.controllers._vud.printed import vud, vud_beta_e, vud_incremental, vud_integral_factor
 from leadscrew.controllers._vud.scaled import vud_scaled
 
 __all__ = [

@@ -12,8 +12,9 @@ from __future__ import annotations
 
 from typing import Annotated, NamedTuple
 
-from leadscrew.controllers._vud.fast import held, predicted
+from leadscrew.controllers._vud.fast import predicted
 from leadscrew.controllers._vud.fast_observer import Chain, ChainParams, ChainState, corrected, moved, ready_chain
+from leadscrew.controllers._vud.universe import held
 from leadscrew.kernel.block import controller
 from leadscrew.kernel.parameters import Doc, Ge, Gt, Le, Unit
 

@@ -12,7 +12,7 @@ value inside [-1, 1] where ``inputs_held`` is on. A ``rate_gain`` of 0 ignores t
 ``rate_interval_s`` equal to the period takes the raw difference of two periods for ``ec``.
 
 With its defaults this is the printed law, but clipped; :data:`PRINTED` and :data:`BETA_E` are the parameters with which
-it is :mod:`leadscrew.controllers._vud.literal` and :mod:`leadscrew.controllers._vud.error_factor` to the last bit.
+it is ``vud`` and ``vud_beta_e`` of :mod:`leadscrew.controllers._vud.printed`, duty for duty to the last bit.
 Dozens of variants then share one compiled program. Source of (5) to (21): Long, Yuan, Xu, Du (2014); the other ``z``
 and the exponential ``alpha`` are in the literature on variable universes, and here to compare with.
 """
@@ -22,7 +22,19 @@ from __future__ import annotations
 import math
 from typing import Annotated, Literal, NamedTuple
 
-from leadscrew.controllers._vud.universe import CENTRES, TABLE_2, Centres, ErrorScale, RateInterval, RateScale, Rules
+from leadscrew.controllers._vud.universe import (
+    CENTRES,
+    TABLE_2,
+    Centres,
+    ErrorScale,
+    Exponent,
+    Least,
+    RateInterval,
+    RateScale,
+    Rules,
+    change,
+    held,
+)
 from leadscrew.fuzzy.inference import RuleBase, infer, rule_base
 from leadscrew.kernel.block import controller
 from leadscrew.kernel.parameters import Doc, Ge, Gt, Le, Unit
@@ -34,8 +46,6 @@ Kind = Annotated[
     Literal["none", "power", "exponential"] | int,
     Doc("contraction factor: 1, |x|^tau + floor, 1 - depth exp(-steepness x^2)"),
 ]
-Exponent = Annotated[float, Ge(0), Le(2), Doc("exponent of this contraction factor")]
-Least = Annotated[float, Gt(0), Le(1), Doc("smallest value of this contraction factor")]
 
 
 class VudFamilyParams(NamedTuple):
@@ -119,15 +129,9 @@ def ready(params: VudFamilyParams, dt: float) -> VudFamily:
     )
 
 
-def held(x, largest):
-    """``x`` inside ``[-largest, largest]``."""
-    return min(largest, max(-largest, x))
-
-
 def filtered_rate(p, s, e, kept, dt):
     """``ec`` of (6) behind its low-pass: 0 in the first period, which has no earlier error."""
-    change = (e - s.e) * p.error_full_scale_mm * (p.rate_interval_s / dt)
-    ec = kept * s.ec + (1.0 - kept) * (s.started * change / p.rate_full_scale_mm)
+    ec = kept * s.ec + (1.0 - kept) * (s.started * change(p, s, e, dt) / p.rate_full_scale_mm)
     return ec if abs(ec) > TINY else 0.0
 
 

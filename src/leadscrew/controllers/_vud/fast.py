@@ -10,7 +10,7 @@ With ``x_0``, ``K``, ``I`` and the slow mode ``m`` of :mod:`leadscrew.controller
 4. ``rho = held(output_gain shape(e / alpha_e, ec / alpha_ec))``                            (21), beta a constant
 
 ``shape`` and its 36 rules are the paper's, untouched; the sign of ``ec`` is that of a change of the error, as in (6).
-What differs from :mod:`leadscrew.controllers._vud.literal`: what ``e`` and ``ec`` are made of, their scales, exponents
+What differs from :mod:`leadscrew.controllers._vud.printed`: what ``e`` and ``ec`` are made of, their scales, exponents
 and floors of their own, and a constant in place of (19).
 
 ``stop = command`` is the switching line of the time-optimal stop of an integrator behind one lag: full duty on one
@@ -30,12 +30,11 @@ import math
 from typing import Annotated, NamedTuple
 
 from leadscrew.controllers._vud.fast_observer import Chain, ChainParams, ChainState, corrected, moved, ready_chain
-from leadscrew.controllers._vud.universe import CENTRES, TABLE_2, Centres, Rules
+from leadscrew.controllers._vud.universe import CENTRES, TABLE_2, Centres, Exponent, Rules, held
 from leadscrew.fuzzy.inference import RuleBase, infer, rule_base
 from leadscrew.kernel.block import controller
-from leadscrew.kernel.parameters import Doc, Ge, Gt, Le, Unit
+from leadscrew.kernel.parameters import Doc, Gt, Le, Unit
 
-Exponent = Annotated[float, Ge(0), Le(2), Doc("exponent of this contraction factor")]
 Least = Annotated[float, Gt(0), Le(2), Doc("smallest value of this contraction factor")]
 
 
@@ -101,11 +100,6 @@ def ready(params: VudFastParams, dt: float) -> VudFast:
         ready_chain(params.chain, dt),
         rule_base(params.e_centres, params.ec_centres, params.rules),
     )
-
-
-def held(x, largest):
-    """``x`` inside ``[-largest, largest]``."""
-    return min(largest, max(-largest, x))
 
 
 class Ahead(NamedTuple):

@@ -22,14 +22,23 @@ from __future__ import annotations
 
 from typing import Annotated, NamedTuple
 
-from leadscrew.controllers._vud.family import filtered_rate, held, low_pass
-from leadscrew.controllers._vud.universe import CENTRES, TABLE_2, Centres, ErrorScale, RateInterval, RateScale, Rules
+from leadscrew.controllers._vud.family import filtered_rate, low_pass
+from leadscrew.controllers._vud.universe import (
+    CENTRES,
+    TABLE_2,
+    Centres,
+    ErrorScale,
+    Exponent,
+    Least,
+    RateInterval,
+    RateScale,
+    Rules,
+    contraction,
+    held,
+)
 from leadscrew.fuzzy.inference import RuleBase, infer, rule_base
 from leadscrew.kernel.block import controller
 from leadscrew.kernel.parameters import Doc, Ge, Gt, Le, Unit
-
-Exponent = Annotated[float, Ge(0), Le(2), Doc("exponent of this contraction factor")]
-Least = Annotated[float, Gt(0), Le(1), Doc("smallest value of this contraction factor")]
 
 
 class VudScaledParams(NamedTuple):
@@ -127,8 +136,8 @@ def vud_scaled(p, s, command, feedback, dt):
     e = error / g.error_full_scale_mm
     ec = filtered_rate(g, s, e, p.kept, dt)
     xe, xec = held(g.error_gain * e, 1.0), held(g.rate_gain * ec, 1.0)
-    alpha_e = abs(xe) ** g.e_tau + g.e_floor if s.started > 0.0 else 1.0
-    alpha_ec = abs(xec) ** g.ec_tau + g.ec_floor if s.started > 0.0 else 1.0
+    alpha_e = contraction(xe, g.e_tau, g.e_floor, s.started)
+    alpha_ec = contraction(xec, g.ec_tau, g.ec_floor, s.started)
     integral = integrated(g, s, error, dt)
     drive = g.output_gain * infer(p.rules, xe / alpha_e, xec / alpha_ec) + integral
     offset = p.offset if drive > 0.0 else -p.offset if drive < 0.0 else 0.0

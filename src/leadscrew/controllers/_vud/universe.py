@@ -14,7 +14,8 @@ magnitudes where the target is positive. In the first period there is no earlier
 
 from __future__ import annotations
 
-from typing import Annotated, NamedTuple
+from functools import cache
+from typing import Annotated, Any, NamedTuple, cast
 
 import numpy as np
 
@@ -42,18 +43,15 @@ RateInterval = Annotated[float, Unit("s"), Gt(0), Doc("interval to which the err
 Tau = Annotated[float, Ge(0), Le(2), Doc("exponent of the contraction factors, (17) to (19)")]
 Floor = Annotated[float, Gt(0), Le(1), Doc("smallest contraction factor, (17) to (19)")]
 Centres = Annotated[np.ndarray, Doc("peaks of the sets, increasing")]
+Exponent = Annotated[float, Ge(0), Le(2), Doc("exponent of this contraction factor")]
+Least = Annotated[float, Gt(0), Le(1), Doc("smallest value of this contraction factor")]
 Rules = Annotated[np.ndarray, Ge(-1), Le(1), Doc("duty of each rule, rows by e and columns by ec; Table 2 as printed")]
 
 
-class VudInputs(NamedTuple):
-    """The shared parameters, made ready for the step."""
-
-    error_scale: float
-    rate_scale: float
-    rate_interval: float
-    tau: float
-    floor: float
-    rules: RuleBase
+@cache
+def ruled(settings: Any) -> Any:
+    """The type of the parameters as a step reads them: one for each block, so that no loop is compiled twice."""
+    return NamedTuple("Ruled", [("settings", settings), ("rules", RuleBase)])
 
 
 class VudState(NamedTuple):
@@ -78,21 +76,19 @@ class VudView(NamedTuple):
     shape: float
 
 
-def ready_inputs(params) -> VudInputs:
-    """The shared parameters of a VUD controller, its rules checked.
+def ready(params, dt: float) -> Any:
+    """The parameters as a step reads them, the rules checked.
 
     Raises:
         ValueRefused: centres that do not increase.
     """
-    rules = rule_base(params.e_centres, params.ec_centres, params.rules)
-    return VudInputs(
-        params.error_full_scale_mm,
-        params.rate_full_scale_mm,
-        params.rate_interval_s,
-        params.tau,
-        params.floor,
-        rules,
-    )
+    plan_type = ruled(cast(Any, type(params)))
+    return plan_type(params, rule_base(params.e_centres, params.ec_centres, params.rules))
+
+
+def held(x, largest):
+    """``x`` inside ``[-largest, largest]``."""
+    return min(largest, max(-largest, x))
 
 
 def contraction(x, tau, floor, started):
@@ -100,12 +96,17 @@ def contraction(x, tau, floor, started):
     return abs(x) ** tau + floor if started > 0.0 else 1.0
 
 
+def change(g, s, e, dt):
+    """Change of the error per interval, mm."""
+    return (e - s.e) * g.error_full_scale_mm * (g.rate_interval_s / dt)
+
+
 def view(p, s, command, feedback, dt):
     """Steps 1 to 4 of the module's table."""
-    e = (command - feedback) / p.error_scale
-    change = (e - s.e) * p.error_scale * (p.rate_interval / dt)
-    ec = s.started * change / p.rate_scale
-    alpha_e = contraction(e, p.tau, p.floor, s.started)
-    alpha_ec = contraction(ec, p.tau, p.floor, s.started)
+    g = p.settings
+    e = (command - feedback) / g.error_full_scale_mm
+    ec = s.started * change(g, s, e, dt) / g.rate_full_scale_mm
+    alpha_e = contraction(e, g.tau, g.floor, s.started)
+    alpha_ec = contraction(ec, g.tau, g.floor, s.started)
     shape = infer(p.rules, e / alpha_e, ec / alpha_ec)
     return VudView(e, ec, alpha_e, alpha_ec, shape)

@@ -5,16 +5,13 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from leadscrew.controllers._sofnn.all_weights import AllWeightsParams
-from leadscrew.controllers._sofnn.fixed import FnnParams
 from leadscrew.controllers._sofnn.levels import MOST_LEVEL, Scales, scales
-from leadscrew.controllers._sofnn.network import SofnnParams
-from leadscrew.controllers._sofnn.standard import SofcParams
-from leadscrew.controllers._tangent.believed import RING
-from leadscrew.controllers._tangent.curvature_network import TWICE, CurvatureNetworkParams
+from leadscrew.controllers._sofnn.network import AllWeightsParams, FnnParams, SofcParams, SofnnParams
+from leadscrew.controllers._tangent.believed import RING, TWICE
+from leadscrew.controllers._tangent.curvature_network import CurvatureNetworkParams
 from leadscrew.kernel.block import Block
 from leadscrew.neural.groups import said_by
-from leadscrew.neural.inference_net import AXIS, CENTRES, LABELS, RULES, Fired, fired
+from leadscrew.neural.inference_net import AXIS, CENTRES, LABELS, RULES, Fired, fired, strengths
 from leadscrew.operate.explain.shown import (
     Acting,
     Now,
@@ -34,10 +31,8 @@ SHOWN = 7.5
 
 def four(at: Fired) -> list[tuple[int, float]]:
     """The rules that fire, as place ``7 j + i`` and firing strength."""
-    k, mu, nu = 7 * int(at.j) + int(at.i), float(at.mu), float(at.nu)
-    return [
-        (k, (1.0 - nu) * (1.0 - mu)), (k + 1, (1.0 - nu) * mu), (k + 7, nu * (1.0 - mu)), (k + 8, nu * mu)
-    ]  # fmt: skip
+    k = 7 * int(at.j) + int(at.i)
+    return list(zip((k, k + 1, k + 7, k + 8), map(float, strengths(at)), strict=True))
 
 
 def levels_of(name: str, unit: str, value: float, level: float, centres: list[float], k: int, mu: float) -> Quantity:

@@ -6,13 +6,11 @@ import math
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
-from leadscrew.controllers._vud.error_factor import VudBetaEParams
-from leadscrew.controllers._vud.family import VudFamilyParams, held
+from leadscrew.controllers._vud.family import VudFamilyParams
 from leadscrew.controllers._vud.fast import VudFastParams
-from leadscrew.controllers._vud.incremental import VudIncrementalParams
-from leadscrew.controllers._vud.integral_factor import VudIntegralFactorParams
-from leadscrew.controllers._vud.literal import VudParams
+from leadscrew.controllers._vud.printed import VudBetaEParams, VudIncrementalParams, VudIntegralFactorParams, VudParams
 from leadscrew.controllers._vud.scaled import VudScaledParams
+from leadscrew.controllers._vud.universe import held
 from leadscrew.fuzzy.inference import RuleBase, rule_base
 from leadscrew.kernel.block import Block
 from leadscrew.neural.inference_net import fired

@@ -136,8 +136,7 @@ def operated(loop: Loop) -> Loop:
 
     The adaptive integrator of such a loop chooses its steps by what the blocks give, and noise it cannot have.
     """
-    from leadscrew.sensors._noisy_ruler import noisy_ruler
-    from leadscrew.sensors._ruler import ruler
+    from leadscrew.sensors._counts import noisy_ruler, ruler
 
     if loop.continuous:
         return loop

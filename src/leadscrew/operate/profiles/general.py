@@ -85,7 +85,7 @@ def operated(loop: Loop) -> Loop:
 
     A loop in continuous time stays as it is.
     """
-    from leadscrew.sensors._noisy import noisy
+    from leadscrew.sensors._counts import noisy
 
     if loop.continuous:
         return loop

@@ -155,7 +155,7 @@ def operated(loop: Loop) -> Loop:
     """A pulse and a common factor in the load's place, and noise where the position is read without a sensor."""
     from leadscrew.disturbances._five_sines import five_sines
     from leadscrew.disturbances._five_sines_pulse import five_sines_pulse
-    from leadscrew.sensors._noisy import noisy_position
+    from leadscrew.sensors._counts import noisy_position
 
     blocks: dict[str, Block] = {}
     found = loop.blocks["disturbance"]

@@ -119,9 +119,7 @@ DISTURBANCES = (
 def operated(loop: Loop) -> Loop:
     """A pulse of duty where nothing loads the axis, noise before the counter, stiction where nothing limits it."""
     from leadscrew.actuators._stiction import stiction
-    from leadscrew.sensors._encoder_count import encoder_count
-    from leadscrew.sensors._grating_count import grating_count
-    from leadscrew.sensors._noisy_count import noisy_encoder, noisy_grating
+    from leadscrew.sensors._counts import encoder_count, grating_count, noisy_encoder, noisy_grating
 
     blocks: dict[str, Block] = {}
     found = loop.blocks["sensor"]

@@ -23,9 +23,8 @@ from leadscrew.sensors.grating._quadrature import (
     Offset,
     Phase,
     Pitch,
-    SignalErrors,
     SignalPlan,
-    plan_signals,
+    plan_of,
     signals,
 )
 
@@ -70,12 +69,7 @@ def plan_counter(params: GratingCounterParams, dt: float) -> CounterPlan:
     Raises:
         ValueRefused: the signals do not surely go round zero.
     """
-    errors = SignalErrors(params.offset_u, params.offset_v, params.gain, params.phase, params.harmonic)
-    correction = SignalErrors(
-        params.correct_offset_u, params.correct_offset_v, params.correct_gain, params.correct_phase
-    )
-    plan = plan_signals(errors, correction, "grating_counter")
-    return CounterPlan(params.pitch_mm, params.pitch_mm / 16.0, params.noise, plan)
+    return CounterPlan(params.pitch_mm, params.pitch_mm / 16.0, params.noise, plan_of(params, "grating_counter"))
 
 
 def sector_of(u, v):

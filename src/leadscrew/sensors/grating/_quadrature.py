@@ -97,6 +97,19 @@ def plan_signals(errors: SignalErrors, correction: SignalErrors, where: str) -> 
     )  # fmt: skip
 
 
+def plan_of(params, where: str) -> SignalPlan:
+    """What the step needs of a block's parameters.
+
+    Raises:
+        ValueRefused: as :func:`plan_signals`.
+    """
+    errors = SignalErrors(params.offset_u, params.offset_v, params.gain, params.phase, params.harmonic)
+    correction = SignalErrors(
+        params.correct_offset_u, params.correct_offset_v, params.correct_gain, params.correct_phase
+    )
+    return plan_signals(errors, correction, where)
+
+
 def _smaller_axis(a: float, b: float, c: float, d: float) -> float:
     """The smaller singular value of [[a, b], [c, d]]."""
     total, product = a * a + b * b + c * c + d * d, abs(a * d - b * c)

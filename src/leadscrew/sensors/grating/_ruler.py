@@ -27,9 +27,8 @@ from leadscrew.sensors.grating._quadrature import (
     Offset,
     Phase,
     Pitch,
-    SignalErrors,
     SignalPlan,
-    plan_signals,
+    plan_of,
     signals,
 )
 
@@ -82,14 +81,10 @@ def plan_ruler(params: GratingRulerParams, dt: float) -> RulerPlan:
     Raises:
         ValueRefused: the signals do not surely go round zero.
     """
-    errors = SignalErrors(params.offset_u, params.offset_v, params.gain, params.phase, params.harmonic)
-    correction = SignalErrors(
-        params.correct_offset_u, params.correct_offset_v, params.correct_gain, params.correct_phase
-    )
     resolution = params.pitch_mm / params.subdivision
     return RulerPlan(
         params.pitch_mm, resolution, 1.0 + params.scale_error, params.subdivision / TWO_PI,
-        plan_signals(errors, correction, "grating_ruler"), params.interpolation_1_mm / resolution,
+        plan_of(params, "grating_ruler"), params.interpolation_1_mm / resolution,
         params.interpolation_2_mm / resolution, math.sin(params.interpolation_phase),
         math.cos(params.interpolation_phase), params.noise_mm / resolution,
     )  # fmt: skip

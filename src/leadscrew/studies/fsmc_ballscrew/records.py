@@ -17,7 +17,7 @@ from leadscrew.kernel.parameters import Unit
 from leadscrew.plants._ballscrew_stage import TRAVEL_MM_PER_RAD
 from leadscrew.references._friction_test import friction_test, friction_test_duration
 from leadscrew.references._motion import Motion
-from leadscrew.sensors._ruler import ruler
+from leadscrew.sensors._counts import ruler
 from leadscrew.studies.fsmc_ballscrew.controllers import BARE_PD, CONTROLLERS
 from leadscrew.studies.fsmc_ballscrew.scenarios import ENCODER_NM, MACHINES, PERIOD_S
 

@@ -27,7 +27,7 @@ from leadscrew.references._friction_test import ROWS, friction_test
 from leadscrew.references._quintic import quintic
 from leadscrew.references._ramp import ramp_motion
 from leadscrew.references._sine import sine_motion
-from leadscrew.sensors._ruler import ruler
+from leadscrew.sensors._counts import ruler
 from leadscrew.study_data import Scenario
 from leadscrew.util.errors import ValueRefused
 

@@ -26,7 +26,7 @@ from leadscrew.plants._xy_table_lugre import xy_table_lugre
 from leadscrew.references._eased_sine import eased_sine, eased_sine_motion
 from leadscrew.references._quintic import quintic
 from leadscrew.references._step import step
-from leadscrew.sensors._noisy_ruler import noisy_ruler
+from leadscrew.sensors._counts import noisy_ruler
 from leadscrew.studies.npid_xytable.calibration import DEAD_TIME_S, PERIOD_S, volts
 from leadscrew.studies.npid_xytable.table2 import BASE_HZ, LINES_HZ, PID_UM, SPEEDS
 from leadscrew.study_data import Scenario

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from leadscrew.controllers._sofnn.all_weights import sofnn_all_weights
+from leadscrew.controllers._sofnn.network import sofnn_all_weights
 from leadscrew.studies.lab import measure
 from leadscrew.studies.sofnn_tangent.cuts import along_the_line, in_material, rms, rules
 from leadscrew.studies.sofnn_tangent.scenarios import LINES, MATERIAL_NAMES, samples_of

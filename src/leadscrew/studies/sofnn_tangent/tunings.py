@@ -13,10 +13,8 @@ from typing import Any
 
 import numpy as np
 
-from leadscrew.controllers._sofnn.fixed import fnn
-from leadscrew.controllers._sofnn.network import sofnn
+from leadscrew.controllers._sofnn.network import fnn, sofc, sofnn
 from leadscrew.controllers._sofnn.rules import with_network, with_rules
-from leadscrew.controllers._sofnn.standard import sofc
 from leadscrew.controllers._tangent.curvature_feed_forward import curvature_feed_forward
 from leadscrew.controllers._tangent.curvature_network import apart_covariance, curvature_network
 from leadscrew.controllers._tangent.tangent_dob import tangent_dob

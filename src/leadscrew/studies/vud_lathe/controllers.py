@@ -15,8 +15,7 @@ from pathlib import Path
 from leadscrew.controllers._vud import duty_pd, duty_pd_observed, duty_pid, power_law, vud, vud_beta_e
 from leadscrew.controllers._vud.family import BETA_E, vud_family
 from leadscrew.controllers._vud.fast import vud_fast
-from leadscrew.controllers._vud.incremental import vud_incremental
-from leadscrew.controllers._vud.integral_factor import vud_integral_factor
+from leadscrew.controllers._vud.printed import vud_incremental, vud_integral_factor
 from leadscrew.controllers._vud.scaled import ROBUST, vud_scaled
 from leadscrew.kernel.block import Block
 from leadscrew.studies.tuned import tuned

@@ -23,9 +23,7 @@ from leadscrew.references._s_curve import SCurveParams, plan_s_curve, s_curve
 from leadscrew.references._stairs import stairs
 from leadscrew.references._step import step
 from leadscrew.references._trapezoid import TrapezoidParams, plan_trapezoid, trapezoid
-from leadscrew.sensors._encoder_count import encoder_count
-from leadscrew.sensors._grating_count import grating_count
-from leadscrew.sensors._screw_encoder import screw_encoder
+from leadscrew.sensors._counts import encoder_count, grating_count, screw_encoder
 from leadscrew.sensors.grating._ruler import grating_ruler
 from leadscrew.study_data import Scenario
 
