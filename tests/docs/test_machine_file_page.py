@@ -2,14 +2,16 @@
 
 import re
 import shlex
+from typing import get_args
 
 import pytest
 from typer.testing import CliRunner
 
 from leadscrew import resolve
 from leadscrew.cli import app
-from leadscrew.machine.file import MODELS, read
+from leadscrew.machine.file import read
 from leadscrew.machine.gains import PER_SI
+from leadscrew.machine.table import Model
 from tests.docs.snippets import ROOT, blocks
 
 PAGE = ROOT / "docs" / "machine_file.md"
@@ -26,7 +28,7 @@ def folder(tmp_path_factory):
 
 def test_the_page_names_every_model_unit_controller_and_scenario(folder):
     rows = dict(re.findall(r"^\| ([^|]+) \| ([^|]+) \|$", TEXT, re.MULTILINE))
-    assert re.findall(r"`(servo_\w+|linear)`", rows["`model`"]) == list(MODELS)
+    assert re.findall(r"`(servo_\w+|linear)`", rows["`model`"]) == list(get_args(Model))
     units = rows["`position_unit`"].split(":")[1].replace(" or ", ", ")
     assert {u.strip() for u in units.split(",")} == set(PER_SI)
     study = resolve.study(str(folder / "table.toml"))

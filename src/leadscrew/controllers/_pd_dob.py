@@ -23,7 +23,7 @@ robot collision detection and hybrid force/motion control*, ICRA 2005. The sched
 While the stage slides, the raised gains are too much for 4 kHz: at a constant feed between 0.01 and 0.2 rad/s the
 torque chatters by 2 N m peak to peak (``slow_speed`` moves the upper limit), errors stay below 0.1 um.
 
-Inside ``e = y - y_r``; a positive torque moves the stage in the positive direction. Settings: :data:`TUNINGS`.
+Inside ``e = y - y_r``; a positive torque moves the stage in the positive direction.
 
 Bumpless start: bristles hold what static friction can, the observer the rest; exactly from rest, in motion but for what
 the friction changes in a period. Without an observer as far as static friction holds.

@@ -23,7 +23,7 @@ Nothing is learned in slow motion (``m > 0.5``: Stribeck's fall would be taken f
 Start-up: what Table 2 believes (bristles twice as stiff) errs at the first reversals; see
 ``docs/friction_compensation.md`` for how much and how long. The law and all gains are ours.
 
-Inside ``e = y - y_r``; a positive torque moves the stage in the positive direction. Settings: :data:`TUNINGS`.
+Inside ``e = y - y_r``; a positive torque moves the stage in the positive direction.
 
 Bumpless start: bristles hold what Coulomb friction can, the observer the rest.
 """

@@ -149,12 +149,12 @@ def _reading(controller: Block, of_command: bool, of_feedback: bool) -> Block:
     def bare_untimed(command, feedback):
         return law(r(command), y(feedback))
 
-    step = {
+    step: Any = {
         (True, True): (with_both_untimed, with_both), (True, False): (with_parameters_untimed, with_parameters),
         (False, True): (with_state_untimed, with_state), (False, False): (bare_untimed, bare),
     }[controller.params is not None, controller.state is not None][timed]  # fmt: skip
     step.takes_motion = of_command
-    align = controller.align
+    align: Any = controller.align
 
     def aligned(params, command, feedback, output):
         return align(params, r(command), y(feedback), output)

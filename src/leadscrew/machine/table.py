@@ -21,6 +21,9 @@ def _flat(table: Any) -> Any:
     return dict(toml_file.flat(table)) if isinstance(table, dict) else table
 
 
+Model = Literal["servo_axis", "servo_axis_lugre", "linear"]
+
+
 class LimitsTable(Table):
     """What the axis bears."""
 
@@ -56,7 +59,7 @@ class MachineTable(Table):
     schema_version: Literal[1]
     kind: Literal["machine"]
     name: Line
-    model: Literal["servo_axis", "servo_axis_lugre", "linear"]
+    model: Model
     position_unit: Line
     drive_unit: Line
     period: Annotated[float, Field(ge=1e-6, le=1)]

@@ -7,6 +7,7 @@ from typing import Any, NamedTuple
 
 from leadscrew.controllers._force.with_output import WITH_OUTPUT
 from leadscrew.kernel.block import Block, make
+from leadscrew.kernel.by_position import whole
 from leadscrew.util.errors import BlockError
 
 

@@ -18,7 +18,7 @@ the text says that the fuzzy law is built on it; one is the other with s_c turne
 integral as well; with ``S_c = S`` the corrected K is 0 where s and s_c are large and opposite, which is where a large
 integral takes them, and the stage stays away by tens of um. ``without_dead_corner`` (ours) follows s there.
 
-The defaults are for periods below 5 us, as the paper's gains are; :data:`TUNINGS` has others for 4 kHz. ``max_torque``
+The defaults are for periods below 5 us, as the paper's gains are; others for 4 kHz are the study's. ``max_torque``
 must leave room for ``F_S``: K is bounded, so is what it can hold. The readings of f_hat and the sampled form:
 :mod:`leadscrew.controllers._sliding.stage`.
 
