@@ -7,12 +7,12 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
-from leadscrew.analysis.stability.circle import circle
-from leadscrew.analysis.stability.driven import driven
+from leadscrew.analysis.stability.criteria import ask
 from leadscrew.analysis.stability.exact import positive_definite, proved, rational
 from leadscrew.analysis.stability.linear import LinearLoop
 from leadscrew.analysis.stability.lmi import (
     ROUNDING,
+    driven,
     inequality,
     jury_lee_inequality,
     largest_proved,
@@ -26,7 +26,6 @@ from leadscrew.analysis.stability.lmi import (
 )
 from leadscrew.analysis.stability.loop import continuous_loop, reference_loops
 from leadscrew.analysis.stability.lure import lure
-from leadscrew.analysis.stability.tsypkin import tsypkin
 from leadscrew.controllers._npid import npid
 from leadscrew.controllers._npid_slope import npid_slope
 from leadscrew.util.errors import ValueRefused
@@ -103,7 +102,7 @@ def test_the_continuous_limits_are_the_ones_worked_by_hand():
 def test_the_main_loop_is_proved_for_the_sector_of_the_digest(star):
     found = largest_proved(star, 1.0)
     assert found.grade == "certificate" and found.limit == pytest.approx(2.265, rel=5e-3)
-    assert found.limit == pytest.approx(circle(star, 1.0).limit, rel=2e-5)
+    assert found.limit == pytest.approx(ask("circle", star, 1.0).limit, rel=2e-5)
     assert largest_proved(star, 1e-5).limit == pytest.approx(0.697, rel=5e-3)
     assert "double precision" in found.statement and "rounding" in found.statement
 
@@ -163,7 +162,7 @@ def test_a_matrix_that_proves_nothing_is_not_taken(star):
 @pytest.mark.parametrize(("name", "k1"), [("L_star", 1.0), ("L0", 1.0), ("L_star", 1e-3)])
 def test_tsypkin_proves_what_its_frequency_condition_promises_and_more_than_the_circle(name, k1):
     loop = reference_loops()[name]
-    found, checked = largest_proved(loop, k1, "tsypkin"), tsypkin(loop, k1)
+    found, checked = largest_proved(loop, k1, "tsypkin"), ask("tsypkin", loop, k1)
     assert found.grade == "certificate"
     assert found.limit == pytest.approx(checked.limit, rel=5e-4)
     assert found.limit > 1.01 * largest_proved(loop, k1).limit

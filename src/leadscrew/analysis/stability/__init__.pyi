@@ -1,13 +1,12 @@
 from .certificate import Certificate as Certificate
-from .circle import circle as circle
-from .cycles import CyclePrediction as CyclePrediction
-from .cycles import LimitCycle as LimitCycle
-from .driven import driven as driven
+from .criteria import CRITERIA as CRITERIA
+from .criteria import ask as ask
+from .harmonic_balance import CyclePrediction as CyclePrediction
+from .harmonic_balance import LimitCycle as LimitCycle
 from .harmonic_balance import describing_function as describing_function
-from .harmonic_balance import harmonic_balance as harmonic_balance
 from .harmonic_balance import limit_cycles as limit_cycles
-from .jury_lee import jury_lee as jury_lee
 from .linear import LinearLoop as LinearLoop
+from .lmi import driven as driven
 from .lmi import largest_proved as largest_proved
 from .lmi import lmi_circle as lmi_circle
 from .lmi import lmi_popov as lmi_popov
@@ -20,7 +19,4 @@ from .lure import Lure as Lure
 from .lure import lure as lure
 from .margins import Margins as Margins
 from .margins import margins as margins
-from .popov import popov as popov
 from .switching import worst_switching as worst_switching
-from .tsypkin import tsypkin as tsypkin
-from .zames_falb import zames_falb as zames_falb

@@ -3,9 +3,10 @@
 1. The controller is taken apart (:mod:`leadscrew.analysis.stability.lure`); the linear loop is taken from the steps
    that run and are exported (:mod:`leadscrew.analysis.stability.loop`), with its delays as states.
 2. Margins of the linear loop.
-3. Level 1, *autonomous*: left alone the loop returns to rest. Circle, Tsypkin, Jury-Lee, Zames-Falb on the sampled
-   loop, Popov on its continuous model (which proves nothing of the sampled one and never counts), and the first of
-   circle, Tsypkin or Jury-Lee, and Zames-Falb that holds as a matrix inequality.
+3. Level 1, *autonomous*: left alone the loop returns to rest. Every sampled criterion of
+   :data:`~leadscrew.analysis.stability.criteria.CRITERIA` whose needs the map meets, and the first of circle, Tsypkin
+   or Jury-Lee, and Zames-Falb that holds as a matrix inequality. Popov on the continuous model, where it is wanted: it
+   proves nothing of the sampled loop and never counts.
 4. Level 2, *driven*: under load and on the move too. The circle criterion on the sector of the slope.
 5. What chatters, by the describing function, where the slope exceeds the Nyquist limit.
 
@@ -24,13 +25,16 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 
 from leadscrew.analysis.stability.certificate import Certificate, interval, loop_line, number, of_loop
+from leadscrew.analysis.stability.criteria import CRITERIA, ask
+from leadscrew.analysis.stability.harmonic_balance import CyclePrediction, limit_cycles
 from leadscrew.analysis.stability.linear import LinearLoop
+from leadscrew.analysis.stability.lmi import driven, lmi_circle, lmi_tsypkin, lmi_zames_falb
+from leadscrew.analysis.stability.loop import sampled_loop
 from leadscrew.analysis.stability.lure import Lure, lure
+from leadscrew.analysis.stability.margins import Margins, margins
 from leadscrew.util.errors import ValueRefused
 
 if TYPE_CHECKING:
-    from leadscrew.analysis.stability.cycles import CyclePrediction
-    from leadscrew.analysis.stability.margins import Margins
     from leadscrew.kernel.loop import Loop
 
 
@@ -290,7 +294,7 @@ def certify(
     points: int | None = None,
     seconds: float | None = None,
     name: str = "",
-    model: bool = True,
+    model: bool = False,
 ) -> Certification:
     """Everything that the criteria say of a sampled loop.
 
@@ -303,14 +307,11 @@ def certify(
             1e-4 rad/s to half the sampling rate; the loop's own grid unless given.
         seconds: simulate the loop this long, to see whether the nonlinearity does anything at its errors.
         name: what the loop is called in the sentences.
-        model: also ask Popov, of the continuous model; it takes longest and proves nothing of the sampled loop.
+        model: also ask Popov, of the loop's continuous model: for comparison, it proves nothing of the sampled loop.
 
     Raises:
         ValueRefused: an option out of range, or a loop without a period or that cannot be taken apart; it says why.
     """
-    from leadscrew.analysis.stability.loop import sampled_loop
-    from leadscrew.analysis.stability.margins import margins
-
     if level not in LEVELS:
         raise ValueRefused(f"level = {level!r}: there are {', '.join(LEVELS)}")
     if not (math.isfinite(factor) and factor >= 1.0):
@@ -336,8 +337,6 @@ def certify(
             )
         asked = _popov(linear, taken) if model else None
     if taken.slope_sector is not None:
-        from leadscrew.analysis.stability.driven import driven
-
         pushed = driven(linear, taken.slope_sector)
     if stable and taken.nonlinear and not taken.dependent and taken.map.shared is None:
         cycle = _worst_cycle(linear, taken)
@@ -383,8 +382,6 @@ def around(loop: Loop, taken: Lure, name: str) -> LinearLoop:
     Raises:
         ValueRefused: the states of the two differ, so the map is no linear path beside another.
     """
-    from leadscrew.analysis.stability.loop import sampled_loop
-
     assert taken.map.shared is not None
     low, high = (sampled_loop(with_controller(loop, taken.map.shared(s)), name) for s in (0.25, 0.75))
     if low.a.shape != high.a.shape or not (np.array_equal(low.a, high.a) and np.array_equal(low.c, high.c)):
@@ -397,26 +394,20 @@ def around(loop: Loop, taken: Lure, name: str) -> LinearLoop:
 
 
 def _autonomous(linear: LinearLoop, taken: Lure, grid: Any) -> tuple[Certificate, ...]:
-    from leadscrew.analysis.stability.circle import circle
-    from leadscrew.analysis.stability.jury_lee import jury_lee
-    from leadscrew.analysis.stability.lmi import lmi_circle, lmi_tsypkin, lmi_zames_falb
-    from leadscrew.analysis.stability.tsypkin import tsypkin
-    from leadscrew.analysis.stability.zames_falb import zames_falb
-
     k1, k2 = taken.sector
-    found = [circle(linear, nonlinearity=taken, grid=grid)]
-    if taken.dependent:
-        return (*found, lmi_circle(linear, k1, k2))
-    found += [tsypkin(linear, nonlinearity=taken, grid=grid), jury_lee(linear, nonlinearity=taken, grid=grid)]
-    if taken.odd:
-        found.append(zames_falb(linear, nonlinearity=taken, grid=grid))
+    checked = [
+        ask(name, linear, nonlinearity=taken, grid=grid)
+        for name, criterion in CRITERIA.items()
+        if criterion.loops != "continuous" and criterion.lacks(taken, k1) is None
+    ]
     first = lmi_circle(linear, k1, k2)
-    if first.grade == "certificate":
-        return (*found, first)
-    found.append(lmi_tsypkin(linear, k1, k2, slopes=taken.slope_sector))
-    if found[-1].grade == "certificate" or not taken.odd or taken.slope_sector is None or taken.slope_sector[0] < k1:
-        return tuple(found)
-    return (*found, lmi_zames_falb(linear, k1, k2, taken.slope_sector[1]))
+    if taken.dependent or first.grade == "certificate":
+        return (*checked, first)
+    second = lmi_tsypkin(linear, k1, k2, slopes=taken.slope_sector)
+    if second.grade == "certificate" or "Zames-Falb" not in [c.criterion for c in checked]:
+        return (*checked, second)
+    assert taken.slope_sector is not None
+    return (*checked, second, lmi_zames_falb(linear, k1, k2, taken.slope_sector[1]))
 
 
 def _gaps(linear: LinearLoop, grid: np.ndarray) -> str | None:
@@ -436,20 +427,16 @@ def _gaps(linear: LinearLoop, grid: np.ndarray) -> str | None:
 
 def _popov(linear: LinearLoop, taken: Lure) -> Certificate | None:
     """Popov on the continuous model of the loop; None where there is none."""
-    if taken.dependent:
+    if CRITERIA["popov"].lacks(taken, taken.sector[0]) is not None:
         return None
-    from leadscrew.analysis.stability.popov import popov
-
     try:
-        return popov(linear, nonlinearity=taken)
+        return ask("popov", linear, nonlinearity=taken)
     except ValueRefused:
         return None
 
 
 def _worst_cycle(linear: LinearLoop, taken: Lure) -> CyclePrediction | None:
     """The largest stable limit cycle over loads that hold the error where the slope exceeds the Nyquist limit."""
-    from leadscrew.analysis.stability.harmonic_balance import limit_cycles
-
     limit = linear.gain_limit(taken.sector[0] if taken.sector[0] > 0.0 else 1.0)
     slopes = taken.slope_sector
     if slopes is None or not math.isfinite(limit) or slopes[1] < limit or not math.isfinite(taken.scale_mm):
