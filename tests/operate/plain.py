@@ -6,10 +6,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from leadscrew.controllers._parts import follow
 from leadscrew.controllers._wrapping import copied, prepared
+from leadscrew.fuzzy.views import Now
 from leadscrew.kernel.block import Block
-from leadscrew.operate.explain.parts import follow
-from leadscrew.operate.explain.shown import Now
 from leadscrew.operate.why import explained
 
 

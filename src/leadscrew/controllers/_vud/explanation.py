@@ -6,6 +6,7 @@ import math
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
+from leadscrew.controllers._parts import Part
 from leadscrew.controllers._vud.error_factor import VudBetaEParams
 from leadscrew.controllers._vud.family import VudFamilyParams, held
 from leadscrew.controllers._vud.fast import VudFastParams
@@ -14,9 +15,7 @@ from leadscrew.controllers._vud.integral_factor import VudIntegralFactorParams
 from leadscrew.controllers._vud.literal import VudParams
 from leadscrew.controllers._vud.scaled import VudScaledParams
 from leadscrew.fuzzy.inference import RuleBase, rule_base
-from leadscrew.kernel.block import Block
-from leadscrew.neural.inference_net import fired
-from leadscrew.operate.explain.shown import (
+from leadscrew.fuzzy.views import (
     Acting,
     Now,
     Quantity,
@@ -27,6 +26,7 @@ from leadscrew.operate.explain.shown import (
     triangles,
     two_degrees,
 )
+from leadscrew.neural.inference_net import fired
 
 
 class Scales(NamedTuple):
@@ -85,7 +85,7 @@ class Contracting:
 
     views = ("rules", "sets")
 
-    def __init__(self, block: Block) -> None:
+    def __init__(self, part: Part) -> None:
         self.params: Any = None
         self.scales: Scales
         self.rules: RuleBase
@@ -159,6 +159,5 @@ class Contracting:
         )  # fmt: skip
 
 
-def explained(block: Block) -> Contracting | None:
-    """The explanation of a controller with a variable universe; None of any other."""
-    return Contracting(block) if type(block.params) in SCALES else None
+EXPLANATIONS = dict.fromkeys(SCALES, Contracting)
+"""By the type of the parameters."""
