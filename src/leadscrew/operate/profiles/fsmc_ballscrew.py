@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
@@ -32,19 +31,18 @@ PLOTS = (
         "Position",
         "mm",
         (
-            Trace("command.position", "command", "command", unit="mm"),
-            Trace("actual", "table", "actual", unit="mm"),
-            Trace("actual.position", "table", "actual", unit="mm"),
-            Trace("feedback", "reading", "feedback", unit="mm"),
-            Trace("feedback.position", "reading", "feedback", unit="mm"),
+            Trace("command", "command", "command"),
+            Trace("actual", "table", "actual"),
+            Trace("actual.position", "table", "actual"),
+            Trace("feedback", "reading", "feedback"),
         ),
     ),
     Plot(
         "Error",
         "um",
         (
-            Trace("true_error", "error of the table", "error", 1000.0, "um"),
-            Trace("error", "error as measured", "other", 1000.0, "um"),
+            Trace("true_error", "error of the table", "error"),
+            Trace("error", "error as measured", "other"),
         ),
         (Band(-1.0, 1.0, "1 um", doc="1 um: what our steps are judged by; no tolerance in the paper"),),
     ),
@@ -52,26 +50,25 @@ PLOTS = (
         "Torque",
         "N m",
         (
-            Trace("output", "motor torque", "output", unit="N m"),
-            Trace("disturbance", "load torque", "disturbance", unit="N m"),
+            Trace("output", "motor torque", "output"),
+            Trace("disturbance", "load torque", "disturbance"),
         ),
     ),
-    Plot("Speed of the screw", "rad/s", (Trace("plant.speed", "speed", "other", unit="rad/s"),)),
+    Plot("Speed of the screw", "rad/s", (Trace("plant.speed", "speed", "other"),)),
     Plot(
         "Friction: bend of the bristles",
         "urad",
-        (Trace("plant.bristle", "bristles", "other", 1e6, "urad"),),
+        (Trace("plant.bristle", "bristles", "other"),),
     ),
 )
 
 READOUTS = (
-    Readout("command", "command.position", "mm", decimals=3),
     Readout("command", "command", "mm", decimals=3),
     Readout("table", "actual", "mm", decimals=4),
     Readout("table", "actual.position", "mm", decimals=4),
-    Readout("following error", "true_error", "um", 1000.0, 2, shows="peak"),
+    Readout("following error", "true_error", "um", decimals=2, shows="peak"),
     Readout("torque", "output", "N m", decimals=3),
-    Readout("screw speed", "plant.speed", "1/min", 60.0 / (2.0 * math.pi), 0),
+    Readout("screw speed", "plant.speed", "1/min", decimals=0),
 )
 
 

@@ -172,9 +172,9 @@ def plots(loop: Loop) -> tuple[Plot, ...]:
 def _plot(loop: Loop, title: str, roots: dict[str, Role], fine: bool = False) -> Plot:
     units = {root: _units(loop, root) for root in roots}
     shown = next((unit for found in units.values() for unit in found.values()), "")
-    factor, unit = FINE.get(shown, (1.0, shown)) if fine else (1.0, shown)
+    unit = FINE[shown][1] if fine and shown in FINE else shown
     traces = [
-        Trace(column, _label(column), role, factor, unit)
+        Trace(column, _label(column), role)
         for root, role in roots.items()
         for column in [c for c, own in units[root].items() if own == shown][:WIDEST]
     ]

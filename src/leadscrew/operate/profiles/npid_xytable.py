@@ -36,18 +36,17 @@ PLOTS = (
         "Position",
         "mm",
         (
-            Trace("command", "command", "command", unit="mm"),
-            Trace("command.position", "command", "command", unit="mm"),
-            Trace("actual", "table", "actual", unit="mm"),
-            Trace("feedback", "reading", "feedback", unit="mm"),
+            Trace("command", "command", "command"),
+            Trace("actual", "table", "actual"),
+            Trace("feedback", "reading", "feedback"),
         ),
     ),
     Plot(
         "Error",
         "um",
         (
-            Trace("true_error", "error of the table", "error", 1000.0, "um"),
-            Trace("error", "error as measured", "other", 1000.0, "um"),
+            Trace("true_error", "error of the table", "error"),
+            Trace("error", "error as measured", "other"),
         ),
         (
             Band(
@@ -59,22 +58,21 @@ PLOTS = (
             ),
         ),
     ),
-    Plot("Drive voltage", "V", (Trace("output", "voltage", "output", unit="V"),)),
+    Plot("Drive voltage", "V", (Trace("output", "voltage", "output"),)),
     Plot(
         "Cutting force, as a voltage at the input",
         "mV",
-        (Trace("disturbance", "lines of Table II and pulses", "disturbance", 1000.0, "mV"),),
+        (Trace("disturbance", "lines of Table II and pulses", "disturbance", 1000.0),),
     ),
-    Plot("Speed of the table", "mm/s", (Trace("plant.velocity", "speed", "other", unit="mm/s"),)),
+    Plot("Speed of the table", "mm/s", (Trace("plant.velocity", "speed", "other"),)),
 )
 
 READOUTS = (
     Readout("command", "command", "mm", decimals=3),
-    Readout("command", "command.position", "mm", decimals=3),
     Readout("table", "actual", "mm", decimals=4),
-    Readout("following error", "true_error", "um", 1000.0, 2, shows="peak"),
+    Readout("following error", "true_error", "um", decimals=2, shows="peak"),
     Readout("voltage", "output", "V", decimals=3),
-    Readout("spindle", "plant.spindle_hz", "1/min", 60.0, 0),
+    Readout("spindle", "plant.spindle_hz", "1/min", decimals=0),
     Readout("speed", "plant.velocity", "mm/s", decimals=2),
 )
 

@@ -33,17 +33,17 @@ PLOTS = (
         "Position",
         "mm",
         (
-            Trace("command", "command", "command", unit="mm"),
-            Trace("actual.position", "slide", "actual", unit="mm"),
-            Trace("feedback", "reading", "feedback", unit="mm"),
+            Trace("command", "command", "command"),
+            Trace("actual.position", "slide", "actual"),
+            Trace("feedback", "reading", "feedback"),
         ),
     ),
     Plot(
         "Error",
         "um",
         (
-            Trace("true_error", "error of the slide", "error", 1000.0, "um"),
-            Trace("error", "error as measured", "other", 1000.0, "um"),
+            Trace("true_error", "error of the slide", "error"),
+            Trace("error", "error as measured", "other"),
         ),
         (Band(-2.0, 2.0, "2 um", doc="2 um after 2 s (the paper, Figure 12)"),),
     ),
@@ -51,19 +51,19 @@ PLOTS = (
         "Duty",
         "1",
         (
-            Trace("output", "duty asked for", "output", unit="1"),
-            Trace("applied", "duty applied", "other", unit="1"),
-            Trace("disturbance", "duty added by a load", "disturbance", unit="1"),
+            Trace("output", "duty asked for", "output"),
+            Trace("applied", "duty applied", "other"),
+            Trace("disturbance", "duty added by a load", "disturbance"),
         ),
     ),
-    Plot("Speed of the slide", "mm/s", (Trace("plant.speed", "speed", "other", unit="mm/s"),)),
+    Plot("Speed of the slide", "mm/s", (Trace("plant.speed", "speed", "other"),)),
     Plot(
         "Contraction of the universes",
         "1",
         (
-            Trace("controller.alpha_e", "error", "other", unit="1"),
-            Trace("controller.alpha_ec", "its change", "other", unit="1"),
-            Trace("controller.beta", "output", "other", unit="1"),
+            Trace("controller.alpha_e", "error", "other"),
+            Trace("controller.alpha_ec", "its change", "other"),
+            Trace("controller.beta", "output", "other"),
         ),
     ),
 )
@@ -71,8 +71,8 @@ PLOTS = (
 READOUTS = (
     Readout("target", "command", "mm", decimals=3),
     Readout("slide", "actual.position", "mm", decimals=4),
-    Readout("following error", "true_error", "um", 1000.0, 1, shows="peak"),
-    Readout("duty", "output", "%", 100.0, 1),
+    Readout("following error", "true_error", "um", decimals=1, shows="peak"),
+    Readout("duty", "output", "%", decimals=1),
     Readout("speed", "plant.speed", "mm/s", decimals=2),
 )
 
