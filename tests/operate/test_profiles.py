@@ -10,8 +10,6 @@ from leadscrew.experiment import Experiment
 from leadscrew.figures.signals import signal_unit
 from leadscrew.operate.profile import fitted
 from leadscrew.operate.profiles import profile_of
-from leadscrew.operate.profiles.sofnn_tangent import MATERIALS
-from leadscrew.plants import _flexible_cut as flexible_cut
 from leadscrew.util.errors import NameUnknown, ValueRefused
 from tests.operate.playing import STUDIES, loop_of
 
@@ -197,10 +195,6 @@ def test_names_of_a_machine_s_disturbances_are_its_own(machine):
         for field in found.fields:
             assert field.low <= field.value <= field.high
             assert field.doc
-
-
-def test_materials_of_the_knife_are_those_of_the_plant():
-    assert {k: tuple(v) for k, v in flexible_cut.MATERIALS.items()} == MATERIALS
 
 
 def test_lines_that_a_controller_lacks_are_left_out():

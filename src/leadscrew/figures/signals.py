@@ -69,8 +69,8 @@ def column_units(loop: Loop) -> dict[str, str]:
 
 def compared_column(loop: Loop, signal: str) -> str:
     """The column of a signal: its own, or of several numbers the first that command and feedback are compared by."""
-    if signal not in ("command", "feedback", "error", "true_error"):
+    if signal not in ("command", "actual", "feedback", "error", "true_error"):
         return signal
-    measured = "actual" if signal == "true_error" else "feedback"
+    measured = "actual" if signal in ("actual", "true_error") else "feedback"
     pair = pairs(Layout(loop.signals["command"]).tree, Layout(loop.signals[measured]).tree)[0]
-    return under(signal, {"command": pair.command, "feedback": pair.other}.get(signal, pair.suffix.removeprefix(".")))
+    return under(signal, {"command": pair.command, measured: pair.other}.get(signal, pair.suffix.removeprefix(".")))

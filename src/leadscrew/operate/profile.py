@@ -253,6 +253,18 @@ def for_a_while(changes: dict[str, Any], values: Values, seconds: float) -> Chan
     return [(0.0, changes), (seconds, {key: values[key] for key in changes})]
 
 
+def axis_plots(machine: str, *bands: Band) -> tuple[Plot, Plot]:
+    """Position in mm and error in um of an axis; ``machine``: what moves, for the labels; ``bands`` of the error."""
+    position = (
+        Trace("command", "command", "command"), Trace("actual", machine, "actual"),
+        Trace("feedback", "reading", "feedback"),
+    )  # fmt: skip
+    error = (
+        Trace("true_error", f"error of the {machine}", "error"), Trace("error", "error as measured", "other")
+    )  # fmt: skip
+    return Plot("Position", "mm", position), Plot("Error", "um", error, bands)
+
+
 def load_pulse(
     unit: str,
     most: float,

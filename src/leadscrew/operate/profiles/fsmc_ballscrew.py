@@ -15,6 +15,7 @@ from leadscrew.operate.profile import (
     Readout,
     Trace,
     Values,
+    axis_plots,
     load_pulse,
     moved_on,
     multiplied,
@@ -27,25 +28,7 @@ if TYPE_CHECKING:
     from leadscrew.kernel.loop import Loop
 
 PLOTS = (
-    Plot(
-        "Position",
-        "mm",
-        (
-            Trace("command", "command", "command"),
-            Trace("actual", "table", "actual"),
-            Trace("actual.position", "table", "actual"),
-            Trace("feedback", "reading", "feedback"),
-        ),
-    ),
-    Plot(
-        "Error",
-        "um",
-        (
-            Trace("true_error", "error of the table", "error"),
-            Trace("error", "error as measured", "other"),
-        ),
-        (Band(-1.0, 1.0, "1 um", doc="1 um: what our steps are judged by; no tolerance in the paper"),),
-    ),
+    *axis_plots("table", Band(-1.0, 1.0, "1 um", doc="1 um: what our steps are judged by; no tolerance in the paper")),
     Plot(
         "Torque",
         "N m",
@@ -65,7 +48,6 @@ PLOTS = (
 READOUTS = (
     Readout("command", "command", "mm", decimals=3),
     Readout("table", "actual", "mm", decimals=4),
-    Readout("table", "actual.position", "mm", decimals=4),
     Readout("following error", "true_error", "um", decimals=2, shows="peak"),
     Readout("torque", "output", "N m", decimals=3),
     Readout("screw speed", "plant.speed", "1/min", decimals=0),

@@ -20,6 +20,7 @@ from leadscrew.operate.profile import (
     noise,
     to_value,
 )
+from leadscrew.plants._flexible_cut import MATERIALS
 
 SETTLED = "0.25 deg: when our steps count as settled; no tolerance in the paper"
 
@@ -102,22 +103,12 @@ def _lost(fields: Mapping[str, float], now_s: float, values: Values) -> Changes:
     return [(0.0, {"sensor.lost_from_s": now_s, "sensor.lost_for_s": fields["for_s"] or NEVER_S})]
 
 
-MATERIALS = {
-    "fabric": (45.0, 0.03, 1.0, 0.3, 0.3, 0.95),
-    "leather": (25.0, 0.02, 0.4, 0.8, 0.2, 0.90),
-    "foam": (90.0, 0.10, 0.2, 0.3, 0.5, 0.75),
-}
-"""As :data:`leadscrew.plants._flexible_cut.MATERIALS`: a profile imports no plant. A test compares them."""
-
-PROPERTIES = ("shear", "lag_s", "fibre", "bias", "exponent", "gain")
-
-
 def _to(material: str) -> Disturbance:
     """The rest of the line in another material, whatever lay ahead."""
     changes = {
         f"plant.{slot}.{name}": value
         for slot in ("material", "changed")
-        for name, value in zip(PROPERTIES, MATERIALS[material], strict=True)
+        for name, value in MATERIALS[material]._asdict().items()
     }
 
     def act(fields: Mapping[str, float], now_s: float, values: Values) -> Changes:

@@ -2,20 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 from leadscrew.kernel.block import Block
 from leadscrew.operate.profile import (
     Band,
-    Changes,
-    Disturbance,
     Field,
     Plot,
     Profile,
     Readout,
     Trace,
-    Values,
+    axis_plots,
     load_pulse,
     moved_on,
     multiplied,
@@ -29,24 +26,7 @@ if TYPE_CHECKING:
     from leadscrew.kernel.loop import Loop
 
 PLOTS = (
-    Plot(
-        "Position",
-        "mm",
-        (
-            Trace("command", "command", "command"),
-            Trace("actual.position", "slide", "actual"),
-            Trace("feedback", "reading", "feedback"),
-        ),
-    ),
-    Plot(
-        "Error",
-        "um",
-        (
-            Trace("true_error", "error of the slide", "error"),
-            Trace("error", "error as measured", "other"),
-        ),
-        (Band(-2.0, 2.0, "2 um", doc="2 um after 2 s (the paper, Figure 12)"),),
-    ),
+    *axis_plots("slide", Band(-2.0, 2.0, "2 um", doc="2 um after 2 s (the paper, Figure 12)")),
     Plot(
         "Duty",
         "1",
@@ -77,18 +57,13 @@ READOUTS = (
 )
 
 
-def _go_to(fields: Mapping[str, float], now_s: float, values: Values) -> Changes:
-    return [(0.0, {"reference.target": fields["target"]})]
-
-
 DISTURBANCES = (
-    Disturbance(
+    to_value(
         "go_to",
         "Go to",
         "A step of the command to another target, for this axis and for the one it is compared with.",
-        (Field("target", "target", "mm", -190.0, 190.0, -170.0, "where to go; Table 1 goes 190 mm each way"),),
-        _go_to,
-        ("reference.target",),
+        "reference.target",
+        Field("target", "target", "mm", -190.0, 190.0, -170.0, "where to go; Table 1 goes 190 mm each way"),
     ),
     moved_on(
         "reference.start",
