@@ -301,10 +301,6 @@ class Module:
         rank = {"class": 0, "array": 1, "leaf": 2, "entry": 3}
         return sorted(self.items.values(), key=lambda i: rank[i.kind])
 
-    def entry_names(self) -> list[str]:
-        """The entries of the module."""
-        return [i.name for i in self.items.values() if i.kind == "entry"]
-
     def fused(self, name: str) -> ast.FunctionDef:
         """An entry with all that it calls fused in, NamedTuples taken apart, nothing left that nobody reads."""
         done = self._fused.get(name)

@@ -127,11 +127,6 @@ def read(path: str | Path) -> MachineFile:
     return validated(toml_file.read(where), where)
 
 
-def is_machine(path: str | Path) -> bool:
-    """Whether a file says that it is one."""
-    return toml_file.read(path).get("kind") == KIND
-
-
 def validated(table: Mapping[str, Any], where: Path) -> MachineFile:
     """The machine that a TOML table describes.
 
