@@ -47,7 +47,7 @@ GRADES = ("certificate", "grid-checked", "refused")
 
 @dataclass(frozen=True)
 class Certification:
-    """Everything that was found of a loop; ``report()`` is the text, ``as_dict()`` the JSON."""
+    """Margins, certificates, cycle and run of one loop; ``report()`` is the text, ``as_dict()`` the JSON."""
 
     loop: Mapping[str, Any]
     taken: Lure = field(repr=False)
@@ -153,8 +153,8 @@ class Certification:
         if self.level == "driven" and self.driven is None:
             return "its gain stands behind the linear part, for which the slope says nothing."
         if self.level == "driven" and slopes is not None and slopes[1] >= limit:
-            said = f"its slope reaches {slopes[1]:.4g}, above the Nyquist limit of {number(limit)}"
-            return f"{said}: under load it chatters."
+            steep = f"its slope reaches {slopes[1]:.4g}, above the Nyquist limit of {number(limit)}"
+            return f"{steep}: under load it chatters."
         best = self.best
         if best is None:
             return "no criterion applies."
@@ -234,12 +234,12 @@ class Certification:
     @property
     def all_warnings(self) -> tuple[str, ...]:
         """The warnings of every part, each once; less what the second level says itself."""
-        found = [*self.warnings]
+        warnings = [*self.warnings]
         for c in (self.margins, *self.autonomous, self.model, self.driven):
-            found += [] if c is None else [w for w in c.warnings if not w.endswith("Ask driven().")]
+            warnings += [] if c is None else [w for w in c.warnings if not w.endswith("Ask driven().")]
         if self.run is not None:
-            found = [w for w in found if not w.startswith("The nonlinearity counts its error in")]
-        return tuple(dict.fromkeys(found))
+            warnings = [w for w in warnings if not w.startswith("The nonlinearity counts its error in")]
+        return tuple(dict.fromkeys(warnings))
 
 
 def whole(certificate: Certificate) -> dict[str, Any]:
@@ -251,22 +251,22 @@ def whole(certificate: Certificate) -> dict[str, Any]:
 def line(certificate: Certificate) -> str:
     """A criterion in a line: grade, limit, what was asked."""
     c = certificate
-    said = f"  {c.criterion:26s} {c.grade:12s}"
+    text = f"  {c.criterion:26s} {c.grade:12s}"
     if c.limit is not None and c.sector is not None:
-        said += f" up to {number(c.limit)} of {number(c.sector[1])} asked"
+        text += f" up to {number(c.limit)} of {number(c.sector[1])} asked"
     if c.multiplier is not None and c.limit is not None:
-        said += f", q = {c.multiplier:.4g}"
-    return said.rstrip()
+        text += f", q = {c.multiplier:.4g}"
+    return text.rstrip()
 
 
 def run_line(run: Mapping[str, Any], taken: Lure) -> str:
     """The simulation in words."""
     if run["diverged"] is not None:
         return f"simulated {run['seconds']:g} s: {run['diverged']}"
-    said = f"simulated {run['seconds']:g} s: error up to {1e3 * run['largest_error_mm']:.4g} um"
+    text = f"simulated {run['seconds']:g} s: error up to {1e3 * run['largest_error_mm']:.4g} um"
     if taken.nonlinear:
-        said += f", where the gain is {run['gain']:.6g}"
-    return f"{said}; output up to {run['largest_output']:.3g} {run['unit']}".rstrip()
+        text += f", where the gain is {run['gain']:.6g}"
+    return f"{text}; output up to {run['largest_output']:.3g} {run['unit']}".rstrip()
 
 
 MOST_STATES = 100
@@ -326,26 +326,25 @@ def certify(
     linear = whole if taken.map.shared is None else around(loop, taken, name or loop.name)
     grid = None if points is None else np.geomspace(LOWEST_RAD_S, linear.nyquist, points)
     stable = whole.stable(1.0)
-    found: tuple[Certificate, ...] = ()
-    asked, pushed, cycle, gaps = None, None, None, None
+    autonomous: tuple[Certificate, ...] = ()
+    popov, under_command, cycle, gaps = None, None, None, None
     if taken.nonlinear:
-        found = _autonomous(linear, taken, grid)
+        autonomous = _autonomous(linear, taken, grid)
         gaps = None if grid is None else _gaps(linear, grid)
         if gaps is not None:
-            found = tuple(
-                replace(c, grade="refused", statement=gaps) if c.grade == "grid-checked" else c for c in found
+            autonomous = tuple(
+                replace(c, grade="refused", statement=gaps) if c.grade == "grid-checked" else c for c in autonomous
             )
-        asked = _popov(linear, taken) if model else None
+        popov = _popov(linear, taken) if model else None
     if taken.slope_sector is not None:
-        pushed = driven(linear, taken.slope_sector)
+        under_command = driven(linear, taken.slope_sector)
     if stable and taken.nonlinear and not taken.dependent and taken.map.shared is None:
         cycle = _worst_cycle(linear, taken)
     run = None if seconds is None else _run(loop, taken, seconds)
-    said = [] if gaps is None else [gaps]
-    warnings = [*said, *taken.notes, *linear.notes, *_remarks(taken, run, block.full_scale)]
+    warnings = [*([] if gaps is None else [gaps]), *taken.notes, *linear.notes, *_remarks(taken, run, block.full_scale)]
     return Certification(
         of_loop(linear), taken, linear, level, factor, proof, margins(whole), stable,
-        found, asked, pushed, cycle, tuple(dict.fromkeys(warnings)), run,
+        autonomous, popov, under_command, cycle, tuple(dict.fromkeys(warnings)), run,
     )  # fmt: skip
 
 
@@ -502,19 +501,19 @@ def _remarks(taken: Lure, run: Mapping[str, Any] | None, full_scale: float) -> l
     """What the simulation says against the certificate's worth."""
     if run is None or run["diverged"] is not None:
         return []
-    said = []
+    remarks = []
     low, high = taken.sector
     gone = abs(run["gain"] - float(taken.gain(0.0)))
     if taken.nonlinear and gone < IDLE * (high - low):
-        said.append(
+        remarks.append(
             f"K(e) never gets near its bound of {high:.4g} here: it reaches it at an error of {taken.scale_mm:.3g} mm, "
             f"and the error of this scenario stays within {1e3 * run['largest_error_mm']:.3g} um, where K has moved by "
             f"{gone:.2g}. The controller counts the error in {taken.error_unit}: whatever is proved is proved of a "
             "controller that does what its linear part does. Was um meant?"
         )
     if full_scale > 0.0 and run["largest_output"] >= 0.999 * full_scale:
-        said.append(
+        remarks.append(
             f"the output reaches its full scale of {full_scale:g} {run['unit']} in this scenario; a saturated drive is "
             "not in the proof"
         )
-    return said
+    return remarks

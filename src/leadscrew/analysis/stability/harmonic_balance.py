@@ -171,20 +171,20 @@ class CyclePrediction:
         """What is predicted, in one sentence."""
         seen = self.stable_cycles
         factor, unit = shown(self.unit)
-        said = (
+        size = (
             f"{factor * seen[-1].peak_to_peak:.3g} {unit} from peak to peak at {seen[-1].frequency_hz:.4g} Hz"
             if seen
             else ""
         )
         if not self.rest_stable:
             return (
-                f"The loop does not come to rest: it chatters, {said}." if seen else "The loop does not come to rest."
+                f"The loop does not come to rest: it chatters, {size}." if seen else "The loop does not come to rest."
             )
         if not seen:
             return "The loop comes to rest; no limit cycle was found."
         kick = [c for c in self.cycles if not c.stable and c.amplitude < seen[-1].amplitude]
         beyond = f" by more than about {factor * kick[-1].amplitude:.3g} {unit}" if kick else ""
-        return f"The loop stays at rest, but once disturbed{beyond} it chatters, {said}."
+        return f"The loop stays at rest, but once disturbed{beyond} it chatters, {size}."
 
     @property
     def shown_in(self) -> tuple[float, str]:
@@ -390,7 +390,7 @@ class Task:
         from scipy.optimize import brentq
 
         over = self.gains(w) - limit
-        found = []
+        amplitudes = []
         for i in np.nonzero(np.sign(over[:-1]) * np.sign(over[1:]) < 0)[0]:
             low, high = math.log(self.sizes[i]), math.log(self.sizes[i + 1])
 
@@ -398,8 +398,8 @@ class Task:
                 return self.one(w, math.exp(x))[1] - limit
 
             if left(low) * left(high) < 0.0:
-                found.append(math.exp(brentq(left, low, high, xtol=1e-10)))
-        return found
+                amplitudes.append(math.exp(brentq(left, low, high, xtol=1e-10)))
+        return amplitudes
 
     def cycle(self, w: float, limit: float, size: float) -> LimitCycle:
         """The cycle at a crossing, with its stability."""
@@ -440,31 +440,33 @@ class Task:
 
     def warnings(self, cycles: list[LimitCycle], largest: float) -> list[str]:
         """What a user should know before trusting the cycles; ``largest``: harmonic that may be left out."""
-        found = []
+        warnings = []
         spread = np.linspace(-1.0, 1.0, 2001) * 2.0 * max([c.amplitude + abs(c.bias) for c in cycles] or [self.least])
         if (np.diff(np.asarray(self.phi(self.rest + spread))) < -1e-12 * self.most).any():
-            found.append(
+            warnings.append(
                 "the curve falls somewhere: for each amplitude one mean error was looked at, there may be more"
             )
         factor, unit = self.shown
         for c in cycles:
             size = f"cycle of {factor * c.peak_to_peak:.3g} {unit}"
             if c.left_out > largest:
-                found.append(
+                warnings.append(
                     f"{size}: a harmonic of {100.0 * c.left_out:.0f} % of the fundamental was left out; balance more "
                     "harmonics"
                 )
             if self.loop.dt is not None and 2.0 * c.frequency_hz * self.loop.dt > 1.0 / 2.5:
-                found.append(f"{size}: fewer than 5 samples a period; it may lock to a multiple of the sampling period")
+                warnings.append(
+                    f"{size}: fewer than 5 samples a period; it may lock to a multiple of the sampling period"
+                )
         for w, limit in self.crossings:
             at_most = self.gains(w)[-1]
             if at_most > limit:
-                found.append(
+                warnings.append(
                     f"at {factor * self.most:g} {unit}, the largest amplitude searched, N = {at_most:.3g} is still "
                     f"above {limit:.3g}: a large oscillation grows further, until something else limits it"
                 )
                 break
-        return found
+        return warnings
 
     def prediction(self, criterion: str, cycles: tuple[LimitCycle, ...], warnings: list[str]) -> CyclePrediction:
         """All of it."""

@@ -172,9 +172,9 @@ def solve(lmi: Inequality, k1: float, least: float = ROUNDING, positive: bool = 
         p = proposal(strict)
         if p is None or _hopeless(lmi.sampled, a, b, weights, p):
             continue
-        found = proved(lmi, p / scale[:, None] / scale, least, positive)
-        if found is not None:
-            return found
+        proof = proved(lmi, p / scale[:, None] / scale, least, positive)
+        if proof is not None:
+            return proof
     return None
 
 

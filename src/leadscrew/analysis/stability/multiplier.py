@@ -26,7 +26,7 @@ WIDEST = 1e6
 
 @dataclass(frozen=True)
 class Best:
-    """The least ``m = max_w (r + q s)`` and where it is taken."""
+    """The smallest ``m = max_w (r + q s)`` and where it is taken."""
 
     m: float
     q: float
@@ -80,7 +80,7 @@ def best(
 
 
 def best_multiplier(r: np.ndarray, s: np.ndarray, low: float, high: float, unit: float) -> float:
-    """The ``q`` of the least ``max(r + q s)``, or one where that is already below 0."""
+    """The ``q`` of the smallest ``max(r + q s)``, or one where that is already below 0."""
 
     def look(q: float) -> tuple[float, float]:
         h = r + q * s
@@ -121,18 +121,18 @@ def _between(w: np.ndarray, h: np.ndarray) -> np.ndarray:
     span = float(h.max() - np.median(h)) + 1e-300
     tops = tops[h[tops] > h.max() - 0.1 * span]
     tops = np.unique(np.append(tops[np.argsort(-h[tops])][:40], int(np.argmax(h))))
-    found = [np.zeros(0)]
+    points = [np.zeros(0)]
     for k in tops:
         for i, j in ((max(k - 1, 0), k), (k, min(k + 1, len(w) - 1))):
             if w[j] > w[i]:
-                found.append(w[i] + (w[j] - w[i]) * np.array([0.1, 0.25, 0.5, 0.75, 0.9]))
-    return np.setdiff1d(np.concatenate(found), w)
+                points.append(w[i] + (w[j] - w[i]) * np.array([0.1, 0.25, 0.5, 0.75, 0.9]))
+    return np.setdiff1d(np.concatenate(points), w)
 
 
 def highest(f: Callable[[np.ndarray], np.ndarray], w: np.ndarray) -> tuple[float, float]:
     """The largest value of a function on a refined grid, and its frequency."""
-    found = best(lambda x: (f(x), np.zeros(len(x))), w, 0.0, 0.0, 0.0, 1.0)
-    return found.m, found.at
+    tightest = best(lambda x: (f(x), np.zeros(len(x))), w, 0.0, 0.0, 0.0, 1.0)
+    return tightest.m, tightest.at
 
 
 def limit_of(k1: float, m: float) -> float:
