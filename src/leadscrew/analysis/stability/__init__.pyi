@@ -8,10 +8,7 @@ from .harmonic_balance import limit_cycles as limit_cycles
 from .linear import LinearLoop as LinearLoop
 from .lmi import driven as driven
 from .lmi import largest_proved as largest_proved
-from .lmi import lmi_circle as lmi_circle
-from .lmi import lmi_popov as lmi_popov
-from .lmi import lmi_tsypkin as lmi_tsypkin
-from .lmi import lmi_zames_falb as lmi_zames_falb
+from .lmi import prove as prove
 from .loop import continuous_loop as continuous_loop
 from .loop import reference_loops as reference_loops
 from .loop import sampled_loop as sampled_loop

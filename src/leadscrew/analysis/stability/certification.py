@@ -28,7 +28,7 @@ from leadscrew.analysis.stability.certificate import Certificate, interval, loop
 from leadscrew.analysis.stability.criteria import CRITERIA, ask
 from leadscrew.analysis.stability.harmonic_balance import CyclePrediction, limit_cycles
 from leadscrew.analysis.stability.linear import LinearLoop
-from leadscrew.analysis.stability.lmi import driven, lmi_circle, lmi_tsypkin, lmi_zames_falb
+from leadscrew.analysis.stability.lmi import driven, prove
 from leadscrew.analysis.stability.loop import sampled_loop
 from leadscrew.analysis.stability.lure import Lure, lure
 from leadscrew.analysis.stability.margins import Margins, margins
@@ -399,14 +399,14 @@ def _autonomous(linear: LinearLoop, taken: Lure, grid: Any) -> tuple[Certificate
         for name, criterion in CRITERIA.items()
         if criterion.loops != "continuous" and criterion.lacks(taken, k1) is None
     ]
-    first = lmi_circle(linear, k1, k2)
+    first = prove("circle", linear, k1, k2)
     if taken.dependent or first.grade == "certificate":
         return (*checked, first)
-    second = lmi_tsypkin(linear, k1, k2, slopes=taken.slope_sector)
-    if second.grade == "certificate" or "Zames-Falb" not in [c.criterion for c in checked]:
+    second = prove("best", linear, k1, k2, taken.slope_sector)
+    slopes = taken.slope_sector
+    if second.grade == "certificate" or not taken.odd or slopes is None or slopes[0] < k1:
         return (*checked, second)
-    assert taken.slope_sector is not None
-    return (*checked, second, lmi_zames_falb(linear, k1, k2, taken.slope_sector[1]))
+    return (*checked, second, prove("zames-falb", linear, k1, k2, slopes))
 
 
 def _gaps(linear: LinearLoop, grid: np.ndarray) -> str | None:

@@ -6,14 +6,11 @@ period. :mod:`leadscrew.analysis.stability.exact` verifies them without rounding
 matrices are the doubles that were computed, and about every loop near it: the certificate says how near, and that this
 is more than the rounding of the matrices.
 
-========================  ==================================================================================
-:func:`lmi_circle`        circle criterion: gains that vary in time, and every map in the sector
-:func:`lmi_tsypkin`       Tsypkin, or Jury and Lee: static maps with bounded slope, sampled loops
-:func:`lmi_popov`         Popov: static maps, continuous loops without dead time
-:func:`lmi_zames_falb`    Zames and Falb: odd static maps of bounded slope, sampled loops
-:func:`driven`            circle criterion on the slope: the loop under every command and load
-:func:`largest_proved`    the largest sector that one of the first three proves
-========================  ==================================================================================
+======================  ====================================================================================
+:func:`prove`           a criterion for a sector: circle, Tsypkin, Jury-Lee, Zames-Falb, Popov
+:func:`largest_proved`  the largest sector that circle, Tsypkin, Jury-Lee or Popov proves
+:func:`driven`          circle criterion on the slope: the loop under every command and load
+======================  ====================================================================================
 
 A sampled loop has its delays among its states. A continuous loop with a dead time has no finite state: it is refused.
 
@@ -69,7 +66,7 @@ from typing import Any, Literal
 import numpy as np
 
 from leadscrew.analysis.stability.certificate import Certificate, Grade, interval, of_loop
-from leadscrew.analysis.stability.criteria import CRITERIA, ask, jury_lee_lines, popov_lines, tsypkin_lines
+from leadscrew.analysis.stability.criteria import CRITERIA, Name, ask, jury_lee_lines, popov_lines, tsypkin_lines
 from leadscrew.analysis.stability.exact import Inequality, Proof, proved, rational
 from leadscrew.analysis.stability.linear import LinearLoop, own_grid
 from leadscrew.analysis.stability.multiplier import best_multiplier, limit_of
@@ -277,46 +274,36 @@ LAWS = {
 }
 
 
-def lmi_circle(loop: LinearLoop, k1: float, k2: float) -> Certificate:
-    """The circle criterion for the sector ``[k1, k2]`` as a verified matrix inequality.
+def prove(
+    criterion: Name | Literal["best"], loop: LinearLoop, k1: float, k2: float, slopes: Slopes = None,
+    *, taps: int | None = None,
+) -> Certificate:  # fmt: skip
+    """A criterion for the sector ``[k1, k2]`` as a verified matrix inequality.
+
+    Args:
+        criterion: a name of :data:`~leadscrew.analysis.stability.criteria.CRITERIA`, or ``best``: Tsypkin or Jury-Lee,
+            whichever proves more on a grid of frequencies. The multiplier too is the grid's best; the proof is the
+            inequality.
+        loop: cut at the error, without a dead time; sampled, for Popov continuous, for the circle either.
+        k1: lower bound of the sector.
+        k2: upper bound.
+        slopes: bounds of the map's slope; ``None``: it is at least ``k1``, which is all that Tsypkin needs and too
+            little for Jury-Lee and Zames-Falb.
+        taps: delays of Zames-Falb's multiplier to either side: 6 where not given.
 
     Raises:
-        ValueRefused: bounds that are not finite or not in order.
+        ValueRefused: bounds not finite or not in order, slopes that the criterion does not allow, a loop of the other
+            kind.
     """
-    return _by_form(loop, k1, k2, "circle", None)
-
-
-def lmi_tsypkin(
-    loop: LinearLoop, k1: float, k2: float, slopes: Slopes = None, form: Literal["best", "tsypkin", "jury-lee"] = "best"
-) -> Certificate:
-    """Tsypkin's criterion, or Jury and Lee's, for the sector ``[k1, k2]`` as a verified matrix inequality.
-
-    ``slopes`` bounds the slope of the map; ``None``: it is at least ``k1``, which is all that Tsypkin needs and too
-    little for Jury and Lee. ``best`` takes the one that proves more on a grid of frequencies; its multiplier too is the
-    grid's best, the proof is the inequality.
-
-    Raises:
-        ValueRefused: bounds not finite or not in order, a slope below ``k1`` for Tsypkin, no slopes for Jury-Lee, a
-            continuous loop.
-    """
-    if not loop.sampled:
-        raise ValueRefused(
-            f"loop {loop.name!r} is continuous: Tsypkin and Jury-Lee are for sampled loops; use lmi_popov"
-        )
-    if form != "best":
-        return _by_form(loop, k1, k2, form, slopes)
-    return _by_form(loop, k1, k2, _better(loop, k1, slopes), slopes)
-
-
-def lmi_popov(loop: LinearLoop, k1: float, k2: float) -> Certificate:
-    """Popov's criterion for the sector ``[k1, k2]`` of a continuous loop as a verified matrix inequality.
-
-    Raises:
-        ValueRefused: bounds not finite or not in order, a sampled loop.
-    """
-    if loop.sampled:
-        raise ValueRefused(f"loop {loop.name!r} is sampled: Popov is for continuous loops; use lmi_tsypkin")
-    return _by_form(loop, k1, k2, "popov", None)
+    row = CRITERIA["tsypkin" if criterion == "best" else criterion]
+    kind, other = ("sampled", "best") if loop.sampled else ("continuous", "popov")
+    if row.loops not in ("both", kind):
+        raise ValueRefused(f"{criterion} is for {row.loops} loops, and {loop.name!r} is {kind}; use {other}")
+    if taps is not None and "taps" not in row.options:
+        raise ValueRefused(f"{criterion}: it has no taps")
+    if criterion == "zames-falb":
+        return _zames_falb(loop, k1, k2, slopes, TAPS if taps is None else taps)
+    return _by_form(loop, k1, k2, _better(loop, k1, slopes) if criterion == "best" else criterion, slopes)
 
 
 def largest_proved(
@@ -328,7 +315,7 @@ def largest_proved(
     ``slopes`` it is at most their upper bound, which no such map exceeds; without, 1e6 stands for a sector without end.
 
     Raises:
-        ValueRefused: as :func:`lmi_circle` and :func:`lmi_tsypkin`.
+        ValueRefused: as :func:`prove`.
     """
     chosen: Form = _better(loop, k1, slopes) if form == "best" else form
     refused = refusal(loop, k1)
@@ -408,7 +395,7 @@ def _checked(loop: LinearLoop, k1: float, k2: float, form: Form, slopes: Slopes)
             f"loop {loop.name!r} feeds through directly: {CRITERIA[form].title} needs a loop without feed-through"
         )
     if form != "circle" and k1 == k2:
-        raise ValueRefused(f"sector [{k1:g}, {k2:g}]: a multiplier needs k1 < k2; take lmi_circle for a fixed gain")
+        raise ValueRefused(f"sector [{k1:g}, {k2:g}]: a multiplier needs k1 < k2; take circle for a fixed gain")
 
 
 def refusal(loop: LinearLoop, k1: float) -> str | None:
@@ -519,16 +506,13 @@ SMALLEST = 1e-9
 """Coefficients below this part of the largest are left out."""
 
 
-def lmi_zames_falb(loop: LinearLoop, k1: float, k2: float, slope: float, taps: int = TAPS) -> Certificate:
-    """The sector ``[k1, k2]`` for every fixed odd law whose slope lies in ``[k1, slope]``.
-
-    Raises:
-        ValueRefused: a continuous loop, bounds out of order, no taps.
-    """
-    if not loop.sampled:
-        raise ValueRefused(f"loop {loop.name!r} is continuous: this form of Zames-Falb is for sampled loops")
-    if not (math.isfinite(slope) and k1 < k2 <= slope):
-        raise ValueRefused(f"sector [{k1!r}, {k2!r}], slope {slope!r}: needs k1 < k2 <= slope, all finite")
+def _zames_falb(loop: LinearLoop, k1: float, k2: float, slopes: Slopes, taps: int) -> Certificate:
+    """The sector ``[k1, k2]`` for every fixed odd law whose slope lies in ``slopes``."""
+    if slopes is None or not (math.isfinite(slopes[1]) and k1 <= slopes[0] and k1 < k2 <= slopes[1]):
+        raise ValueRefused(
+            f"sector [{k1!r}, {k2!r}], slopes {slopes!r}: Zames-Falb needs k1 < k2 within the slopes, all finite"
+        )
+    slope = slopes[1]
     title, sector = "Zames-Falb, matrix inequality", (k1, k2)
     refused = refusal(loop, k1)
     if refused is not None:
