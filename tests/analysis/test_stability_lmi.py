@@ -7,26 +7,22 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
-from leadscrew.analysis.stability.circle import circle
-from leadscrew.analysis.stability.driven import driven
+from leadscrew.analysis.stability.criteria import ask
 from leadscrew.analysis.stability.exact import positive_definite, proved, rational
 from leadscrew.analysis.stability.linear import LinearLoop
 from leadscrew.analysis.stability.lmi import (
     ROUNDING,
+    driven,
     inequality,
     jury_lee_inequality,
     largest_proved,
-    lmi_circle,
-    lmi_popov,
-    lmi_tsypkin,
-    lmi_zames_falb,
     popov_inequality,
+    prove,
     tsypkin_inequality,
     zames_falb_inequality,
 )
 from leadscrew.analysis.stability.loop import continuous_loop
 from leadscrew.analysis.stability.lure import lure
-from leadscrew.analysis.stability.tsypkin import tsypkin
 from leadscrew.controllers._npid import npid
 from leadscrew.controllers._npid_slope import npid_slope
 from leadscrew.studies.npid_xytable.reference_loops import reference_loops
@@ -88,7 +84,7 @@ def test_the_sampled_limit_of_a_first_order_loop_is_the_one_worked_by_hand():
     found = largest_proved(first_order(), 0.0)
     assert found.grade == "certificate"
     assert 1.5 * (1 - 2e-5) < found.limit < 1.5
-    assert lmi_circle(first_order(), 0.0, 1.5000001).grade == "refused"
+    assert prove("circle", first_order(), 0.0, 1.5000001).grade == "refused"
 
 
 def test_the_continuous_limits_are_the_ones_worked_by_hand():
@@ -97,20 +93,20 @@ def test_the_continuous_limits_are_the_ones_worked_by_hand():
     assert largest_proved(loop, 0.0).limit == pytest.approx(4.0, rel=1e-4)
     popov = largest_proved(loop, 0.0, "popov")
     assert popov.grade == "certificate" and 7.98 < popov.limit < 8.0
-    assert lmi_popov(loop, 0.0, 8.001).grade == "refused"
-    assert lmi_popov(loop, 0.0, 5.0).multiplier > 0.0
+    assert prove("popov", loop, 0.0, 8.001).grade == "refused"
+    assert prove("popov", loop, 0.0, 5.0).multiplier > 0.0
 
 
 def test_the_main_loop_is_proved_for_the_sector_of_the_digest(star):
     found = largest_proved(star, 1.0)
     assert found.grade == "certificate" and found.limit == pytest.approx(2.265, rel=5e-3)
-    assert found.limit == pytest.approx(circle(star, 1.0).limit, rel=2e-5)
+    assert found.limit == pytest.approx(ask("circle", star, 1.0).limit, rel=2e-5)
     assert largest_proved(star, 1e-5).limit == pytest.approx(0.697, rel=5e-3)
     assert "double precision" in found.statement and "rounding" in found.statement
 
 
 def test_the_proof_covers_more_than_the_rounding_of_the_matrix_exponential(star):
-    found = lmi_circle(star, 1.0, 2.2)
+    found = prove("circle", star, 1.0, 2.2)
     assert found.data["tolerance"] > ROUNDING
     assert _worst_rounding_of_the_plant() < 0.1 * ROUNDING
 
@@ -135,7 +131,7 @@ def _worst_rounding_of_the_plant():
 
 
 def test_the_same_function_proves_loops_that_differ_by_the_tolerance(star):
-    found = lmi_circle(star, 1.0, 2.2)
+    found = prove("circle", star, 1.0, 2.2)
     part, draw = found.data["tolerance"], np.random.default_rng(3)
     for _ in range(3):
         moved = [m * (1.0 + part * draw.choice([-1.0, 1.0], size=m.shape)) for m in (star.a, star.b, star.c, star.d)]
@@ -143,7 +139,7 @@ def test_the_same_function_proves_loops_that_differ_by_the_tolerance(star):
 
 
 def test_the_function_of_the_proof_falls_whatever_gain_in_the_sector_is_taken(star):
-    p = lmi_circle(star, 1.0, 2.2).data["p"]
+    p = prove("circle", star, 1.0, 2.2).data["p"]
     draw = np.random.default_rng(5)
     root = np.linalg.inv(np.linalg.cholesky(p)).T
     for _ in range(2000):
@@ -154,7 +150,7 @@ def test_the_function_of_the_proof_falls_whatever_gain_in_the_sector_is_taken(st
 
 
 def test_a_matrix_that_proves_nothing_is_not_taken(star):
-    p = lmi_circle(star, 1.0, 2.2).data["p"]
+    p = prove("circle", star, 1.0, 2.2).data["p"]
     assert proved(inequality(star, 1.0, 2.2), p) is not None
     assert proved(inequality(star, 1.0, 2.3), p) is None
     assert proved(inequality(star, 1.0, 2.2), -p) is None
@@ -164,7 +160,7 @@ def test_a_matrix_that_proves_nothing_is_not_taken(star):
 @pytest.mark.parametrize(("name", "k1"), [("L_star", 1.0), ("L0", 1.0), ("L_star", 1e-3)])
 def test_tsypkin_proves_what_its_frequency_condition_promises_and_more_than_the_circle(name, k1):
     loop = reference_loops()[name]
-    found, checked = largest_proved(loop, k1, "tsypkin"), tsypkin(loop, k1)
+    found, checked = largest_proved(loop, k1, "tsypkin"), ask("tsypkin", loop, k1)
     assert found.grade == "certificate"
     assert found.limit == pytest.approx(checked.limit, rel=5e-4)
     assert found.limit > 1.01 * largest_proved(loop, k1).limit
@@ -175,26 +171,26 @@ def test_a_bound_of_the_slope_proves_more_than_none(star):
     free = largest_proved(star, 1.0, "tsypkin").limit
     bound = largest_proved(star, 1.0, "tsypkin", (1.0, slope)).limit
     assert free < bound < star.gain_limit()
-    assert lmi_tsypkin(star, 1.0, 2.33, (1.0, slope)).grade == "certificate"
-    assert lmi_tsypkin(star, 1.0, 2.33).grade == "refused"
+    assert prove("best", star, 1.0, 2.33, (1.0, slope)).grade == "certificate"
+    assert prove("best", star, 1.0, 2.33).grade == "refused"
 
 
 def test_jury_lee_proves_gentle_laws_in_a_sector_beyond_the_circle(star):
     gentle = (0.001, 0.8)
-    found = lmi_tsypkin(star, 0.001, 0.75, gentle, form="jury-lee")
+    found = prove("jury-lee", star, 0.001, 0.75, gentle)
     assert found.grade == "certificate" and found.multiplier != 0.0
-    assert lmi_circle(star, 0.001, 0.75).grade == "refused"
+    assert prove("circle", star, 0.001, 0.75).grade == "refused"
 
 
 def test_the_papers_law_is_proved_at_rest_by_a_multiplier_that_remembers_six_errors(star):
     gain, slope = math.cosh(1.5), math.cosh(1.5) + 1.5 * math.sinh(1.5)
-    found = lmi_zames_falb(star, 1.0, gain + 1e-6, slope + 1e-6)
+    found = prove("zames-falb", star, 1.0, gain + 1e-6, (1.0, slope + 1e-6))
     assert found.grade == "certificate" and found.data["tolerance"] > ROUNDING
-    assert lmi_zames_falb(star, 1.0, gain, slope, taps=1).grade == "refused"
-    assert lmi_zames_falb(star, 1.0, 2.52, slope).grade == "refused"
+    assert prove("zames-falb", star, 1.0, gain, (1.0, slope), taps=1).grade == "refused"
+    assert prove("zames-falb", star, 1.0, 2.52, (1.0, slope)).grade == "refused"
     one = largest_proved(star, 1.0, "tsypkin", (1.0, slope)).limit  # one delay is Tsypkin's multiplier
-    assert lmi_zames_falb(star, 1.0, 0.999 * one, slope, taps=1).grade == "certificate"
-    assert lmi_zames_falb(star, 1.0, 1.001 * one, slope, taps=1).grade == "refused"
+    assert prove("zames-falb", star, 1.0, 0.999 * one, (1.0, slope), taps=1).grade == "certificate"
+    assert prove("zames-falb", star, 1.0, 1.001 * one, (1.0, slope), taps=1).grade == "refused"
 
 
 def test_the_remembering_multiplier_is_what_the_inequality_says_at_every_frequency(star):
@@ -226,30 +222,30 @@ def test_resonators_on_the_unit_circle_are_no_obstacle_to_a_proof():
 
 def test_a_continuous_loop_with_dead_time_is_referred_to_the_sampled_one():
     late = reference_loops()["Lc"]
-    for found in (lmi_circle(late, 1.0, 1.5), lmi_popov(late, 1.0, 1.5), largest_proved(late, 1.0)):
+    for found in (prove("circle", late, 1.0, 1.5), prove("popov", late, 1.0, 1.5), largest_proved(late, 1.0)):
         assert found.grade == "refused" and "sampled" in found.statement and "1.2888 ms" in found.statement
 
 
 def test_what_cannot_be_proved_is_refused_in_a_sentence(star):
-    integrating = lmi_circle(star, 0.0, 0.5)
+    integrating = prove("circle", star, 0.0, 0.5)
     assert integrating.grade == "refused" and "integrator needs k1 > 0" in integrating.statement
-    beyond = lmi_circle(star, 1.0, 2.6)
+    beyond = prove("circle", star, 1.0, 2.6)
     assert beyond.grade == "refused" and "2.51 makes it unstable" in beyond.statement and "2.265" in beyond.statement
     assert beyond.margin == pytest.approx(2.265 / 2.6, rel=1e-3)
-    unstable = lmi_circle(star, 3.0, 4.0)
+    unstable = prove("circle", star, 3.0, 4.0)
     assert unstable.grade == "refused" and "not asymptotically stable" in unstable.statement
 
 
 def test_questions_without_sense_are_refused_at_the_door(star):
     for k1, k2 in ((1.0, math.inf), (2.0, 1.0), (math.nan, 1.0)):
         with pytest.raises(ValueRefused, match="sector"):
-            lmi_circle(star, k1, k2)
+            prove("circle", star, k1, k2)
     with pytest.raises(ValueRefused, match="slope"):
-        lmi_tsypkin(star, 1.0, 2.0, (0.5, 3.0), form="tsypkin")
+        prove("tsypkin", star, 1.0, 2.0, (0.5, 3.0))
     with pytest.raises(ValueRefused, match="sampled"):
-        lmi_tsypkin(reference_loops()["no_delay"], 1.0, 2.0)
+        prove("best", reference_loops()["no_delay"], 1.0, 2.0)
     with pytest.raises(ValueRefused, match="continuous"):
-        lmi_popov(star, 1.0, 2.0)
+        prove("popov", star, 1.0, 2.0)
 
 
 def test_the_driven_loop_is_proved_by_its_slope_and_not_by_its_gain(star):

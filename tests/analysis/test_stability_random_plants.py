@@ -55,10 +55,10 @@ def test_the_laws_keep_to_the_sector_and_to_the_slopes_that_their_criterion_asks
 
 
 def test_at_the_bound_of_jury_and_lee_the_sector_and_the_slopes_are_proved():
-    from leadscrew.analysis.stability.jury_lee import jury_lee
+    from leadscrew.analysis.stability.criteria import ask
 
     for plant, gap in zip(r.random_plants(FEW), r.gaps(FEW), strict=True):
-        second = jury_lee(r.loop_of(plant), 0.0, slope=r.STEEP * gap.nyquist)  # on a grid, by itself
+        second = ask("jury-lee", r.loop_of(plant), 0.0, slope=r.STEEP * gap.nyquist)  # on a grid, by itself
         assert second.limit is not None
         assert gap.jury_lee == pytest.approx(second.limit, rel=2e-3) and gap.jury_lee <= second.limit * (1.0 + 1e-6)
 

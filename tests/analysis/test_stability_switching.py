@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from leadscrew.analysis.stability.circle import circle
+from leadscrew.analysis.stability.criteria import ask
 from leadscrew.analysis.stability.switching import pattern_radius, worst_switching
 from leadscrew.studies.npid_xytable.reference_loops import reference_loops
 from leadscrew.util.errors import ValueRefused
@@ -29,7 +29,7 @@ def test_the_pattern_found_makes_a_simulated_loop_grow_and_a_smaller_gain_does_n
 
 def test_what_the_circle_criterion_proves_no_pattern_breaks():
     loop = reference_loops()["L_star"]
-    assert pattern_radius(loop, 1.0, circle(loop, 1.0).limit)[0] < 1.0
+    assert pattern_radius(loop, 1.0, ask("circle", loop, 1.0).limit)[0] < 1.0
 
 
 def test_a_continuous_loop_is_refused():

@@ -14,7 +14,7 @@ STUDY = "npid_xytable"
 FILE = "examples/xy_table_npid.py:loop"
 
 
-QUICK = ("--no-simulate", "--no-popov")
+QUICK = ("--no-simulate",)
 
 
 @cache
@@ -26,10 +26,15 @@ def certified(controller, *args, code=0):
 
 
 def test_the_slope_limited_law_is_certified_under_every_load_by_a_verified_inequality(call):
-    said = call("certify", STUDY, "-c", "npid_slope", "--no-simulate").stdout
-    assert "CERTIFIED: npid_slope is stable under every command and load, by a verified matrix inequality." in said
-    assert "order 6; from the steps that are exported" in said and "up to 2.265 of 2.2 asked" in said
-    assert "does not count" in said and "Popov is a criterion for continuous loops" in said
+    text = call("certify", STUDY, "-c", "npid_slope", "--no-simulate").stdout
+    assert "CERTIFIED: npid_slope is stable under every command and load, by a verified matrix inequality." in text
+    assert "order 6; from the steps that are exported" in text and "up to 2.265 of 2.2 asked" in text
+    assert "Popov" not in text, "it proves nothing of the sampled loop, so it is opt-in"
+
+
+def test_popov_is_added_on_request_and_does_not_count(call):
+    text = call("certify", STUDY, "-c", "npid_slope", "--no-simulate", "--popov").stdout
+    assert "does not count" in text and "Popov is a criterion for continuous loops" in text
 
 
 @pytest.mark.slow
@@ -185,7 +190,7 @@ def test_a_scenario_that_diverges_is_not_certified_whatever_is_proved(call, tmp_
     """The pull of the magnet at 5 mm, 2 V, is more than the drive has: worked by hand, 400 * 5 / 1000."""
     (tmp_path / "levitated.py").write_text(LEVITATED, encoding="utf-8")
     subject = f"{tmp_path / 'levitated.py'}:loop"
-    options = ("--no-popov", "--duration", 1, "--json")
+    options = ("--duration", 1, "--json")
     ran = strict_json(call("certify", subject, *options, code=1).stdout)
     assert ran["driven"]["grade"] == "certificate" and not ran["certified"] and ran["grade"] == "refused"
     assert "the scenario diverged: the error ran away to" in ran["verdict"] and "what is proved" in ran["verdict"]

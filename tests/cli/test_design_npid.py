@@ -19,9 +19,7 @@ def test_the_file_is_a_controller_that_certify_and_simulate_take(call, tmp_path)
     read = controller_file.read(out)
     assert (read.study, read.controller) == ("npid_xytable", "npid_slope")
     assert read.tuning["made_by"] == "leadscrew design npid"
-    proved = call(
-        "certify", "npid_xytable", "-c", out, "--no-simulate", "--no-popov", "--reserve", 1.09, "--proof"
-    ).stdout
+    proved = call("certify", "npid_xytable", "-c", out, "--no-simulate", "--reserve", 1.09, "--proof").stdout
     assert "CERTIFIED: npid_slope is stable under every command and load" in proved
     run = strict_json(call("simulate", "npid_xytable", "-c", out, "-s", "measured_1000", "--json").stdout)
     assert run["metrics"]["rms_error"] < 3e-3

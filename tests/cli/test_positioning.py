@@ -7,8 +7,8 @@ import json
 import pytest
 
 from leadscrew.analysis.positioning import example, read_positioning
-from leadscrew.export.screw_compensation import read_compensation
 from tests.cli.conftest import strict_json
+from tests.export.compensation_table import read_compensation
 
 
 @pytest.fixture

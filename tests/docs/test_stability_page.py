@@ -6,7 +6,7 @@ import sys
 
 import pytest
 
-from leadscrew.analysis.stability.circle import circle
+from leadscrew.analysis.stability.criteria import ask
 from leadscrew.analysis.stability.switching import worst_switching
 from leadscrew.controllers._npid import npid
 from leadscrew.studies.npid_xytable.reference_loops import reference_loops
@@ -30,7 +30,7 @@ def test_the_limits_in_the_text_are_those_of_the_loop():
         r"the circle reaches ([\d.]+), a constant gain ([\d.]+), and the worst switching .* ([\d.]+)\. The", text
     )
     assert said is not None
-    found = (circle(loop, 1.0).limit, loop.gain_limit(), worst_switching(loop).high)
+    found = (ask("circle", loop, 1.0).limit, loop.gain_limit(), worst_switching(loop).high)
     assert [float(x) for x in said.groups()] == [round(found[0], 3), round(found[1], 2), round(found[2], 3)]
 
 

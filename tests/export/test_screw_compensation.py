@@ -11,8 +11,9 @@ import pytest
 
 from leadscrew.analysis.positioning import positioning
 from leadscrew.export import hal_run
-from leadscrew.export.screw_compensation import ini_lines, read_compensation, screw_compensation
+from leadscrew.export.screw_compensation import ini_lines, screw_compensation
 from leadscrew.util.errors import DataError, ValueRefused
+from tests.export.compensation_table import read_compensation
 from tests.export.linuxcnc_machine import seen_by
 from tests.tools import missing
 

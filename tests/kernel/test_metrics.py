@@ -7,8 +7,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from leadscrew.analysis import step as post
 from leadscrew.kernel import metrics
+from tests.kernel.recorded_steps import step_metrics
 
 DT = 1e-3
 
@@ -189,7 +189,7 @@ def test_a_command_that_never_stops_has_no_overshoot_and_no_settling_time():
 def test_streaming_and_recorded_step_metrics_agree_on_any_signal(samples):
     command, actual = (np.array(x) for x in zip(*samples, strict=True))
     t = np.arange(len(command)) * DT
-    recorded = post.step_metrics(t, command, actual)
+    recorded = step_metrics(t, command, actual)
     assert measure(metrics.overshoot, command, actual) == pytest.approx(recorded.overshoot, abs=1e-12, nan_ok=True)
     for name in ("rise_time", "settling_time"):
         value = measure(getattr(metrics, name), command, actual)

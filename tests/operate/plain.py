@@ -6,11 +6,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from leadscrew.controllers._parts import follow
+from leadscrew.fuzzy.views import Now
 from leadscrew.kernel.block import Block
 from leadscrew.kernel.by_position import prepared
 from leadscrew.kernel.layout import copied
-from leadscrew.operate.explain.parts import follow
-from leadscrew.operate.explain.shown import Now
 from leadscrew.operate.why import explained
 
 

@@ -10,8 +10,6 @@ from leadscrew.experiment import Experiment
 from leadscrew.figures.signals import signal_unit
 from leadscrew.operate.profile import fitted
 from leadscrew.operate.profiles import profile_of
-from leadscrew.operate.profiles.sofnn_tangent import MATERIALS
-from leadscrew.plants import _flexible_cut as flexible_cut
 from leadscrew.util.errors import NameUnknown, ValueRefused
 from tests.operate.playing import STUDIES, loop_of
 
@@ -86,7 +84,6 @@ BANDS = {
     "vud_lathe": [("Error", -2.0, 2.0)],  # Figure 12: 2 um after 2 s
     "grey_turning": [  # section 5.2: 1.0 % steady, 1.5 % overshoot, both of 150 N
         ("Cutting force", -0.010 * 150.0, 0.010 * 150.0), ("Cutting force", 0.010 * 150.0, 0.015 * 150.0),
-        ("Cutting force", -0.010 * 150.0, 0.010 * 150.0), ("Cutting force", 0.010 * 150.0, 0.015 * 150.0),
         ("Force error", -0.010 * 150.0, 0.010 * 150.0),
     ],
     "fsmc_ballscrew": [("Error", -1.0, 1.0)],  # our own: 1 um
@@ -113,7 +110,7 @@ def test_numbers_above_the_plots_are_the_machine_s_own_in_a_unit_after_their_fac
     assert 5 <= len(fit.readouts) <= 6
     assert len({r.label for r in fit.readouts}) == len(fit.readouts)
     columns = set(loop.program.plan.columns)
-    known = {t.signal: (t.factor, t.unit) for plot in profile.plots for t in plot.traces}
+    known = {t.signal: (t.factor, t.unit) for plot in fit.plots for t in plot.traces}
     for readout in fit.readouts:
         assert readout.source in columns or readout.source in loop.sheet, readout
         if readout.source in known and readout.unit == known[readout.source][1] and not readout.per:
@@ -198,10 +195,6 @@ def test_names_of_a_machine_s_disturbances_are_its_own(machine):
         for field in found.fields:
             assert field.low <= field.value <= field.high
             assert field.doc
-
-
-def test_materials_of_the_knife_are_those_of_the_plant():
-    assert {k: tuple(v) for k, v in flexible_cut.MATERIALS.items()} == MATERIALS
 
 
 def test_lines_that_a_controller_lacks_are_left_out():

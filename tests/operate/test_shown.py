@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from leadscrew.operate.explain.shown import rounded_up, triangles
+from leadscrew.fuzzy.views import rounded_up, triangles
 
 
 @pytest.mark.parametrize(

@@ -14,9 +14,8 @@ from leadscrew.controllers._sliding.fuzzy import fsmc
 from leadscrew.controllers._sliding.integral import smc_integral
 from leadscrew.controllers._sliding.super_twisting import super_twisting
 from leadscrew.friction.lugre import steady_friction
+from leadscrew.fuzzy.views import Now
 from leadscrew.kernel.by_position import prepared
-from leadscrew.operate.explain.shown import Now
-from leadscrew.operate.explain.sliding import trail
 from leadscrew.operate.why import explained
 from leadscrew.references._motion import Motion
 from leadscrew.studies.fsmc_ballscrew.tunings import FUZZY as TUNINGS
@@ -24,6 +23,11 @@ from tests.operate.plain import check_shares, periods, row_of
 
 RNG = np.random.default_rng(4)
 OFF = 1e-5 * np.cumsum(RNG.normal(size=300))
+
+
+def trail(axis, signals):
+    """The coordinate of a phase plane's trail: the sum of an axis's terms over recorded signals."""
+    return sum(factor * signals[name] for name, factor in axis["terms"])
 
 
 def moving(k: int) -> tuple[Motion, float]:

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from leadscrew.analysis.stability.driven import driven
+from leadscrew.analysis.stability.lmi import driven
 from leadscrew.analysis.stability.margins import margins
 from leadscrew.controllers._npid_split import parted
 from leadscrew.studies.npid_xytable import search

@@ -447,7 +447,7 @@ def design_npid(
     Raises:
         ValueRefused: an option out of range, a PID whose loop is unstable, or a budget that the PID alone exceeds.
     """
-    from leadscrew.analysis.stability.driven import driven
+    from leadscrew.analysis.stability.lmi import driven
 
     axis, work, old = axis or TableAxis(), work or Work(), gains or Gains()
     for name, value in (("m1", m1), ("m2", m2)):

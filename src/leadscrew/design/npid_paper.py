@@ -86,11 +86,10 @@ def paper_design(axis: TableAxis | None = None, gains: Gains | None = None) -> P
     Raises:
         ValueRefused: a PID whose loop is unstable on the axis.
     """
-    from leadscrew.analysis.stability.circle import circle
-    from leadscrew.analysis.stability.driven import driven
+    from leadscrew.analysis.stability.criteria import ask
+    from leadscrew.analysis.stability.lmi import driven
     from leadscrew.analysis.stability.loop import continuous_loop, pid_polynomials
     from leadscrew.analysis.stability.margins import margins
-    from leadscrew.analysis.stability.popov import popov
 
     axis, g = axis or TableAxis(), gains or Gains()
     num, den = pid_polynomials(g.kp, g.ki, g.kd)
@@ -101,7 +100,8 @@ def paper_design(axis: TableAxis | None = None, gains: Gains | None = None) -> P
     printed = margins(model(0.0))
     late = dead_time_for(model)
     loop = model(late)
-    zero, one, disc = (float(c.limit or math.nan) for c in (popov(loop, 0.0), popov(loop, 1.0), circle(loop, 1.0)))
+    certificates = ask("popov", loop, 0.0), ask("popov", loop, 1.0), ask("circle", loop, 1.0)
+    zero, one, disc = (float(c.limit or math.nan) for c in certificates)
     sampled = axis.linear(g)
     nyquist = sampled.gain_limit(1.0)
     pushed = driven(sampled, (1.0, 1.0))

@@ -14,6 +14,7 @@ The C names that a target may count on, with NAME the core's ``name`` and REAL i
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -126,3 +127,8 @@ def at_the_machine(outputs: np.ndarray, sense: int, max_output: float, real: str
     turned = outputs * sense if sense != 1 else outputs
     most = float(np.float32(max_output)) if real == "float" else max_output
     return np.ascontiguousarray(np.clip(turned, -most, most) if most > 0.0 else turned)
+
+
+def expected_outputs(manifest: Mapping[str, Any], outputs: np.ndarray) -> np.ndarray:
+    """What the machine layer of an export gives for golden outputs."""
+    return at_the_machine(outputs, manifest["sense"], float(manifest["limits"]["max_output"]), manifest["real"])

@@ -15,7 +15,7 @@ from xml.etree import ElementTree as ET
 
 import numpy as np
 
-from leadscrew.export.core import at_the_machine
+from leadscrew.export.core import expected_outputs
 from leadscrew.export.verdict import FAILED, GOLDEN, NOT_RUN, Verdict, compared, read_golden
 from leadscrew.util.system import safe_path
 
@@ -51,11 +51,6 @@ def check(folder: Path, manifest: dict[str, Any]) -> list[Verdict]:
     return found
 
 
-def expected(manifest: dict[str, Any], outputs: np.ndarray) -> np.ndarray:
-    """What the machine layer gives for golden outputs."""
-    return at_the_machine(outputs, manifest["sense"], float(manifest["limits"]["max_output"]), manifest["real"])
-
-
 def _played(
     target: str, importer: str, compiles: bool, file: Path, manifest: dict[str, Any], rows: np.ndarray
 ) -> Verdict:
@@ -83,7 +78,7 @@ def _played(
         return Verdict(target, FAILED, len(got), note=f"{note}: {said['problems'][0]}")
     if said["fault"]:
         note += f"; fault_code {said['fault']} at the end"
-    return compared(target, expected(manifest, rows[:, len(inputs) :]), got, note)
+    return compared(target, expected_outputs(manifest, rows[:, len(inputs) :]), got, note)
 
 
 def _why(importer: str, done: subprocess.CompletedProcess[str]) -> str:

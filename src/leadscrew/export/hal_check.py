@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from leadscrew.export import hal, hal_run
-from leadscrew.export.core import at_the_machine
+from leadscrew.export.core import expected_outputs
 from leadscrew.export.verdict import FAILED, GOLDEN, NOT_RUN, Verdict, compared, read_golden
 from leadscrew.util.errors import DataError
 
@@ -66,7 +66,9 @@ def check(folder: Path, manifest: dict[str, Any], speed: int = 300) -> list[Verd
             hal_run.install(place, folder, manifest["name"])
             stream = Stream({pin: rows[:, i] for i, pin in enumerate(pins)})
             got = replay(place, manifest, stream, speed)
-            found = [compared(TARGET, expected(manifest, rows[:, len(inputs) :]), got.outputs, _note(got, speed))]
+            found = [
+                compared(TARGET, expected_outputs(manifest, rows[:, len(inputs) :]), got.outputs, _note(got, speed))
+            ]
             if (folder / f"{manifest['name']}_plant.comp").is_file():
                 found.append(closed_loop(place, folder, manifest, rows, speed))
             return found
@@ -114,11 +116,6 @@ def closed_loop(place: Path, folder: Path, manifest: dict[str, Any], rows: np.nd
     turned = rows.copy()
     turned[:, len(inputs) :] *= manifest["sense"]
     return compared(LOOP, turned, table, f"LinuxCNC {hal_run.version()}: command, feedback and output")
-
-
-def expected(manifest: dict[str, Any], outputs: np.ndarray) -> np.ndarray:
-    """What the machine layer gives for golden outputs."""
-    return at_the_machine(outputs, manifest["sense"], float(manifest["limits"]["max_output"]), manifest["real"])
 
 
 def replay(place: Path, manifest: dict[str, Any], stream: Stream, speed: int = 300) -> Replay:

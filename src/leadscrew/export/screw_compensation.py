@@ -1,4 +1,4 @@
-"""LinuxCNC's screw-compensation table from a positioning test, and what LinuxCNC makes of such a table.
+"""LinuxCNC's screw-compensation table from a positioning test.
 
 LinuxCNC adds a correction to the commanded position of a joint before it goes to the motor:
 
@@ -23,10 +23,8 @@ header and no comment. Nominal positions must rise; 256 points are the most. A j
 
 from __future__ import annotations
 
-import numpy as np
-
-from leadscrew.analysis.positioning import Correction, Positioning, correction
-from leadscrew.util.errors import DataError, ValueRefused
+from leadscrew.analysis.positioning import Positioning, correction
+from leadscrew.util.errors import ValueRefused
 
 MOST = 256
 """Points of a table (``EMCMOT_COMP_SIZE``)."""
@@ -64,28 +62,3 @@ def screw_compensation(test: Positioning, kind: int = 0, unit: str = "mm") -> st
 def ini_lines(name: str, kind: int = 0, joint: str = "n") -> str:
     """What to write into the INI file of LinuxCNC for a table of that name."""
     return f"[JOINT_{joint}]\nCOMP_FILE = {name}\nCOMP_FILE_TYPE = {kind}\n"
-
-
-def read_compensation(text: str, kind: int = 0) -> Correction:
-    """A table as LinuxCNC reads it.
-
-    Raises:
-        DataError: what LinuxCNC would refuse, or would stop at without a word.
-    """
-    rows: list[list[float]] = []
-    for number, line in enumerate(text.splitlines(), 1):
-        try:
-            cells = [float(x) for x in line.split()]
-        except ValueError:
-            cells = []
-        if len(cells) != 3 or not np.all(np.isfinite(cells)):
-            raise DataError(f"screw compensation, line {number}: {line!r} is not three numbers; LinuxCNC stops there")
-        if rows and not cells[0] > rows[-1][0]:
-            raise DataError(f"screw compensation, line {number}: {cells[0]:g} does not rise above {rows[-1][0]:g}")
-        rows.append(cells)
-    if not 0 < len(rows) <= MOST:
-        raise DataError(f"screw compensation: {len(rows)} points; LinuxCNC takes 1 to {MOST}")
-    nominal, forward, reverse = np.array(rows).T
-    if kind == 0:
-        return Correction(nominal, nominal - forward, nominal - reverse)
-    return Correction(nominal, forward, reverse)

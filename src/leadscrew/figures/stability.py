@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from leadscrew.analysis.stability.certificate import Certificate
-    from leadscrew.analysis.stability.cycles import CyclePrediction
+    from leadscrew.analysis.stability.harmonic_balance import CyclePrediction
     from leadscrew.analysis.stability.linear import LinearLoop
 
 

@@ -7,10 +7,12 @@ and :func:`~leadscrew.operate.profiles.profile_of` gives one for every other stu
 from __future__ import annotations
 
 import copy
-from collections.abc import Callable, Iterable, Mapping
+import math
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, Literal
 
+from leadscrew.figures.signals import column_units, compared_column, factor_between
 from leadscrew.kernel.parameters import nearest
 from leadscrew.util.errors import NameUnknown, ValueRefused
 
@@ -26,12 +28,17 @@ Changes = list[tuple[float, dict[str, Any]]]
 
 @dataclass(frozen=True)
 class Trace:
-    """One line of a plot: a column of the loop times ``factor``, shown in ``unit``."""
+    """One line of a plot: a column of the loop times ``factor``, shown in ``unit``.
+
+    ``signal``: of a command, feedback or error with several numbers the one that is compared. :func:`fitted` fills in
+    ``unit``, the plot's, and ``factor``, from the units of column and plot, where it is not given (NaN). No block knows
+    the unit of a load.
+    """
 
     signal: str
     label: str
     role: Role
-    factor: float = 1.0
+    factor: float = math.nan
     unit: str = ""
 
 
@@ -63,18 +70,19 @@ class Plot:
 class Readout:
     """A number that the operator reads at a glance: a column of the loop, or a parameter by its key, times ``factor``.
 
-    ``per``: a column or parameter that it is divided by. ``decimals``: None where the size of the number says how many.
-    ``shows``: of what came since the last showing (a quarter of a second) the mean, or the value that is farthest from
-    0, which a mean would hide where a signal swings. Several of one label: the first that the loop has.
+    ``source`` and ``factor`` as of a :class:`Trace`. ``per``: a column or parameter that it is divided by.
+    ``decimals``: None where the size of the number says how many. ``shows``: of what came since the last showing (a
+    quarter of a second) the mean, or the value that is farthest from 0, which a mean would hide where a signal swings.
+    Several of one label: the first that the loop has.
     """
 
     label: str
     source: str
     unit: str
-    factor: float = 1.0
     decimals: int | None = None
     per: str = ""
     shows: Literal["mean", "peak"] = "mean"
+    factor: float = math.nan
 
 
 @dataclass(frozen=True)
@@ -175,27 +183,36 @@ class Profile:
 
 
 def fitted(profile: Profile, loop: Loop) -> Profile:
-    """The profile without what ``loop`` has no signals or parameters for: traces, bands, plots, readouts, disturbances.
+    """The profile with the columns and factors of ``loop``, without what it has no signals or parameters for.
 
     ``loop`` is the operated one: what ``profile.operated`` puts in counts.
     """
-    columns, keys = set(loop.program.plan.columns), loop.sheet
+    units, keys = column_units(loop), loop.sheet
+
+    def column(name: str) -> str:
+        return name if not name or name in units or name in keys else compared_column(loop, name)
+
+    def factor(known: float, source: str, shown: str) -> float:
+        own = units[source] if source in units else keys[source].unit
+        return factor_between(own, shown) if math.isnan(known) else known
+
     plots = []
     for plot in profile.plots:
-        traces = tuple(t for t in plot.traces if t.signal in columns)
-        bands = tuple(b for b in plot.bands if not b.about or b.about in columns)
+        traces = tuple(
+            replace(t, signal=signal, factor=factor(t.factor, signal, plot.unit), unit=plot.unit)
+            for t in plot.traces if (signal := column(t.signal)) in units
+        )  # fmt: skip
+        bands = (replace(b, about=column(b.about)) for b in plot.bands)
         if traces:
-            plots.append(replace(plot, traces=traces, bands=bands))
-    kept = tuple(d for d in profile.disturbances if _all_in(d.needs, keys))
+            plots.append(replace(plot, traces=traces, bands=tuple(b for b in bands if not b.about or b.about in units)))
+    kept = tuple(d for d in profile.disturbances if all(key in keys for key in d.needs))
     shown: dict[str, Readout] = {}
     for readout in profile.readouts:
-        if all(not name or name in columns or name in keys for name in (readout.source, readout.per)):
-            shown.setdefault(readout.label, readout)
+        source, per = column(readout.source), column(readout.per)
+        if all(not name or name in units or name in keys for name in (source, per)):
+            filled = replace(readout, source=source, per=per, factor=factor(readout.factor, source, readout.unit))
+            shown.setdefault(readout.label, filled)
     return replace(profile, plots=tuple(plots), disturbances=kept, readouts=tuple(shown.values()))
-
-
-def _all_in(wanted: Iterable[str], known: Mapping[str, Any]) -> bool:
-    return all(key in known for key in wanted)
 
 
 NEVER_S = 1e9
@@ -234,6 +251,18 @@ def for_a_while(changes: dict[str, Any], values: Values, seconds: float) -> Chan
     if seconds <= 0.0:
         return [(0.0, changes)]
     return [(0.0, changes), (seconds, {key: values[key] for key in changes})]
+
+
+def axis_plots(machine: str, *bands: Band) -> tuple[Plot, Plot]:
+    """Position in mm and error in um of an axis; ``machine``: what moves, for the labels; ``bands`` of the error."""
+    position = (
+        Trace("command", "command", "command"), Trace("actual", machine, "actual"),
+        Trace("feedback", "reading", "feedback"),
+    )  # fmt: skip
+    error = (
+        Trace("true_error", f"error of the {machine}", "error"), Trace("error", "error as measured", "other")
+    )  # fmt: skip
+    return Plot("Position", "mm", position), Plot("Error", "um", error, bands)
 
 
 def load_pulse(

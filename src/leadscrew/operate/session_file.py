@@ -136,15 +136,6 @@ def write(session: Session, path: str | Path) -> None:
     atomic_write(text(session), path)
 
 
-def is_session(path: str | Path) -> bool:
-    """Whether a TOML file says that it is a session.
-
-    Raises:
-        DataError: no such file, or bad TOML.
-    """
-    return table_of(Path(path)).get("kind") == KIND
-
-
 def read(path: str | Path) -> Session:
     """A session from its file; files that it names are looked for beside it.
 

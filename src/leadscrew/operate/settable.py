@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from leadscrew.figures.signals import signal_unit
+from leadscrew.figures.signals import column_units
 from leadscrew.kernel.layout import Layout, is_branch
 from leadscrew.kernel.parameters import ParameterSpec, entries, nearest, put, renamed
 from leadscrew.util.errors import LeadscrewError, NameUnknown, ValueRefused
@@ -127,31 +127,9 @@ def plain(values: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def units(axes: Axes) -> dict[str, str]:
-    """The unit of every column, as far as signals, states and blocks say."""
-    loop = axes.lives[0].loop
-    said: dict[str, str] = {}
-    for signal, example in loop.signals.items():
-        if is_branch(example) and not signal.startswith("_"):
-            root = "disturbance" if signal == "load" else signal
-            said |= {f"{root}.{e.key}": e.unit for e in entries(example)}
-    for slot, block in loop.blocks.items():
-        if block is not None and block.state is not None:
-            said |= {e.key: e.unit for e in entries(loop.start_state(block), f"{slot}.")}
-    own = {c: _unit(loop, c, said) for c in axes.columns if not c.startswith("y.")}
+    """The unit of every column, as far as signals, states and blocks say; those of Y are those of X."""
+    own = column_units(axes.lives[0].loop)
     return {c: own[c.removeprefix("y.")] for c in axes.columns}
-
-
-def _unit(loop: Loop, column: str, said: Mapping[str, str]) -> str:
-    if said.get(column):
-        return said[column]
-    root, _, rest = column.partition(".")
-    if root in ("error", "true_error"):
-        return said.get(f"feedback.{rest}") or said.get(f"actual.{rest}") or _first(loop, column, rest)
-    return "" if column in said and rest != "position" else _first(loop, column, rest)
-
-
-def _first(loop: Loop, column: str, rest: str) -> str:
-    return signal_unit(loop, column) if rest in ("", "position", "deviation") else ""
 
 
 __all__ = ["AT_START", "SIZE", "at_start", "checked", "plain", "sheet", "units"]

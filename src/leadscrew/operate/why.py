@@ -5,7 +5,7 @@ rules     which rules fire, in words, with their shares; the shares of all sum t
           weighted mean ``sum of share times value`` is what the rules say
 sets      the membership functions as they are now (contracted, or moved by learning), with the degrees at the point
 phase     of a sliding-mode controller: error and its rate, the line s = 0 and the boundary layer
-circle    of a circle run: :class:`~leadscrew.operate.explain.circle.Circle`
+circle    of a circle run: :class:`~leadscrew.operate.circle.Circle`
 ========  =============================================================================================================
 
 They are made of the parameters and the state of the live loop and of the last row of its signals: rows hold the
@@ -15,21 +15,73 @@ observer, a guard) is found in them. Plain dicts of numbers (finite, or None) an
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
-from dataclasses import dataclass, field
+import types
+from collections.abc import Callable, Collection, Mapping
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
+from leadscrew.controllers._grey_fuzzy import explanation as grey
+from leadscrew.controllers._parts import Part, engine_of, follow, parts
+from leadscrew.controllers._sliding import explanation as sliding
+from leadscrew.controllers._sofnn import explanation as sofnn
+from leadscrew.controllers._tangent import explanation as tangent
+from leadscrew.controllers._vud import explanation as vud
+from leadscrew.controllers._wrapping import copied
+from leadscrew.fuzzy.block import Memory
+from leadscrew.fuzzy.engine import Engine
+from leadscrew.fuzzy.system_view import Rules
+from leadscrew.fuzzy.views import Now, View
 from leadscrew.kernel.block import Block
-from leadscrew.operate.explain.circle import Circle
-from leadscrew.operate.explain.parts import Part, engine_of, follow, parts
-from leadscrew.operate.explain.shown import Now, View
+from leadscrew.operate.circle import Circle
 
 if TYPE_CHECKING:
     from leadscrew.kernel.live import Live
     from leadscrew.kernel.loop import Loop
 
-MOVED = "leadscrew.controllers._look_ahead"
-"""A wrapper that shows the controller inside it another command than the signals have."""
+EXPLANATIONS: dict[type, Callable[[Part], View | None]] = {
+    **vud.EXPLANATIONS, **grey.EXPLANATIONS, **sofnn.EXPLANATIONS, **tangent.EXPLANATIONS, **sliding.EXPLANATIONS,
+}  # fmt: skip
+"""Of each family of controllers, which stand in its folder; by the type of the parameters."""
+
+
+class FromSystem:
+    """The explanation of a controller made by :func:`leadscrew.fuzzy.controller` or read from a system's file.
+
+    Its inputs are not kept in its state, so they are those of the period that comes: the step is taken once more, in
+    plain Python, with what the loop would give it, and what it hands to the system is noted.
+    """
+
+    views = ("rules", "sets")
+
+    def __init__(self, block: Block, engine: Engine) -> None:
+        self.block, self.rules = block, Rules(engine)
+        self.params: Any = None
+        self.plan: Any = None
+        self.handed: list[float] = []
+        infer = engine.infer
+        many = len(engine.system.inputs)
+
+        def noted(plan: Any, *values: float) -> Any:
+            self.handed = [float(x) for x in values[:many]]
+            return infer(plan, *values)
+
+        own = {**block.step.__globals__, "infer": noted}
+        self.step: Any = types.FunctionType(block.step.__code__, own)
+
+    def look(self, now: Now) -> dict[str, Any]:
+        """The views ``rules`` and ``sets``, of the period that comes."""
+        p = now.params
+        if p is not self.params:
+            self.params, self.plan = p, replace(self.block, params=p).prepare(p, now.dt)  # type: ignore[misc]
+            self.rules.prepare(p.tables)
+        try:
+            coming = now.live.advance_preview()
+        except IndexError:  # the loop is lost in the period that comes: it gives no signals
+            return {}
+        _, output = self.step(self.plan, copied(now.state), coming["command"], coming["feedback"], now.dt)
+        ones = [1.0] * len(self.handed)
+        outputs = [("output", float(output), self.block.unit)]
+        return self.rules.look(self.handed, ones, [v.unit for v, _ in self.rules.variables], outputs)
 
 
 @dataclass
@@ -64,15 +116,11 @@ class Explainer:
 
 def view_of(part: Part) -> View | None:
     """The explanation of a controller, without looking inside it; None where there is none."""
-    from leadscrew.operate.explain import grey, network, sliding, system, vud
-
-    made = engine_of(part.block)
-    found: list[Any] = [of.explained(part.block) for of in (vud, grey, network)]
-    if MOVED not in part.around:
-        found.append(sliding.explained(part, made))
-    if not part.around:
-        found.append(system.explained(part.block, made))
-    return next((v for v in found if v is not None), None)
+    explanation = EXPLANATIONS.get(type(part.block.params))
+    if explanation is not None:
+        return explanation(part)
+    engine = None if part.around else engine_of(part.block)
+    return FromSystem(part.block, engine) if engine is not None and isinstance(part.block.state, Memory) else None
 
 
 def explained(block: Block) -> tuple[Part, View] | None:

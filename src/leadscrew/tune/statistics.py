@@ -97,12 +97,10 @@ def spread(scenario: str, metric: str, values: np.ndarray, diverged_at: np.ndarr
 
 def clopper_pearson(passed: int, runs: int, confidence: float = CONFIDENCE) -> tuple[float, float]:
     """The exact interval of a probability of which ``passed`` of ``runs`` were seen."""
-    from scipy.special import betaincinv
+    from scipy.stats import binomtest
 
-    tail = 0.5 * (1.0 - confidence)
-    low = float(betaincinv(passed, runs - passed + 1, tail)) if passed > 0 else 0.0
-    high = float(betaincinv(passed + 1, runs - passed, 1.0 - tail)) if passed < runs else 1.0
-    return low, high
+    ends = binomtest(passed, runs).proportion_ci(confidence, "exact")
+    return float(ends.low), float(ends.high)
 
 
 def yielded(passes: np.ndarray, confidence: float = CONFIDENCE, alike: bool = False) -> Yield:

@@ -152,10 +152,6 @@ def circle_y(p, t):
     return along_y(p, t).position
 
 
-REACHED_TURNS = 0.125
-"""Turns made when the feed is reached."""
-
-
 def time_of(turns: float, speed: float) -> float:
     """When the circle has turned that far, past the rise, s."""
     return (2.0 * math.pi * turns + 0.5 * QUARTER) / speed

@@ -91,12 +91,6 @@ class Harmonics:
     notes: tuple[str, ...] = ()
     """Sentences about lines that this record separates badly."""
 
-    @property
-    def phase_sd(self) -> Array:
-        """Standard deviation of each phase, rad, where the line stands above the noise."""
-        with np.errstate(divide="ignore", invalid="ignore"):
-            return self.sd / self.amplitudes
-
     def confidence(self, level: float = 0.95) -> tuple[Array, Array]:
         """Lower and upper end of each amplitude's confidence interval.
 

@@ -3,9 +3,10 @@
 1. The controller is taken apart (:mod:`leadscrew.analysis.stability.lure`); the linear loop is taken from the steps
    that run and are exported (:mod:`leadscrew.analysis.stability.loop`), with its delays as states.
 2. Margins of the linear loop.
-3. Level 1, *autonomous*: left alone the loop returns to rest. Circle, Tsypkin, Jury-Lee, Zames-Falb on the sampled
-   loop, Popov on its continuous model (which proves nothing of the sampled one and never counts), and the first of
-   circle, Tsypkin or Jury-Lee, and Zames-Falb that holds as a matrix inequality.
+3. Level 1, *autonomous*: left alone the loop returns to rest. Every sampled criterion of
+   :data:`~leadscrew.analysis.stability.criteria.CRITERIA` whose needs the map meets, and the first of circle, Tsypkin
+   or Jury-Lee, and Zames-Falb that holds as a matrix inequality. Popov on the continuous model, where it is wanted: it
+   proves nothing of the sampled loop and never counts.
 4. Level 2, *driven*: under load and on the move too. The circle criterion on the sector of the slope.
 5. What chatters, by the describing function, where the slope exceeds the Nyquist limit.
 
@@ -24,13 +25,16 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 
 from leadscrew.analysis.stability.certificate import Certificate, interval, loop_line, number, of_loop
+from leadscrew.analysis.stability.criteria import CRITERIA, ask
+from leadscrew.analysis.stability.harmonic_balance import CyclePrediction, limit_cycles
 from leadscrew.analysis.stability.linear import LinearLoop
+from leadscrew.analysis.stability.lmi import driven, prove
+from leadscrew.analysis.stability.loop import sampled_loop
 from leadscrew.analysis.stability.lure import Lure, lure
+from leadscrew.analysis.stability.margins import Margins, margins
 from leadscrew.util.errors import ValueRefused
 
 if TYPE_CHECKING:
-    from leadscrew.analysis.stability.cycles import CyclePrediction
-    from leadscrew.analysis.stability.margins import Margins
     from leadscrew.kernel.loop import Loop
 
 
@@ -43,7 +47,7 @@ GRADES = ("certificate", "grid-checked", "refused")
 
 @dataclass(frozen=True)
 class Certification:
-    """Everything that was found of a loop; ``report()`` is the text, ``as_dict()`` the JSON."""
+    """Margins, certificates, cycle and run of one loop; ``report()`` is the text, ``as_dict()`` the JSON."""
 
     loop: Mapping[str, Any]
     taken: Lure = field(repr=False)
@@ -149,8 +153,8 @@ class Certification:
         if self.level == "driven" and self.driven is None:
             return "its gain stands behind the linear part, for which the slope says nothing."
         if self.level == "driven" and slopes is not None and slopes[1] >= limit:
-            said = f"its slope reaches {slopes[1]:.4g}, above the Nyquist limit of {number(limit)}"
-            return f"{said}: under load it chatters."
+            steep = f"its slope reaches {slopes[1]:.4g}, above the Nyquist limit of {number(limit)}"
+            return f"{steep}: under load it chatters."
         best = self.best
         if best is None:
             return "no criterion applies."
@@ -230,12 +234,12 @@ class Certification:
     @property
     def all_warnings(self) -> tuple[str, ...]:
         """The warnings of every part, each once; less what the second level says itself."""
-        found = [*self.warnings]
+        warnings = [*self.warnings]
         for c in (self.margins, *self.autonomous, self.model, self.driven):
-            found += [] if c is None else [w for w in c.warnings if not w.endswith("Ask driven().")]
+            warnings += [] if c is None else [w for w in c.warnings if not w.endswith("Ask driven().")]
         if self.run is not None:
-            found = [w for w in found if not w.startswith("The nonlinearity counts its error in")]
-        return tuple(dict.fromkeys(found))
+            warnings = [w for w in warnings if not w.startswith("The nonlinearity counts its error in")]
+        return tuple(dict.fromkeys(warnings))
 
 
 def whole(certificate: Certificate) -> dict[str, Any]:
@@ -247,22 +251,22 @@ def whole(certificate: Certificate) -> dict[str, Any]:
 def line(certificate: Certificate) -> str:
     """A criterion in a line: grade, limit, what was asked."""
     c = certificate
-    said = f"  {c.criterion:26s} {c.grade:12s}"
+    text = f"  {c.criterion:26s} {c.grade:12s}"
     if c.limit is not None and c.sector is not None:
-        said += f" up to {number(c.limit)} of {number(c.sector[1])} asked"
+        text += f" up to {number(c.limit)} of {number(c.sector[1])} asked"
     if c.multiplier is not None and c.limit is not None:
-        said += f", q = {c.multiplier:.4g}"
-    return said.rstrip()
+        text += f", q = {c.multiplier:.4g}"
+    return text.rstrip()
 
 
 def run_line(run: Mapping[str, Any], taken: Lure) -> str:
     """The simulation in words."""
     if run["diverged"] is not None:
         return f"simulated {run['seconds']:g} s: {run['diverged']}"
-    said = f"simulated {run['seconds']:g} s: error up to {1e3 * run['largest_error_mm']:.4g} um"
+    text = f"simulated {run['seconds']:g} s: error up to {1e3 * run['largest_error_mm']:.4g} um"
     if taken.nonlinear:
-        said += f", where the gain is {run['gain']:.6g}"
-    return f"{said}; output up to {run['largest_output']:.3g} {run['unit']}".rstrip()
+        text += f", where the gain is {run['gain']:.6g}"
+    return f"{text}; output up to {run['largest_output']:.3g} {run['unit']}".rstrip()
 
 
 MOST_STATES = 100
@@ -290,7 +294,7 @@ def certify(
     points: int | None = None,
     seconds: float | None = None,
     name: str = "",
-    model: bool = True,
+    model: bool = False,
 ) -> Certification:
     """Everything that the criteria say of a sampled loop.
 
@@ -303,14 +307,11 @@ def certify(
             1e-4 rad/s to half the sampling rate; the loop's own grid unless given.
         seconds: simulate the loop this long, to see whether the nonlinearity does anything at its errors.
         name: what the loop is called in the sentences.
-        model: also ask Popov, of the continuous model; it takes longest and proves nothing of the sampled loop.
+        model: also ask Popov, of the loop's continuous model: for comparison, it proves nothing of the sampled loop.
 
     Raises:
         ValueRefused: an option out of range, or a loop without a period or that cannot be taken apart; it says why.
     """
-    from leadscrew.analysis.stability.loop import sampled_loop
-    from leadscrew.analysis.stability.margins import margins
-
     if level not in LEVELS:
         raise ValueRefused(f"level = {level!r}: there are {', '.join(LEVELS)}")
     if not (math.isfinite(factor) and factor >= 1.0):
@@ -325,28 +326,25 @@ def certify(
     linear = whole if taken.map.shared is None else around(loop, taken, name or loop.name)
     grid = None if points is None else np.geomspace(LOWEST_RAD_S, linear.nyquist, points)
     stable = whole.stable(1.0)
-    found: tuple[Certificate, ...] = ()
-    asked, pushed, cycle, gaps = None, None, None, None
+    autonomous: tuple[Certificate, ...] = ()
+    popov, under_command, cycle, gaps = None, None, None, None
     if taken.nonlinear:
-        found = _autonomous(linear, taken, grid)
+        autonomous = _autonomous(linear, taken, grid)
         gaps = None if grid is None else _gaps(linear, grid)
         if gaps is not None:
-            found = tuple(
-                replace(c, grade="refused", statement=gaps) if c.grade == "grid-checked" else c for c in found
+            autonomous = tuple(
+                replace(c, grade="refused", statement=gaps) if c.grade == "grid-checked" else c for c in autonomous
             )
-        asked = _popov(linear, taken) if model else None
+        popov = _popov(linear, taken) if model else None
     if taken.slope_sector is not None:
-        from leadscrew.analysis.stability.driven import driven
-
-        pushed = driven(linear, taken.slope_sector)
+        under_command = driven(linear, taken.slope_sector)
     if stable and taken.nonlinear and not taken.dependent and taken.map.shared is None:
         cycle = _worst_cycle(linear, taken)
     run = None if seconds is None else _run(loop, taken, seconds)
-    said = [] if gaps is None else [gaps]
-    warnings = [*said, *taken.notes, *linear.notes, *_remarks(taken, run, block.full_scale)]
+    warnings = [*([] if gaps is None else [gaps]), *taken.notes, *linear.notes, *_remarks(taken, run, block.full_scale)]
     return Certification(
         of_loop(linear), taken, linear, level, factor, proof, margins(whole), stable,
-        found, asked, pushed, cycle, tuple(dict.fromkeys(warnings)), run,
+        autonomous, popov, under_command, cycle, tuple(dict.fromkeys(warnings)), run,
     )  # fmt: skip
 
 
@@ -383,8 +381,6 @@ def around(loop: Loop, taken: Lure, name: str) -> LinearLoop:
     Raises:
         ValueRefused: the states of the two differ, so the map is no linear path beside another.
     """
-    from leadscrew.analysis.stability.loop import sampled_loop
-
     assert taken.map.shared is not None
     low, high = (sampled_loop(with_controller(loop, taken.map.shared(s)), name) for s in (0.25, 0.75))
     if low.a.shape != high.a.shape or not (np.array_equal(low.a, high.a) and np.array_equal(low.c, high.c)):
@@ -397,26 +393,20 @@ def around(loop: Loop, taken: Lure, name: str) -> LinearLoop:
 
 
 def _autonomous(linear: LinearLoop, taken: Lure, grid: Any) -> tuple[Certificate, ...]:
-    from leadscrew.analysis.stability.circle import circle
-    from leadscrew.analysis.stability.jury_lee import jury_lee
-    from leadscrew.analysis.stability.lmi import lmi_circle, lmi_tsypkin, lmi_zames_falb
-    from leadscrew.analysis.stability.tsypkin import tsypkin
-    from leadscrew.analysis.stability.zames_falb import zames_falb
-
     k1, k2 = taken.sector
-    found = [circle(linear, nonlinearity=taken, grid=grid)]
-    if taken.dependent:
-        return (*found, lmi_circle(linear, k1, k2))
-    found += [tsypkin(linear, nonlinearity=taken, grid=grid), jury_lee(linear, nonlinearity=taken, grid=grid)]
-    if taken.odd:
-        found.append(zames_falb(linear, nonlinearity=taken, grid=grid))
-    first = lmi_circle(linear, k1, k2)
-    if first.grade == "certificate":
-        return (*found, first)
-    found.append(lmi_tsypkin(linear, k1, k2, slopes=taken.slope_sector))
-    if found[-1].grade == "certificate" or not taken.odd or taken.slope_sector is None or taken.slope_sector[0] < k1:
-        return tuple(found)
-    return (*found, lmi_zames_falb(linear, k1, k2, taken.slope_sector[1]))
+    checked = [
+        ask(name, linear, nonlinearity=taken, grid=grid)
+        for name, criterion in CRITERIA.items()
+        if criterion.loops != "continuous" and criterion.lacks(taken, k1) is None
+    ]
+    first = prove("circle", linear, k1, k2)
+    if taken.dependent or first.grade == "certificate":
+        return (*checked, first)
+    second = prove("best", linear, k1, k2, taken.slope_sector)
+    slopes = taken.slope_sector
+    if second.grade == "certificate" or not taken.odd or slopes is None or slopes[0] < k1:
+        return (*checked, second)
+    return (*checked, second, prove("zames-falb", linear, k1, k2, slopes))
 
 
 def _gaps(linear: LinearLoop, grid: np.ndarray) -> str | None:
@@ -436,20 +426,16 @@ def _gaps(linear: LinearLoop, grid: np.ndarray) -> str | None:
 
 def _popov(linear: LinearLoop, taken: Lure) -> Certificate | None:
     """Popov on the continuous model of the loop; None where there is none."""
-    if taken.dependent:
+    if CRITERIA["popov"].lacks(taken, taken.sector[0]) is not None:
         return None
-    from leadscrew.analysis.stability.popov import popov
-
     try:
-        return popov(linear, nonlinearity=taken)
+        return ask("popov", linear, nonlinearity=taken)
     except ValueRefused:
         return None
 
 
 def _worst_cycle(linear: LinearLoop, taken: Lure) -> CyclePrediction | None:
     """The largest stable limit cycle over loads that hold the error where the slope exceeds the Nyquist limit."""
-    from leadscrew.analysis.stability.harmonic_balance import limit_cycles
-
     limit = linear.gain_limit(taken.sector[0] if taken.sector[0] > 0.0 else 1.0)
     slopes = taken.slope_sector
     if slopes is None or not math.isfinite(limit) or slopes[1] < limit or not math.isfinite(taken.scale_mm):
@@ -515,19 +501,19 @@ def _remarks(taken: Lure, run: Mapping[str, Any] | None, full_scale: float) -> l
     """What the simulation says against the certificate's worth."""
     if run is None or run["diverged"] is not None:
         return []
-    said = []
+    remarks = []
     low, high = taken.sector
     gone = abs(run["gain"] - float(taken.gain(0.0)))
     if taken.nonlinear and gone < IDLE * (high - low):
-        said.append(
+        remarks.append(
             f"K(e) never gets near its bound of {high:.4g} here: it reaches it at an error of {taken.scale_mm:.3g} mm, "
             f"and the error of this scenario stays within {1e3 * run['largest_error_mm']:.3g} um, where K has moved by "
             f"{gone:.2g}. The controller counts the error in {taken.error_unit}: whatever is proved is proved of a "
             "controller that does what its linear part does. Was um meant?"
         )
     if full_scale > 0.0 and run["largest_output"] >= 0.999 * full_scale:
-        said.append(
+        remarks.append(
             f"the output reaches its full scale of {full_scale:g} {run['unit']} in this scenario; a saturated drive is "
             "not in the proof"
         )
-    return said
+    return remarks

@@ -132,10 +132,6 @@ class Proof:
     """Relative change of every entry of the loop's matrices that the proof covers, a power of two."""
     order: int
 
-    def as_dict(self) -> dict[str, object]:
-        """For a certificate's file."""
-        return {"p": self.p.tolist(), "tolerance": self.tolerance, "order": self.order}
-
 
 def _above(p: np.ndarray, floor: np.ndarray | None) -> bool:
     """``P > floor``, also where the floor's entries move by four times the coarsest tolerance."""

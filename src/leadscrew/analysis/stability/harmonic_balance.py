@@ -1,4 +1,6 @@
-"""Harmonic balance: limit cycles with several harmonics and a mean, by Newton's method on the Fourier coefficients.
+"""Limit cycles of a loop with a static nonlinearity: harmonic balance, with one harmonic the describing function.
+
+A prediction is no proof: it gives the oscillations that a loop sustains, up to the harmonics that were counted.
 
 The error of a cycle of frequency ``w`` is ``e(theta) = E0 + Re(sum of E_n e^(j n theta), n = 1 .. N)``, and with
 ``F_n`` the same coefficients of ``phi(e(theta))`` the loop ``e = -G phi(e)`` asks for
@@ -13,17 +15,15 @@ come to lie everywhere on the turn (the motion is quasi-periodic), and the equat
 with ``G`` at ``e^(j n w T)``: harmonics above half the sampling rate are folded by ``G`` itself, nothing is left out
 but what lies above ``N``.
 
-Newton starts from the cycles of the describing function, and from where its ``N`` comes within 20 % of a gain that
-oscillates without reaching it. Stability as there (Loeb's rule with all harmonics following the amplitude): the
-amplitude is shifted, and the equations are solved for the rate at which it then grows.
+Newton's method solves the balance. It starts from the cycles of the describing function, and from where its ``N`` comes
+within 20 % of a gain that oscillates without reaching it. Stability as there (Loeb's rule with all harmonics following
+the amplitude): the amplitude is shifted, and the equations are solved for the rate at which it then grows.
 
 Source: A. I. Mees, *Dynamics of Feedback Systems*, Wiley 1981, chapter 5, for the balance; on the continuous phase of a
 sampled loop it is ours. Against the largest Lyapunov exponents of the loop linearised along the cycle the rate is right
 to 20 % (a test compares them), its sign in all cases tried.
 
-Describing function of a static nonlinearity, and the limit cycles that it predicts in a loop.
-
-For ``e = b + A cos theta`` the curve ``phi`` answers with a mean and a fundamental,
+One harmonic, the describing function: for ``e = b + A cos theta`` the curve ``phi`` answers with mean and fundamental,
 
     F0 = mean of phi(b + A cos theta),      N = 2 / A mean of phi(b + A cos theta) cos theta        over one turn
 
@@ -53,13 +53,181 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from leadscrew.analysis.stability.cycles import CyclePrediction, LimitCycle, Locus, shown
 from leadscrew.analysis.stability.linear import LinearLoop, phase_crossings
 from leadscrew.util.errors import ValueRefused
+
+WAVE_PHASES = 4096
+"""At which a wave is looked through for its peaks."""
+
+
+def shown(unit: str) -> tuple[float, str]:
+    """The factor and the unit in which a value is written: mm in um, anything else as it is."""
+    return (1e3, "um") if unit == "mm" else (1.0, unit)
+
+
+@dataclass(frozen=True)
+class LimitCycle:
+    """One self-sustained oscillation of the error, in mm: ``e = Re(sum over n of harmonics[n] e^(j n theta))``."""
+
+    frequency_hz: float
+    harmonics: tuple[complex, ...]
+    """Mean error, fundamental (real, positive), second harmonic, ...; mm."""
+    gain: float
+    """``N``: fundamental of the curve's output over the fundamental of the error."""
+    stable: bool
+    """Whether the loop returns to it after a small change of amplitude."""
+    growth: float
+    """Rate in 1/s at which a small deviation of the amplitude grows; negative where it dies away."""
+    left_out: float
+    """Largest harmonic of the error that the balance has left out, as a part of the fundamental."""
+
+    @property
+    def amplitude(self) -> float:
+        """Of the fundamental, half of peak to peak, mm."""
+        return abs(self.harmonics[1])
+
+    @property
+    def bias(self) -> float:
+        """Mean error, mm."""
+        return self.harmonics[0].real
+
+    def wave(self, phase: Any) -> np.ndarray:
+        """The error in mm at these phases in rad."""
+        angles = np.multiply.outer(np.asarray(phase, dtype=float), np.arange(len(self.harmonics)))
+        return np.asarray((np.exp(1j * angles) @ np.array(self.harmonics)).real)
+
+    @property
+    def peak_to_peak(self) -> float:
+        """Largest minus smallest error, mm."""
+        if len(self.harmonics) == 2:
+            return 2.0 * self.amplitude
+        lines = np.zeros(WAVE_PHASES // 2 + 1, dtype=complex)
+        lines[: len(self.harmonics)] = np.array(self.harmonics) * 0.5 * WAVE_PHASES
+        lines[0] = 0.0
+        return float(np.ptp(np.fft.irfft(lines, WAVE_PHASES)))
+
+    def as_dict(self) -> dict[str, Any]:
+        """For JSON; complex numbers as pairs."""
+        return {
+            "frequency_hz": self.frequency_hz, "amplitude": self.amplitude, "bias": self.bias,
+            "peak_to_peak": self.peak_to_peak, "gain": self.gain, "stable": self.stable,
+            "growth_per_s": self.growth, "left_out": self.left_out,
+            "harmonics": [[h.real, h.imag] for h in self.harmonics],
+        }  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Locus:
+    """What the picture is drawn from."""
+
+    amplitude: np.ndarray
+    """mm."""
+    gain: np.ndarray
+    """``N`` at each amplitude, the mean error following as the load asks."""
+    response: np.ndarray
+    """``G`` over a range of frequencies around the crossings."""
+
+
+@dataclass(frozen=True)
+class CyclePrediction:
+    """The limit cycles of a loop with a static nonlinearity under a constant load."""
+
+    criterion: str
+    """``describing function``, or ``harmonic balance, N harmonics``."""
+    loop: str
+    """Its name."""
+    dt: float | None
+    dead_time: float
+    load: float
+    """What the curve has to give on average, mm."""
+    rest_error: float
+    """Error at rest under the load, mm."""
+    rest_slope: float
+    """Slope of the curve there: the local loop gain, relative to the linear part."""
+    crossings: tuple[tuple[float, float], ...]
+    """Phase crossovers: frequency in Hz, and the gain ``-1 / G`` that sustains an oscillation there."""
+    rest_stable: bool
+    """Whether the loop, closed with the slope at rest, is stable."""
+    cycles: tuple[LimitCycle, ...]
+    """By rising amplitude; unstable ones are the edge between rest and a larger cycle."""
+    warnings: list[str] = field(default_factory=list)
+    locus: Locus | None = field(default=None, compare=False, repr=False)
+    grade: str = "prediction"
+    unit: str = "mm"
+    """Of the curve's argument, and so of every amplitude."""
+
+    @property
+    def stable_cycles(self) -> tuple[LimitCycle, ...]:
+        """Those that the loop can be seen in."""
+        return tuple(c for c in self.cycles if c.stable)
+
+    @property
+    def statement(self) -> str:
+        """What is predicted, in one sentence."""
+        seen = self.stable_cycles
+        factor, unit = shown(self.unit)
+        size = (
+            f"{factor * seen[-1].peak_to_peak:.3g} {unit} from peak to peak at {seen[-1].frequency_hz:.4g} Hz"
+            if seen
+            else ""
+        )
+        if not self.rest_stable:
+            return (
+                f"The loop does not come to rest: it chatters, {size}." if seen else "The loop does not come to rest."
+            )
+        if not seen:
+            return "The loop comes to rest; no limit cycle was found."
+        kick = [c for c in self.cycles if not c.stable and c.amplitude < seen[-1].amplitude]
+        beyond = f" by more than about {factor * kick[-1].amplitude:.3g} {unit}" if kick else ""
+        return f"The loop stays at rest, but once disturbed{beyond} it chatters, {size}."
+
+    @property
+    def shown_in(self) -> tuple[float, str]:
+        """The factor and the unit in which its errors are written."""
+        return shown(self.unit)
+
+    def as_dict(self) -> dict[str, Any]:
+        """For JSON."""
+        return {
+            "criterion": self.criterion, "grade": self.grade, "statement": self.statement, "loop": self.loop,
+            "dt": self.dt, "dead_time": self.dead_time, "unit": self.unit, "load": self.load,
+            "rest_error": self.rest_error,
+            "rest_slope": self.rest_slope, "rest_stable": self.rest_stable,
+            "crossings": [{"frequency_hz": f, "gain": k} for f, k in self.crossings],
+            "cycles": [c.as_dict() for c in self.cycles], "warnings": list(self.warnings),
+        }  # fmt: skip
+
+    def report(self) -> str:
+        """The prediction in words, a line each."""
+        kind = f"sampled at {1e-3 / self.dt:g} kHz" if self.dt else f"continuous, dead time {1e3 * self.dead_time:g} ms"
+        factor, unit = shown(self.unit)
+        limit = min((k for _, k in self.crossings), default=math.inf)
+        lines = [
+            f"Limit cycles by {self.criterion} ({self.grade}, not a proof)",
+            f"  loop         {self.loop or 'unnamed'}, {kind}",
+            f"  at rest      error {factor * self.rest_error:.4g} {unit}, slope {self.rest_slope:.4g}, "
+            f"least gain that oscillates {limit:.4g}: {'stable' if self.rest_stable else 'unstable'}",
+        ]
+        for c in self.cycles:
+            lines.append(
+                f"  cycle        {factor * c.peak_to_peak:.4g} {unit} peak to peak about {factor * c.bias:.4g} {unit} "
+                f"at {c.frequency_hz:.5g} Hz, {'stable' if c.stable else 'unstable'} ({c.growth:+.3g} 1/s)"
+            )
+        lines.append(f"  {self.statement}")
+        lines += [f"  warning      {w}" for w in self.warnings]
+        return "\n".join(lines)
+
+    def figure(self) -> Any:
+        """Nyquist curve with the locus ``-1 / N(A)``, and ``N`` against amplitude with the gain of each crossing."""
+        from leadscrew.figures.stability import cycles_figure
+
+        return cycles_figure(self)
+
 
 Curve = Callable[[Any], Any]
 """``phi``: error in mm to error in mm, element by element on arrays."""
@@ -222,7 +390,7 @@ class Task:
         from scipy.optimize import brentq
 
         over = self.gains(w) - limit
-        found = []
+        amplitudes = []
         for i in np.nonzero(np.sign(over[:-1]) * np.sign(over[1:]) < 0)[0]:
             low, high = math.log(self.sizes[i]), math.log(self.sizes[i + 1])
 
@@ -230,8 +398,8 @@ class Task:
                 return self.one(w, math.exp(x))[1] - limit
 
             if left(low) * left(high) < 0.0:
-                found.append(math.exp(brentq(left, low, high, xtol=1e-10)))
-        return found
+                amplitudes.append(math.exp(brentq(left, low, high, xtol=1e-10)))
+        return amplitudes
 
     def cycle(self, w: float, limit: float, size: float) -> LimitCycle:
         """The cycle at a crossing, with its stability."""
@@ -270,33 +438,35 @@ class Task:
         others = poles[np.minimum(abs(poles - 1j * w), abs(poles + 1j * w)) > 1e-3 * w]
         return bool((others.real < 0.0).all())
 
-    def warnings(self, cycles: list[LimitCycle]) -> list[str]:
-        """What a user should know before trusting the cycles."""
-        found = []
+    def warnings(self, cycles: list[LimitCycle], largest: float) -> list[str]:
+        """What a user should know before trusting the cycles; ``largest``: harmonic that may be left out."""
+        warnings = []
         spread = np.linspace(-1.0, 1.0, 2001) * 2.0 * max([c.amplitude + abs(c.bias) for c in cycles] or [self.least])
         if (np.diff(np.asarray(self.phi(self.rest + spread))) < -1e-12 * self.most).any():
-            found.append(
+            warnings.append(
                 "the curve falls somewhere: for each amplitude one mean error was looked at, there may be more"
             )
         factor, unit = self.shown
         for c in cycles:
             size = f"cycle of {factor * c.peak_to_peak:.3g} {unit}"
-            if c.left_out > LARGE_HARMONIC:
-                found.append(
-                    f"{size}: a harmonic of {100.0 * c.left_out:.0f} % of the fundamental was left out; use "
-                    "harmonic_balance"
+            if c.left_out > largest:
+                warnings.append(
+                    f"{size}: a harmonic of {100.0 * c.left_out:.0f} % of the fundamental was left out; balance more "
+                    "harmonics"
                 )
             if self.loop.dt is not None and 2.0 * c.frequency_hz * self.loop.dt > 1.0 / 2.5:
-                found.append(f"{size}: fewer than 5 samples a period; it may lock to a multiple of the sampling period")
+                warnings.append(
+                    f"{size}: fewer than 5 samples a period; it may lock to a multiple of the sampling period"
+                )
         for w, limit in self.crossings:
             at_most = self.gains(w)[-1]
             if at_most > limit:
-                found.append(
+                warnings.append(
                     f"at {factor * self.most:g} {unit}, the largest amplitude searched, N = {at_most:.3g} is still "
                     f"above {limit:.3g}: a large oscillation grows further, until something else limits it"
                 )
                 break
-        return found
+        return warnings
 
     def prediction(self, criterion: str, cycles: tuple[LimitCycle, ...], warnings: list[str]) -> CyclePrediction:
         """All of it."""
@@ -312,8 +482,6 @@ class Task:
         )  # fmt: skip
 
 
-HARMONICS = 30
-"""In a sampled loop those that fold to low frequencies count, where ``G`` is large: 10, 20, 30 at 10 samples a turn."""
 MOST_HARMONICS = 100
 PHASES_PER_HARMONIC = 32
 STEPS = 60
@@ -324,51 +492,54 @@ CLOSE = 0.2
 SAME = 1e-4
 """Two cycles are one where frequency and amplitude agree this well."""
 LARGE_TAIL = 0.02
+"""The same where several harmonics are balanced."""
 
 
-def harmonic_balance(
+def limit_cycles(
     loop: LinearLoop,
     curve: Any,
     load: float = 0.0,
     *,
-    harmonics: int = HARMONICS,
+    harmonics: int = 1,
     static_gain: float = math.inf,
     amplitudes: tuple[float, float] = (1e-5, 1.0),
     unit: str = "mm",
 ) -> CyclePrediction:
-    """The limit cycles of a loop with several harmonics and a mean.
+    """Every limit cycle of a loop: amplitude and mean error together, frequency, stability.
 
     Args:
         loop: the linear part, cut at the error; sampled or continuous with dead time.
-        curve: ``phi`` in mm, rising and continuous (kinks are welcome; at a jump Newton's method has no slope to go
-            by), a function of arrays or what ``lure(controller)`` gives.
+        curve: ``phi`` in mm, rising, a function of arrays or what ``lure(controller)`` gives; with more than one
+            harmonic it has to be continuous (kinks are welcome; at a jump Newton's method has no slope to go by).
         load: mean that the curve has to give, mm: ``phi(e)`` at rest.
-        harmonics: how many are balanced, 1 to 100; 1 is the describing function.
+        harmonics: how many are balanced, 1 to 100. One is the describing function; 30 count those of a sampled loop
+            that fold to low frequencies, where ``G`` is large: 10, 20, 30 at 10 samples a turn.
         static_gain: ``G0``, gain of the loop for slow changes; infinite for a loop with integral action.
         amplitudes: smallest and largest amplitude searched, mm.
         unit: of the curve's argument, where that is not the error in mm: V for a loop cut at the drive's voltage, say.
 
     Raises:
-        ValueRefused: a number of harmonics that is not allowed, and what the describing function refuses.
+        ValueRefused: a number of harmonics that is not allowed, a load that the curve cannot carry, a range of
+            amplitudes that is none, a curve that is no static map.
     """
     if not 1 <= harmonics <= MOST_HARMONICS:
-        raise ValueRefused(f"harmonics = {harmonics!r} (harmonic_balance): allowed are 1 to {MOST_HARMONICS}")
+        raise ValueRefused(f"harmonics = {harmonics!r} (limit_cycles): allowed are 1 to {MOST_HARMONICS}")
     task = Task(loop, curve, load, static_gain, amplitudes, unit)
     factor, word = task.shown
-    found: list[LimitCycle] = []
+    cycles: list[LimitCycle] = []
     warnings: list[str] = []
     for w, limit in task.crossings:
-        if w >= loop.nyquist * (1.0 - 1e-9):
-            found += [task.cycle(w, limit, size) for size in task.amplitudes_of_gain(w, limit)]
+        sizes = task.amplitudes_of_gain(w, limit)
+        if harmonics == 1 or w >= loop.nyquist * (1.0 - 1e-9):
+            cycles += [task.cycle(w, limit, size) for size in sizes]
             continue
-        sure = task.amplitudes_of_gain(w, limit)
-        for size in [*sure, *_near(task, w, limit)]:
+        for size in [*sizes, *_near(task, w, limit)]:
             balance = Balance(task, harmonics)
             start = np.zeros(2 * harmonics + 1)
             start[0], start[1], start[2] = task.one(w, size)[0], size, w
             solution = balance.solve(start)
             if solution is None:
-                if size in sure:
+                if size in sizes:
                     warnings.append(
                         "Newton's method did not settle from the describing function's cycle of "
                         f"{2.0 * factor * size:.3g} {word}"
@@ -376,17 +547,12 @@ def harmonic_balance(
                 continue
             cycle = balance.cycle(solution, w, limit)
             if all(abs(cycle.amplitude / c.amplitude - 1.0) > SAME or
-                   abs(cycle.frequency_hz / c.frequency_hz - 1.0) > SAME for c in found):  # fmt: skip
-                found.append(cycle)
-    found.sort(key=lambda c: c.amplitude)
-    warnings += [w for w in task.warnings(found) if "left out" not in w]
-    for c in found:
-        if c.left_out > LARGE_TAIL:
-            warnings.append(
-                f"cycle of {factor * c.peak_to_peak:.3g} {word}: the next harmonics are still "
-                f"{100.0 * c.left_out:.0f} % of the fundamental; balance more of them"
-            )
-    return task.prediction(f"harmonic balance, {harmonics} harmonics", tuple(found), warnings)
+                   abs(cycle.frequency_hz / c.frequency_hz - 1.0) > SAME for c in cycles):  # fmt: skip
+                cycles.append(cycle)
+    cycles.sort(key=lambda c: c.amplitude)
+    warnings += task.warnings(cycles, LARGE_HARMONIC if harmonics == 1 else LARGE_TAIL)
+    criterion = "describing function" if harmonics == 1 else f"harmonic balance, {harmonics} harmonics"
+    return task.prediction(criterion, tuple(cycles), warnings)
 
 
 def _near(task: Task, w: float, limit: float) -> list[float]:
@@ -526,40 +692,6 @@ def describing_function(curve: Any, amplitude: Any, bias: Any = 0.0, points: int
     if not (np.isfinite(size).all() and (size > 0.0).all()):
         raise ValueRefused(f"describing_function: amplitude = {amplitude!r}; allowed are finite values above 0")
     return described_by(curve_function(curve), size, b, half_turn(points))
-
-
-def limit_cycles(
-    loop: LinearLoop,
-    curve: Any,
-    load: float = 0.0,
-    *,
-    static_gain: float = math.inf,
-    amplitudes: tuple[float, float] = (1e-5, 1.0),
-    unit: str = "mm",
-) -> CyclePrediction:
-    """Every limit cycle that the describing function predicts: amplitude and mean error together, frequency, stability.
-
-    Args:
-        loop: the linear part, cut at the error; sampled or continuous with dead time.
-        curve: ``phi`` in mm, rising, a function of arrays or what ``lure(controller)`` gives.
-        load: mean that the curve has to give, mm: ``phi(e)`` at rest.
-        static_gain: ``G0``, gain of the loop for slow changes; infinite for a loop with integral action.
-        amplitudes: smallest and largest amplitude searched, mm.
-        unit: of the curve's argument, where that is not the error in mm: V for a loop cut at the drive's voltage, say.
-
-    Raises:
-        ValueRefused: a load that the curve cannot carry, a range of amplitudes that is none, a curve that is no static
-            map.
-    """
-    task = Task(loop, curve, load, static_gain, amplitudes, unit)
-    cycles: list[LimitCycle] = []
-    warnings: list[str] = []
-    for w, limit in task.crossings:
-        for size in task.amplitudes_of_gain(w, limit):
-            cycles.append(task.cycle(w, limit, size))
-    cycles.sort(key=lambda c: c.amplitude)
-    warnings += task.warnings(cycles)
-    return task.prediction("describing function", tuple(cycles), warnings)
 
 
 def biggest(prediction: CyclePrediction) -> LimitCycle | None:

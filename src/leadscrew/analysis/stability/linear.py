@@ -262,6 +262,18 @@ class LinearLoop:
         return ss(self.a, self.b, self.c, self.d, self.dt or 0)
 
 
+def worst_pole(loop: LinearLoop, gain: float) -> str:
+    """The closed loop's outermost pole, for a sentence."""
+    poles = loop.closed_poles(gain)
+    if loop.dt is not None:
+        z = poles[np.argmax(np.abs(poles))]
+        return f"a pole at |z| = {abs(z):.6g}"
+    s = poles[np.argmax(poles.real)]
+    return f"a pole at {s.real:.4g} {'+-' if s.imag else ''}{f' {abs(s.imag):.4g}j' if s.imag else ''} 1/s".replace(
+        "  ", " "
+    )
+
+
 PER_DECADE = 400
 LARGEST_RAD_S = 2e5
 """Upper end for a continuous loop, rad/s."""

@@ -6,12 +6,11 @@ period. :mod:`leadscrew.analysis.stability.exact` verifies them without rounding
 matrices are the doubles that were computed, and about every loop near it: the certificate says how near, and that this
 is more than the rounding of the matrices.
 
-========================  ==================================================================================
-:func:`lmi_circle`        circle criterion: gains that vary in time, and every map in the sector
-:func:`lmi_tsypkin`       Tsypkin, or Jury and Lee: static maps with bounded slope, sampled loops
-:func:`lmi_popov`         Popov: static maps, continuous loops without dead time
-:func:`largest_proved`    the largest sector that one of them proves
-========================  ==================================================================================
+======================  ====================================================================================
+:func:`prove`           a criterion for a sector: circle, Tsypkin, Jury-Lee, Zames-Falb, Popov
+:func:`largest_proved`  the largest sector that circle, Tsypkin, Jury-Lee or Popov proves
+:func:`driven`          circle criterion on the slope: the loop under every command and load
+======================  ====================================================================================
 
 A sampled loop has its delays among its states. A continuous loop with a dead time has no finite state: it is refused.
 
@@ -43,7 +42,7 @@ Control* 16, 1971; the multipliers of negative ``q``: R. O'Shea, M. I. Younis, *
 
 The Zames-Falb criterion as a verified matrix inequality: fixed odd laws of bounded slope, sampled loops.
 
-The multiplier ``1 + M(z)`` of :mod:`leadscrew.analysis.stability.zames_falb`, found on a grid of frequencies, remembers
+The multiplier ``1 + M(z)`` of :mod:`leadscrew.analysis.stability.criteria`, found on a grid of frequencies, remembers
 the last errors; they become states. With ``w = v - k1 e``, ``g = e - w / s``, ``s = s2 - k1`` and ``k = k2 - k1``, what
 is added to the circle's ``2 w (k e - w)`` is, for the coefficients of the delay ``i``::
 
@@ -67,8 +66,10 @@ from typing import Any, Literal
 import numpy as np
 
 from leadscrew.analysis.stability.certificate import Certificate, Grade, interval, of_loop
+from leadscrew.analysis.stability.criteria import CRITERIA, Name, ask, jury_lee_lines, popov_lines, tsypkin_lines
 from leadscrew.analysis.stability.exact import Inequality, Proof, proved, rational
 from leadscrew.analysis.stability.linear import LinearLoop, own_grid
+from leadscrew.analysis.stability.multiplier import best_multiplier, limit_of
 from leadscrew.util.errors import ValueRefused
 
 ROUNDING = 2.0**-42
@@ -168,9 +169,9 @@ def solve(lmi: Inequality, k1: float, least: float = ROUNDING, positive: bool = 
         p = proposal(strict)
         if p is None or _hopeless(lmi.sampled, a, b, weights, p):
             continue
-        found = proved(lmi, p / scale[:, None] / scale, least, positive)
-        if found is not None:
-            return found
+        proof = proved(lmi, p / scale[:, None] / scale, least, positive)
+        if proof is not None:
+            return proof
     return None
 
 
@@ -265,55 +266,44 @@ SHORT = (1e-5, 1e-4, 1e-3, 3e-3, 1e-2, 3e-2, 0.1, 0.3)
 LARGEST = 1e6
 """Largest upper bound of a sector that is tried."""
 
-WHO = {
+LAWS = {
     "circle": "every error law between {0} e and {1} e, also one whose gain changes with time",
     "tsypkin": "every fixed error law between {0} e and {1} e{2}",
     "jury-lee": "every fixed error law between {0} e and {1} e{2}",
     "popov": "every fixed error law between {0} e and {1} e",
 }
-NAMES = {"circle": "circle", "tsypkin": "Tsypkin", "jury-lee": "Jury-Lee", "popov": "Popov"}
 
 
-def lmi_circle(loop: LinearLoop, k1: float, k2: float) -> Certificate:
-    """The circle criterion for the sector ``[k1, k2]`` as a verified matrix inequality.
+def prove(
+    criterion: Name | Literal["best"], loop: LinearLoop, k1: float, k2: float, slopes: Slopes = None,
+    *, taps: int | None = None,
+) -> Certificate:  # fmt: skip
+    """A criterion for the sector ``[k1, k2]`` as a verified matrix inequality.
 
-    Raises:
-        ValueRefused: bounds that are not finite or not in order.
-    """
-    return _certificate(loop, k1, k2, "circle", None)
-
-
-def lmi_tsypkin(
-    loop: LinearLoop, k1: float, k2: float, slopes: Slopes = None, form: Literal["best", "tsypkin", "jury-lee"] = "best"
-) -> Certificate:
-    """Tsypkin's criterion, or Jury and Lee's, for the sector ``[k1, k2]`` as a verified matrix inequality.
-
-    ``slopes`` bounds the slope of the map; ``None``: it is at least ``k1``, which is all that Tsypkin needs and too
-    little for Jury and Lee. ``best`` takes the one that proves more on a grid of frequencies; its multiplier too is the
-    grid's best, the proof is the inequality.
+    Args:
+        criterion: a name of :data:`~leadscrew.analysis.stability.criteria.CRITERIA`, or ``best``: Tsypkin or Jury-Lee,
+            whichever proves more on a grid of frequencies. The multiplier too is the grid's best; the proof is the
+            inequality.
+        loop: cut at the error, without a dead time; sampled, for Popov continuous, for the circle either.
+        k1: lower bound of the sector.
+        k2: upper bound.
+        slopes: bounds of the map's slope; ``None``: it is at least ``k1``, which is all that Tsypkin needs and too
+            little for Jury-Lee and Zames-Falb.
+        taps: delays of Zames-Falb's multiplier to either side: 6 where not given.
 
     Raises:
-        ValueRefused: bounds not finite or not in order, a slope below ``k1`` for Tsypkin, no slopes for Jury-Lee, a
-            continuous loop.
+        ValueRefused: bounds not finite or not in order, slopes that the criterion does not allow, a loop of the other
+            kind.
     """
-    if not loop.sampled:
-        raise ValueRefused(
-            f"loop {loop.name!r} is continuous: Tsypkin and Jury-Lee are for sampled loops; use lmi_popov"
-        )
-    if form != "best":
-        return _certificate(loop, k1, k2, form, slopes)
-    return _certificate(loop, k1, k2, _better(loop, k1, slopes), slopes)
-
-
-def lmi_popov(loop: LinearLoop, k1: float, k2: float) -> Certificate:
-    """Popov's criterion for the sector ``[k1, k2]`` of a continuous loop as a verified matrix inequality.
-
-    Raises:
-        ValueRefused: bounds not finite or not in order, a sampled loop.
-    """
-    if loop.sampled:
-        raise ValueRefused(f"loop {loop.name!r} is sampled: Popov is for continuous loops; use lmi_tsypkin")
-    return _certificate(loop, k1, k2, "popov", None)
+    row = CRITERIA["tsypkin" if criterion == "best" else criterion]
+    kind, other = ("sampled", "best") if loop.sampled else ("continuous", "popov")
+    if row.loops not in ("both", kind):
+        raise ValueRefused(f"{criterion} is for {row.loops} loops, and {loop.name!r} is {kind}; use {other}")
+    if taps is not None and "taps" not in row.options:
+        raise ValueRefused(f"{criterion}: it has no taps")
+    if criterion == "zames-falb":
+        return _zames_falb(loop, k1, k2, slopes, TAPS if taps is None else taps)
+    return _by_form(loop, k1, k2, _better(loop, k1, slopes) if criterion == "best" else criterion, slopes)
 
 
 def largest_proved(
@@ -325,22 +315,23 @@ def largest_proved(
     ``slopes`` it is at most their upper bound, which no such map exceeds; without, 1e6 stands for a sector without end.
 
     Raises:
-        ValueRefused: as :func:`lmi_circle` and :func:`lmi_tsypkin`.
+        ValueRefused: as :func:`prove`.
     """
     chosen: Form = _better(loop, k1, slopes) if form == "best" else form
     refused = refusal(loop, k1)
     if refused is not None:
-        return _made(loop, (k1, math.inf), chosen, "refused", refused)
+        return _of_form(loop, (k1, math.inf), chosen, "refused", refused)
     bound, q = grid_limit(loop, k1, chosen, slopes)
     top = min(bound, LARGEST if slopes is None else slopes[1])
     for short in SHORT:
         k2 = k1 + (top - k1) * (1.0 - short)
         proof = _prove(loop, k1, k2, chosen, q, slopes)
         if proof is not None:
-            return _proved(loop, k1, k2, chosen, q, slopes, proof, k2, bound, asked=(k1, math.inf))
-    return _made(
-        loop, (k1, math.inf), chosen, "refused", f"No sector that begins at {k1:g} is proved for {loop.name!r}."
-    )
+            statement = _proved(loop, k1, k2, chosen, slopes, proof)
+            numbers = {"grid_limit": bound, **_numbers(proof)}
+            return _of_form(loop, (k1, math.inf), chosen, "certificate", statement, k2, q, numbers)
+    statement = f"No sector that begins at {k1:g} is proved for {loop.name!r}."
+    return _of_form(loop, (k1, math.inf), chosen, "refused", statement)
 
 
 def grid_limit(loop: LinearLoop, k1: float, form: Form, slopes: Slopes = None) -> tuple[float, float]:
@@ -354,39 +345,23 @@ def grid_limit(loop: LinearLoop, k1: float, form: Form, slopes: Slopes = None) -
         g = g / (1.0 + k1 * g)
     else:
         g = loop.shifted(k1).response(w)  # finite where an undamped resonator makes G infinite
-    z = np.exp(1j * w * (loop.dt or 0.0))
-    pieces: list[np.ndarray] = []
-    if form == "tsypkin":
-        inverse = 0.0 if slopes is None else 1.0 / (slopes[1] - k1)
-        pieces = [((1.0 - 1.0 / z) * (g + inverse)).real, ((1.0 - z) * (g + inverse)).real]
-    elif form == "jury-lee" and slopes is not None:
-        curved = 0.5 * (slopes[1] - k1) * np.abs((z - 1.0) * g) ** 2
-        pieces = [((z - 1.0) * g).real - curved, ((1.0 / z - 1.0) * g).real - curved]
-    elif form == "popov":
-        pieces = [-w * g.imag, w * g.imag]
+    gap = math.inf if slopes is None else slopes[1] - k1
     best, q = float(-g.real.min()), 0.0
-    if slopes is not None and best * (slopes[1] - k1) < 1.0:
-        return (k1 + 1.0 / best if best > 0.0 else math.inf), 0.0  # no map of these slopes needs a multiplier
-    for sign, piece in zip((1.0, -1.0), pieces, strict=False):
-        size, m = _least(g.real, piece, loop)
+    if best * gap < 1.0 and slopes is not None:
+        return limit_of(k1, best), q  # no map of these slopes needs a multiplier
+    z = np.exp(1j * w * (loop.dt or 0.0))
+    lines = {
+        "circle": [],
+        "tsypkin": [(sign, *tsypkin_lines(g, z, sign, gap)) for sign in (1.0, -1.0)],
+        "jury-lee": [(sign, *jury_lee_lines(g, z, sign, gap)) for sign in (1.0, -1.0)] if slopes is not None else [],
+        "popov": [(sign, r, sign * s) for r, s in [popov_lines(g, w)] for sign in (1.0, -1.0)],
+    }[form]
+    for sign, r, s in lines:
+        size = best_multiplier(r, s, 0.0, math.inf, 1.0 if loop.sampled else 1e-3)
+        m = float((r + size * s).max())
         if m < best:
             best, q = m, sign * size
-    return (k1 + 1.0 / best if best > 0.0 else math.inf), q
-
-
-def _least(real: np.ndarray, piece: np.ndarray, loop: LinearLoop) -> tuple[float, float]:
-    """The size ``x`` with the least ``m = max -(real + x piece)``, and ``m``: over octaves, then refined."""
-    from scipy.optimize import minimize_scalar
-
-    def worst(x: float) -> float:
-        return float(-(real + x * piece).min())
-
-    unit = 1.0 if loop.sampled else 1e-3
-    tried = unit * 2.0 ** np.arange(-14, 15)
-    i = int(np.argmin([worst(float(x)) for x in tried]))
-    low, high = math.log(tried[max(i - 1, 0)]), math.log(tried[min(i + 1, len(tried) - 1)])
-    found = minimize_scalar(lambda x: worst(math.exp(x)), bounds=(low, high), method="bounded", options={"xatol": 1e-6})
-    return math.exp(float(found.x)), float(found.fun)
+    return limit_of(k1, best), q
 
 
 def _better(loop: LinearLoop, k1: float, slopes: Slopes) -> Form:
@@ -417,10 +392,10 @@ def _checked(loop: LinearLoop, k1: float, k2: float, form: Form, slopes: Slopes)
         raise ValueRefused("Jury-Lee needs the bounds of the map's slope: slopes=(s1, s2)")
     if form in ("jury-lee", "popov") and float(loop.d[0, 0]) != 0.0:
         raise ValueRefused(
-            f"loop {loop.name!r} feeds through directly: {NAMES[form]} needs a loop without feed-through"
+            f"loop {loop.name!r} feeds through directly: {CRITERIA[form].title} needs a loop without feed-through"
         )
     if form != "circle" and k1 == k2:
-        raise ValueRefused(f"sector [{k1:g}, {k2:g}]: a multiplier needs k1 < k2; take lmi_circle for a fixed gain")
+        raise ValueRefused(f"sector [{k1:g}, {k2:g}]: a multiplier needs k1 < k2; take circle for a fixed gain")
 
 
 def refusal(loop: LinearLoop, k1: float) -> str | None:
@@ -452,65 +427,77 @@ def _prove(loop: LinearLoop, k1: float, k2: float, form: Form, q: float, slopes:
     return solve(popov_inequality(loop, k1, k2, q), k1)
 
 
-def _certificate(loop: LinearLoop, k1: float, k2: float, form: Form, slopes: Slopes) -> Certificate:
+def _by_form(loop: LinearLoop, k1: float, k2: float, form: Form, slopes: Slopes) -> Certificate:
     _checked(loop, k1, k2, form, slopes)
     refused = refusal(loop, k1)
     if refused is not None:
-        return _made(loop, (k1, k2), form, "refused", refused)
+        return _of_form(loop, (k1, k2), form, "refused", refused)
     bound, q = grid_limit(loop, k1, form, slopes)
     proof = _prove(loop, k1, k2, form, q, slopes) if k2 <= bound else None
     if proof is not None:
-        return _proved(loop, k1, k2, form, q, slopes, proof, k2, bound, asked=(k1, k2))
+        numbers = {"grid_limit": bound, **_numbers(proof)}
+        return _of_form(loop, (k1, k2), form, "certificate", _proved(loop, k1, k2, form, slopes, proof), k2, q, numbers)
     if k2 < bound:
-        said = (
-            f"On a grid of frequencies the {NAMES[form]} criterion holds up to {bound:.6g}, but no matrix inequality "
-            f"with a tolerance above rounding was found for {interval(k1, k2)}: it lies within rounding of the limit."
+        statement = (
+            f"On a grid of frequencies the {CRITERIA[form].title} criterion holds up to {bound:.6g}, but no matrix "
+            f"inequality with a tolerance above rounding was found for {interval(k1, k2)}: it lies within rounding of "
+            "the limit."
         )
-        return _made(loop, (k1, k2), form, "grid-checked", said, bound, q)
+        return _of_form(loop, (k1, k2), form, "grid-checked", statement, bound, q)
     nyquist = loop.gain_limit(k1)
     beyond = (
-        f"; a fixed gain of {nyquist:.4g} makes it unstable" if k2 >= nyquist
-        else f"; the Nyquist limit of {nyquist:.4g} alone does not settle it"
+        f"a fixed gain of {nyquist:.4g} makes it unstable" if k2 >= nyquist
+        else f"the Nyquist limit of {nyquist:.4g} alone does not settle it"
     )  # fmt: skip
-    said = f"The {NAMES[form]} criterion proves {loop.name!r} for {interval(k1, bound)}, not up to {k2:g}{beyond}."
-    return _made(loop, (k1, k2), form, "refused", said, bound, q)
+    statement = (
+        f"The {CRITERIA[form].title} criterion proves {loop.name!r} for {interval(k1, bound)}, not up to {k2:g}; "
+        f"{beyond}."
+    )
+    return _of_form(loop, (k1, k2), form, "refused", statement, bound, q)
 
 
-def _proved(
-    loop: LinearLoop, k1: float, k2: float, form: Form, q: float, slopes: Slopes, proof: Proof, limit: float,
-    bound: float, asked: tuple[float, float],
-) -> Certificate:  # fmt: skip
+def _proved(loop: LinearLoop, k1: float, k2: float, form: Form, slopes: Slopes, proof: Proof) -> str:
     steep = ""
     if form == "tsypkin":
         steep = f" with a slope of at least {k1:g}" if slopes is None else f" with slopes in {interval(k1, slopes[1])}"
     elif form == "jury-lee" and slopes is not None:
         steep = f" with slopes up to {slopes[1]:g}"
-    law = WHO[form].format(f"{k1:g}", f"{k2:.6g}", steep)
-    said = (
-        f"At rest, with {law}, {loop.name!r} returns to rest from every state, exponentially: proved in exact "
-        f"arithmetic for its matrices in double precision, and for all that differ from them by up to "
-        f"{proof.tolerance:.2g} of each entry; their rounding is below {ROUNDING:.2g}."
+    law = LAWS[form].format(f"{k1:g}", f"{k2:.6g}", steep)
+    return (
+        f"At rest, with {law}, {loop.name!r} returns to rest from every state, exponentially: proved "
+        f"{_exactly(proof.tolerance)}."
     )
-    extra = {
-        "grid_limit": bound,
-        "p": proof.p,
-        "order": proof.order,
-        "tolerance": proof.tolerance,
-        "rounding": ROUNDING,
-    }
-    return _made(loop, asked, form, "certificate", said, limit, q, extra)
 
 
-def _made(
-    loop: LinearLoop, sector: tuple[float, float], form: Form, grade: Grade, statement: str, limit: float | None = None,
-    q: float = 0.0, extra: dict[str, object] | None = None,
+def _exactly(tolerance: float) -> str:
+    return (
+        "in exact arithmetic for its matrices in double precision, and for all that differ from them by up to "
+        f"{tolerance:.2g} of each entry; their rounding is below {ROUNDING:.2g}"
+    )
+
+
+def _numbers(proof: Proof) -> dict[str, object]:
+    return {"p": proof.p, "order": proof.order, "tolerance": proof.tolerance, "rounding": ROUNDING}
+
+
+def _of_form(
+    loop: LinearLoop, sector: tuple[float, float], form: Form, grade: Grade, statement: str,
+    limit: float | None = None, q: float = 0.0, numbers: dict[str, object] | None = None,
 ) -> Certificate:  # fmt: skip
-    asked = sector[1]
-    margin = None if limit is None or not math.isfinite(asked) or asked == 0.0 else limit / asked
-    return Certificate(
-        f"{NAMES[form]}, matrix inequality", grade, statement, of_loop(loop), sector, limit, margin,
-        None if form == "circle" else q, None, list(loop.notes), {"form": form, **(extra or {})},
-    )  # fmt: skip
+    title = f"{CRITERIA[form].title}, matrix inequality"
+    multiplier = None if form == "circle" else q
+    numbers = {"form": form, **(numbers or {})}
+    return _certificate(loop, title, sector, grade, statement, limit, numbers, multiplier=multiplier)
+
+
+def _certificate(
+    loop: LinearLoop, title: str, sector: tuple[float, float], grade: Grade, statement: str, limit: float | None,
+    numbers: dict[str, object], **more: Any,
+) -> Certificate:  # fmt: skip
+    upper = sector[1]
+    margin = None if limit is None or not math.isfinite(upper) or upper <= 0.0 else limit / upper
+    more.setdefault("warnings", list(loop.notes))
+    return Certificate(title, grade, statement, of_loop(loop), sector, limit, margin, data=numbers, **more)
 
 
 TAPS = 6
@@ -519,51 +506,35 @@ SMALLEST = 1e-9
 """Coefficients below this part of the largest are left out."""
 
 
-def lmi_zames_falb(loop: LinearLoop, k1: float, k2: float, slope: float, taps: int = TAPS) -> Certificate:
-    """The sector ``[k1, k2]`` for every fixed odd law whose slope lies in ``[k1, slope]``.
-
-    Raises:
-        ValueRefused: a continuous loop, bounds out of order, no taps.
-    """
-    from leadscrew.analysis.stability.zames_falb import zames_falb
-
-    if not loop.sampled:
-        raise ValueRefused(f"loop {loop.name!r} is continuous: this form of Zames-Falb is for sampled loops")
-    if not (math.isfinite(slope) and k1 < k2 <= slope):
-        raise ValueRefused(f"sector [{k1!r}, {k2!r}], slope {slope!r}: needs k1 < k2 <= slope, all finite")
+def _zames_falb(loop: LinearLoop, k1: float, k2: float, slopes: Slopes, taps: int) -> Certificate:
+    """The sector ``[k1, k2]`` for every fixed odd law whose slope lies in ``slopes``."""
+    if slopes is None or not (math.isfinite(slopes[1]) and k1 <= slopes[0] and k1 < k2 <= slopes[1]):
+        raise ValueRefused(
+            f"sector [{k1!r}, {k2!r}], slopes {slopes!r}: Zames-Falb needs k1 < k2 within the slopes, all finite"
+        )
+    slope = slopes[1]
+    title, sector = "Zames-Falb, matrix inequality", (k1, k2)
     refused = refusal(loop, k1)
     if refused is not None:
-        return _zames_falb_certificate(loop, (k1, k2), "refused", refused, None, {})
-    found = zames_falb(loop, k1, slope=slope, taps=taps)
-    limit = found.limit if found.limit is not None else k1
-    weights = np.asarray(found.data.get("weights", np.zeros(4 * taps)))
+        return _certificate(loop, title, sector, "refused", refused, None, {})
+    on_grid = ask("zames-falb", loop, k1, slope=slope, taps=taps)
+    limit = on_grid.limit if on_grid.limit is not None else k1
+    weights = np.asarray(on_grid.data.get("weights", np.zeros(4 * taps)))
     numbers: dict[str, object] = {"grid_limit": limit, "taps": taps, "weights": weights}
     rest = solve(inequality(loop, k1, k1), k1)
-    asked = zames_falb_inequality(loop, k1, k2, weights, taps, slope)
-    proof = solve(asked, k1, positive=False) if k2 <= limit else None
+    lmi = zames_falb_inequality(loop, k1, k2, weights, taps, slope)
+    proof = solve(lmi, k1, positive=False) if k2 <= limit else None
     if proof is None or rest is None:
-        said = f"No proof of [{k1:g}, {k2:g}] for {loop.name!r}: on a grid the criterion holds up to {limit:.5g}."
-        return _zames_falb_certificate(loop, (k1, k2), "refused", said, limit, numbers)
+        statement = f"No proof of [{k1:g}, {k2:g}] for {loop.name!r}: on a grid the criterion holds up to {limit:.5g}."
+        return _certificate(loop, title, sector, "refused", statement, limit, numbers)
     tolerance = min(proof.tolerance, rest.tolerance)
     law = f"between {k1:g} e and {k2:.6g} e with slopes in [{k1:g}, {slope:.6g}]"
-    said = (
+    statement = (
         f"At rest, with every fixed odd error law {law}, {loop.name!r} returns to rest from every state: the condition "
-        "of Zames and Falb is proved at every frequency, in exact arithmetic, for its matrices in double precision and "
-        f"for all that differ from them by up to {tolerance:.2g} of each entry; their rounding is below {ROUNDING:.2g}."
+        f"of Zames and Falb is proved at every frequency, {_exactly(tolerance)}."
     )
-    numbers |= {"p": proof.p, "order": proof.order, "tolerance": tolerance, "rounding": ROUNDING}
-    return _zames_falb_certificate(loop, (k1, k2), "certificate", said, k2, numbers)
-
-
-def _zames_falb_certificate(
-    loop: LinearLoop, sector: tuple[float, float], grade: Grade, said: str, limit: float | None,
-    numbers: dict[str, object],
-) -> Certificate:  # fmt: skip
-    margin = None if limit is None else limit / sector[1]
-    return Certificate(
-        "Zames-Falb, matrix inequality", grade, said, of_loop(loop), sector, limit, margin, None, None,
-        list(loop.notes), numbers,
-    )  # fmt: skip
+    numbers |= {**_numbers(proof), "tolerance": tolerance}
+    return _certificate(loop, title, sector, "certificate", statement, k2, numbers)
 
 
 def zames_falb_inequality(
@@ -610,3 +581,81 @@ def zames_falb_inequality(
             more = np.outer(w, g + sign * g_then) if i > 0 else np.outer(w_then, g_then + sign * g)
             s = s + k * Fraction(float(size)) * more
     return Inequality(z, y, s + s.T, True, z_bound, y_bound)
+
+
+CONVERGE = "every two motions of it under the same command and load converge, so no constant load makes a limit cycle"
+
+
+def driven(loop: LinearLoop, slopes: tuple[float, float], asked: float = 1.0) -> Certificate:
+    """The incremental circle criterion: the loop under every command and load, for slopes of the error law in
+    ``slopes``.
+
+    Two motions of ``e = r - G phi(e) - (load)`` under the same command and load differ by a motion of
+
+        d = -G (phi(e + d) - phi(e)),          s1 <= (phi(e + d) - phi(e)) / d <= s2
+
+    whatever ``e`` is: a loop with a gain that varies between the bounds of the slope. The circle criterion for
+    ``[s1, s2]`` proves that ``d`` dies out: every two motions converge, exponentially; under any constant load there is
+    one equilibrium, and no limit cycle; a periodic command gives one periodic error of the same period; bounded
+    commands and loads give bounded errors. Criteria with a multiplier (Popov, Tsypkin, Jury-Lee) do not give this: they
+    are about the loop at rest. Sources: V. Fromion, G. Scorletti, *Int. J. Robust and Nonlinear Control* 13, 2003; G.
+    Zames, *IEEE Trans. Automatic Control* 11, 1966.
+
+    ``limit`` is the largest upper slope that is proved with the lower one kept; ``asked`` the factor by which it is to
+    exceed ``slopes[1]`` (``m2`` of a design procedure). A proof by a matrix inequality makes it a certificate; a
+    continuous loop with a dead time is checked on a grid of frequencies, with a warning that this is no proof.
+
+    Raises:
+        ValueRefused: slopes that are not finite or not in order, or a factor below 1.
+    """
+    s1, s2 = slopes
+    if not (math.isfinite(s1) and math.isfinite(s2) and s1 <= s2):
+        raise ValueRefused(f"slopes ({s1!r}, {s2!r}): needs finite bounds in order")
+    if not (math.isfinite(asked) and asked >= 1.0):
+        raise ValueRefused(f"asked = {asked!r}: the factor on the steepest slope; allowed from 1")
+    top = s1 + asked * (s2 - s1) if s1 == s2 else asked * s2
+    numbers: dict[str, object] = {"asked": asked, "loop": loop}
+    more: dict[str, Any] = {"drawing": "slopes"}
+    law = f"With slopes of the error law in {interval(s1, top)}" if s1 != top else "Linear"
+
+    def certificate(grade: Grade, statement: str, limit: float | None = None) -> Certificate:
+        return _certificate(loop, "driven (incremental circle)", slopes, grade, statement, limit, numbers, **more)
+
+    if loop.dead_time:
+        more["grid"] = own_grid(loop).as_dict()
+        more["warnings"] = [*loop.notes, (
+            f"A frequency check, no proof: with a dead time of {1e3 * loop.dead_time:g} ms the continuous loop has no "
+            "finite state; the sampled loop, whose delays are exact states, can be proved."
+        )]  # fmt: skip
+        if not loop.stable(s1):
+            return certificate("refused", f"{loop.name!r} closed with the lower slope {s1:g} is not stable.")
+        bound, _ = grid_limit(loop, s1, "circle")
+        if top < bound:
+            return certificate("grid-checked", f"{law}, {loop.name!r} under any command and load: {CONVERGE}.", bound)
+        return certificate("refused", _too_steep(loop, s1, top, bound), bound)
+    refused = refusal(loop, s1)
+    if refused is not None:
+        return certificate("refused", refused)
+    bound, _ = grid_limit(loop, s1, "circle")
+    numbers["grid_limit"] = bound
+    limit = largest_proved(loop, s1).limit
+    proof = solve(inequality(loop, s1, top), s1) if top <= bound else None
+    if proof is None:
+        return certificate("refused", _too_steep(loop, s1, top, limit or bound), limit)
+    numbers |= _numbers(proof)
+    statement = (
+        f"{law}, {loop.name!r} is stable under every command and load: {CONVERGE}. Proved {_exactly(proof.tolerance)}."
+    )
+    return certificate("certificate", statement, max(top, limit or top))
+
+
+def _too_steep(loop: LinearLoop, s1: float, top: float, limit: float) -> str:
+    nyquist = loop.gain_limit(s1)
+    beyond = (
+        f"a load that holds it where the slope exceeds the Nyquist limit {nyquist:.4g} makes it swing" if top >= nyquist
+        else f"up to the Nyquist limit of {nyquist:.4g} nothing is known either way"
+    )  # fmt: skip
+    return (
+        f"{loop.name!r} is proved under command and load for slopes of the error law in {interval(s1, limit)}, not up "
+        f"to {top:.4g}; {beyond}."
+    )

@@ -19,7 +19,6 @@ from typing import Any
 import numpy as np
 
 from leadscrew.analysis.stability.certificate import Certificate, number, of_loop
-from leadscrew.analysis.stability.criterion import highest, worst_pole
 from leadscrew.analysis.stability.linear import (
     Crossing,
     LinearLoop,
@@ -27,7 +26,9 @@ from leadscrew.analysis.stability.linear import (
     given_grid,
     own_grid,
     phase_crossings,
+    worst_pole,
 )
+from leadscrew.analysis.stability.multiplier import highest
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -14,6 +14,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from leadscrew.analysis.stability.criteria import ask
 from leadscrew.analysis.stability.linear import LinearLoop
 from leadscrew.util.errors import ValueRefused
 
@@ -74,11 +75,9 @@ def worst_switching(loop: LinearLoop, low: float = 1.0, longest: int = 40) -> Sw
     Raises:
         ValueRefused: a continuous loop; one that is unstable at ``low``; fewer than 2 periods.
     """
-    from leadscrew.analysis.stability.circle import circle
-
     if longest < 3:
         raise ValueRefused(f"switching: longest = {longest!r} periods; allowed from 3")
-    proved = circle(loop, low)
+    proved = ask("circle", loop, low)
     if proved.limit is None:
         raise ValueRefused(f"switching: {proved.statement}")
     if math.isinf(proved.limit):

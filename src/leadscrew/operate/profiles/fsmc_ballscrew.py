@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
@@ -16,6 +15,7 @@ from leadscrew.operate.profile import (
     Readout,
     Trace,
     Values,
+    axis_plots,
     load_pulse,
     moved_on,
     multiplied,
@@ -28,50 +28,29 @@ if TYPE_CHECKING:
     from leadscrew.kernel.loop import Loop
 
 PLOTS = (
-    Plot(
-        "Position",
-        "mm",
-        (
-            Trace("command.position", "command", "command", unit="mm"),
-            Trace("actual", "table", "actual", unit="mm"),
-            Trace("actual.position", "table", "actual", unit="mm"),
-            Trace("feedback", "reading", "feedback", unit="mm"),
-            Trace("feedback.position", "reading", "feedback", unit="mm"),
-        ),
-    ),
-    Plot(
-        "Error",
-        "um",
-        (
-            Trace("true_error", "error of the table", "error", 1000.0, "um"),
-            Trace("error", "error as measured", "other", 1000.0, "um"),
-        ),
-        (Band(-1.0, 1.0, "1 um", doc="1 um: what our steps are judged by; no tolerance in the paper"),),
-    ),
+    *axis_plots("table", Band(-1.0, 1.0, "1 um", doc="1 um: what our steps are judged by; no tolerance in the paper")),
     Plot(
         "Torque",
         "N m",
         (
-            Trace("output", "motor torque", "output", unit="N m"),
-            Trace("disturbance", "load torque", "disturbance", unit="N m"),
+            Trace("output", "motor torque", "output"),
+            Trace("disturbance", "load torque", "disturbance"),
         ),
     ),
-    Plot("Speed of the screw", "rad/s", (Trace("plant.speed", "speed", "other", unit="rad/s"),)),
+    Plot("Speed of the screw", "rad/s", (Trace("plant.speed", "speed", "other"),)),
     Plot(
         "Friction: bend of the bristles",
         "urad",
-        (Trace("plant.bristle", "bristles", "other", 1e6, "urad"),),
+        (Trace("plant.bristle", "bristles", "other"),),
     ),
 )
 
 READOUTS = (
-    Readout("command", "command.position", "mm", decimals=3),
     Readout("command", "command", "mm", decimals=3),
     Readout("table", "actual", "mm", decimals=4),
-    Readout("table", "actual.position", "mm", decimals=4),
-    Readout("following error", "true_error", "um", 1000.0, 2, shows="peak"),
+    Readout("following error", "true_error", "um", decimals=2, shows="peak"),
     Readout("torque", "output", "N m", decimals=3),
-    Readout("screw speed", "plant.speed", "1/min", 60.0 / (2.0 * math.pi), 0),
+    Readout("screw speed", "plant.speed", "1/min", decimals=0),
 )
 
 

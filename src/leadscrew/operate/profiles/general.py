@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from leadscrew.figures.signals import signal_unit
+from leadscrew.figures.signals import factor_between, signal_unit
 from leadscrew.kernel.layout import is_branch
 from leadscrew.kernel.parameters import entries
 from leadscrew.operate.profile import (
@@ -45,8 +45,8 @@ PUSH = 0.1
 WIDEST = 4
 """Most numbers of one signal that are drawn."""
 
-FINE = {"mm": (1000.0, "um"), "rad": (1e6, "urad"), "m": (1e6, "um")}
-"""Units in which a machine thinks of its errors, and the factor."""
+FINE = {"mm": "um", "rad": "urad", "m": "um"}
+"""Units in which a machine thinks of its errors."""
 
 LABELS = {"true_error": "true error", "error": "error as measured", "disturbance": "load"}
 """Of signals whose names say too little."""
@@ -152,7 +152,8 @@ def _noise(loop: Loop) -> Disturbance | None:
     if not sized:
         return None
     where = sized[0].unit or signal_unit(loop, "actual")
-    factor, unit = FINE.get(where, (1.0, where))
+    unit = FINE.get(where, where)
+    factor = factor_between(where, unit)
     quiet = loop.parameters.get("sensor.resolution", 0.0) or FAINT * abs(_way(loop))
     value = min(factor * (LOUDER * sized[0].default or quiet), MOST)
     return noise(sized[0].key, unit, MOST, value, "the sensor", factor=1.0 / factor)
@@ -172,9 +173,9 @@ def plots(loop: Loop) -> tuple[Plot, ...]:
 def _plot(loop: Loop, title: str, roots: dict[str, Role], fine: bool = False) -> Plot:
     units = {root: _units(loop, root) for root in roots}
     shown = next((unit for found in units.values() for unit in found.values()), "")
-    factor, unit = FINE.get(shown, (1.0, shown)) if fine else (1.0, shown)
+    unit = FINE.get(shown, shown) if fine else shown
     traces = [
-        Trace(column, _label(column), role, factor, unit)
+        Trace(column, _label(column), role)
         for root, role in roots.items()
         for column in [c for c, own in units[root].items() if own == shown][:WIDEST]
     ]

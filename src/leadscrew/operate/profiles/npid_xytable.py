@@ -17,6 +17,7 @@ from leadscrew.operate.profile import (
     Readout,
     Trace,
     Values,
+    axis_plots,
     for_a_while,
     lasting,
     load_pulse,
@@ -32,49 +33,31 @@ if TYPE_CHECKING:
 TWO_PI = 2.0 * math.pi
 
 PLOTS = (
-    Plot(
-        "Position",
-        "mm",
-        (
-            Trace("command", "command", "command", unit="mm"),
-            Trace("command.position", "command", "command", unit="mm"),
-            Trace("actual", "table", "actual", unit="mm"),
-            Trace("feedback", "reading", "feedback", unit="mm"),
+    *axis_plots(
+        "table",
+        Band(
+            -3.0,
+            3.0,
+            "e_max, 3 um",
+            doc="3 um: e_max of corrected.npid_um, where the gain of (2) stops to grow; no tolerance in the paper, "
+            "and the line stays where it is under other controllers and another e_max",
         ),
     ),
-    Plot(
-        "Error",
-        "um",
-        (
-            Trace("true_error", "error of the table", "error", 1000.0, "um"),
-            Trace("error", "error as measured", "other", 1000.0, "um"),
-        ),
-        (
-            Band(
-                -3.0,
-                3.0,
-                "e_max, 3 um",
-                doc="3 um: e_max of corrected.npid_um, where the gain of (2) stops to grow; no tolerance in the paper, "
-                "and the line stays where it is under other controllers and another e_max",
-            ),
-        ),
-    ),
-    Plot("Drive voltage", "V", (Trace("output", "voltage", "output", unit="V"),)),
+    Plot("Drive voltage", "V", (Trace("output", "voltage", "output"),)),
     Plot(
         "Cutting force, as a voltage at the input",
         "mV",
-        (Trace("disturbance", "lines of Table II and pulses", "disturbance", 1000.0, "mV"),),
+        (Trace("disturbance", "lines of Table II and pulses", "disturbance", 1000.0),),
     ),
-    Plot("Speed of the table", "mm/s", (Trace("plant.velocity", "speed", "other", unit="mm/s"),)),
+    Plot("Speed of the table", "mm/s", (Trace("plant.velocity", "speed", "other"),)),
 )
 
 READOUTS = (
     Readout("command", "command", "mm", decimals=3),
-    Readout("command", "command.position", "mm", decimals=3),
     Readout("table", "actual", "mm", decimals=4),
-    Readout("following error", "true_error", "um", 1000.0, 2, shows="peak"),
+    Readout("following error", "true_error", "um", decimals=2, shows="peak"),
     Readout("voltage", "output", "V", decimals=3),
-    Readout("spindle", "plant.spindle_hz", "1/min", 60.0, 0),
+    Readout("spindle", "plant.spindle_hz", "1/min", decimals=0),
     Readout("speed", "plant.velocity", "mm/s", decimals=2),
 )
 
@@ -96,10 +79,6 @@ def _spindle(fields: Mapping[str, float], now_s: float, values: Values) -> Chang
     phase = math.remainder(values["plant.spindle_phase"] + turned, TWO_PI)
     tooth = math.remainder(values["plant.tooth_phase"] + values["plant.teeth"] * turned, TWO_PI)
     return [(0.0, {"plant.spindle_hz": hz, "plant.spindle_phase": phase, "plant.tooth_phase": tooth})]
-
-
-def _step(fields: Mapping[str, float], now_s: float, values: Values) -> Changes:
-    return [(0.0, {"reference.target": 1e-3 * fields["target"]})]
 
 
 DISTURBANCES = (
@@ -139,13 +118,13 @@ DISTURBANCES = (
         Field("friction", "friction", "mV", 0.0, 500.0, 150.0, "friction in fast sliding; 2.6, 20, 150 mV are ours"),
         lasts_s=4.0,
     ),
-    Disturbance(
+    to_value(
         "go_to",
         "Go to",
         "A step of the command, for this axis and for the one it is compared with.",
-        (Field("target", "target", "um", -1e4, 1e4, 0.0, "where to go"),),
-        _step,
-        ("reference.target",),
+        "reference.target",
+        Field("target", "target", "um", -1e4, 1e4, 0.0, "where to go"),
+        factor=1e-3,
     ),
     noise("sensor.noise_mm", "um", 20.0, 0.5, "the encoder, before it is rounded where it is", factor=1e-3),
 )  # fmt: skip

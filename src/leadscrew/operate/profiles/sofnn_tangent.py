@@ -20,6 +20,7 @@ from leadscrew.operate.profile import (
     noise,
     to_value,
 )
+from leadscrew.plants._flexible_cut import MATERIALS
 
 SETTLED = "0.25 deg: when our steps count as settled; no tolerance in the paper"
 
@@ -28,53 +29,48 @@ PLOTS = (
         "Deviation of the cut",
         "deg",
         (
-            Trace("actual.deviation", "cut less line", "actual", unit="deg"),
-            Trace("feedback.deviation", "camera", "feedback", unit="deg"),
-            Trace("feedback", "camera", "feedback", unit="deg"),
-            Trace("command.deviation", "command", "command", unit="deg"),
-            Trace("command", "command", "command", unit="deg"),
+            Trace("actual.deviation", "cut less line", "actual"),
+            Trace("feedback", "camera", "feedback"),
+            Trace("command", "command", "command"),
         ),
         (Band(-0.25, 0.25, "0.25 deg", doc=SETTLED),),
     ),
     Plot(
         "Error",
         "deg",
-        (
-            Trace("true_error.deviation", "command less deviation", "error", unit="deg"),
-            Trace("true_error", "command less deviation", "error", unit="deg"),
-        ),
+        (Trace("true_error", "command less deviation", "error"),),
         (Band(-0.25, 0.25, "0.25 deg", doc=SETTLED),),
     ),
     Plot(
         "Offset of the blade",
         "deg",
         (
-            Trace("output", "offset asked for", "output", unit="deg"),
-            Trace("plant.offset", "offset of the axis", "other", unit="deg"),
+            Trace("output", "offset asked for", "output"),
+            Trace("plant.offset", "offset of the axis", "other"),
         ),
         (Band(-15.0, 15.0, "largest, 15 deg", doc="largest offset of the blade, 15 deg"),),
     ),
     Plot(
         "Lateral deviation of the cut",
         "mm",
-        (Trace("actual.lateral", "to the left of the line", "other", unit="mm"),),
+        (Trace("actual.lateral", "to the left of the line", "other"),),
     ),
     Plot(
         "Heading",
         "deg",
         (
-            Trace("disturbance.heading", "programmed line", "command", unit="deg"),
-            Trace("actual.angle", "cut", "actual", unit="deg"),
+            Trace("disturbance.heading", "programmed line", "command"),
+            Trace("actual.angle", "cut", "actual"),
         ),
     ),
-    Plot("Curvature of the line", "1/m", (Trace("disturbance.curvature", "curvature", "other", 1000.0, "1/m"),)),
+    Plot("Curvature of the line", "1/m", (Trace("disturbance.curvature", "curvature", "other"),)),
     Plot(
         "Material",
         "deg",
         (
-            Trace("plant.shear", "shear of the material", "other", unit="deg"),
-            Trace("disturbance.texture", "texture and steps", "disturbance", unit="deg"),
-            Trace("disturbance.push", "push of the cut", "disturbance", unit="deg"),
+            Trace("plant.shear", "shear of the material", "other"),
+            Trace("disturbance.texture", "texture and steps", "disturbance"),
+            Trace("disturbance.push", "push of the cut", "disturbance"),
         ),
     ),
 )
@@ -107,22 +103,12 @@ def _lost(fields: Mapping[str, float], now_s: float, values: Values) -> Changes:
     return [(0.0, {"sensor.lost_from_s": now_s, "sensor.lost_for_s": fields["for_s"] or NEVER_S})]
 
 
-MATERIALS = {
-    "fabric": (45.0, 0.03, 1.0, 0.3, 0.3, 0.95),
-    "leather": (25.0, 0.02, 0.4, 0.8, 0.2, 0.90),
-    "foam": (90.0, 0.10, 0.2, 0.3, 0.5, 0.75),
-}
-"""As :data:`leadscrew.plants._flexible_cut.MATERIALS`: a profile imports no plant. A test compares them."""
-
-PROPERTIES = ("shear", "lag_s", "fibre", "bias", "exponent", "gain")
-
-
 def _to(material: str) -> Disturbance:
     """The rest of the line in another material, whatever lay ahead."""
     changes = {
         f"plant.{slot}.{name}": value
         for slot in ("material", "changed")
-        for name, value in zip(PROPERTIES, MATERIALS[material], strict=True)
+        for name, value in MATERIALS[material]._asdict().items()
     }
 
     def act(fields: Mapping[str, float], now_s: float, values: Values) -> Changes:

@@ -2,20 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 from leadscrew.kernel.block import Block
 from leadscrew.operate.profile import (
     Band,
-    Changes,
-    Disturbance,
     Field,
     Plot,
     Profile,
     Readout,
     Trace,
-    Values,
+    axis_plots,
     load_pulse,
     moved_on,
     multiplied,
@@ -29,41 +26,24 @@ if TYPE_CHECKING:
     from leadscrew.kernel.loop import Loop
 
 PLOTS = (
-    Plot(
-        "Position",
-        "mm",
-        (
-            Trace("command", "command", "command", unit="mm"),
-            Trace("actual.position", "slide", "actual", unit="mm"),
-            Trace("feedback", "reading", "feedback", unit="mm"),
-        ),
-    ),
-    Plot(
-        "Error",
-        "um",
-        (
-            Trace("true_error", "error of the slide", "error", 1000.0, "um"),
-            Trace("error", "error as measured", "other", 1000.0, "um"),
-        ),
-        (Band(-2.0, 2.0, "2 um", doc="2 um after 2 s (the paper, Figure 12)"),),
-    ),
+    *axis_plots("slide", Band(-2.0, 2.0, "2 um", doc="2 um after 2 s (the paper, Figure 12)")),
     Plot(
         "Duty",
         "1",
         (
-            Trace("output", "duty asked for", "output", unit="1"),
-            Trace("applied", "duty applied", "other", unit="1"),
-            Trace("disturbance", "duty added by a load", "disturbance", unit="1"),
+            Trace("output", "duty asked for", "output"),
+            Trace("applied", "duty applied", "other"),
+            Trace("disturbance", "duty added by a load", "disturbance"),
         ),
     ),
-    Plot("Speed of the slide", "mm/s", (Trace("plant.speed", "speed", "other", unit="mm/s"),)),
+    Plot("Speed of the slide", "mm/s", (Trace("plant.speed", "speed", "other"),)),
     Plot(
         "Contraction of the universes",
         "1",
         (
-            Trace("controller.alpha_e", "error", "other", unit="1"),
-            Trace("controller.alpha_ec", "its change", "other", unit="1"),
-            Trace("controller.beta", "output", "other", unit="1"),
+            Trace("controller.alpha_e", "error", "other"),
+            Trace("controller.alpha_ec", "its change", "other"),
+            Trace("controller.beta", "output", "other"),
         ),
     ),
 )
@@ -71,24 +51,19 @@ PLOTS = (
 READOUTS = (
     Readout("target", "command", "mm", decimals=3),
     Readout("slide", "actual.position", "mm", decimals=4),
-    Readout("following error", "true_error", "um", 1000.0, 1, shows="peak"),
-    Readout("duty", "output", "%", 100.0, 1),
+    Readout("following error", "true_error", "um", decimals=1, shows="peak"),
+    Readout("duty", "output", "%", decimals=1),
     Readout("speed", "plant.speed", "mm/s", decimals=2),
 )
 
 
-def _go_to(fields: Mapping[str, float], now_s: float, values: Values) -> Changes:
-    return [(0.0, {"reference.target": fields["target"]})]
-
-
 DISTURBANCES = (
-    Disturbance(
+    to_value(
         "go_to",
         "Go to",
         "A step of the command to another target, for this axis and for the one it is compared with.",
-        (Field("target", "target", "mm", -190.0, 190.0, -170.0, "where to go; Table 1 goes 190 mm each way"),),
-        _go_to,
-        ("reference.target",),
+        "reference.target",
+        Field("target", "target", "mm", -190.0, 190.0, -170.0, "where to go; Table 1 goes 190 mm each way"),
     ),
     moved_on(
         "reference.start",

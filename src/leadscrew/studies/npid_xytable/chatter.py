@@ -22,7 +22,7 @@ from leadscrew.studies.npid_xytable.laws import GAINS, STATIC_GAIN, curve
 from leadscrew.studies.npid_xytable.tunings import table_pid
 
 if TYPE_CHECKING:
-    from leadscrew.analysis.stability.cycles import CyclePrediction
+    from leadscrew.analysis.stability.harmonic_balance import CyclePrediction
     from leadscrew.analysis.stability.linear import LinearLoop
     from leadscrew.kernel.loop import Loop
 
@@ -186,13 +186,13 @@ def linear(lab: Lab, delay_s: float = DEAD_TIME_S) -> LinearLoop:
 @measure
 def predicted(lab: Lab, load_um: float, e_max: float, delay_s: float, many: bool) -> CyclePrediction:
     """Limit cycles under a load: by harmonic balance, or by the describing function alone (``many`` false)."""
-    from leadscrew.analysis.stability.harmonic_balance import harmonic_balance, limit_cycles
+    from leadscrew.analysis.stability.harmonic_balance import limit_cycles
 
-    task = harmonic_balance if many else limit_cycles
-    return task(
+    return limit_cycles(
         linear(lab, delay_s),
         lambda e: curve(e, e_max),
         1e-3 * load_um,
+        harmonics=30 if many else 1,
         static_gain=STATIC_GAIN,
         amplitudes=(1e-5, 0.1),
     )

@@ -11,10 +11,9 @@ from collections.abc import Callable
 import numpy as np
 
 from leadscrew.analysis.stability.certificate import Certificate
-from leadscrew.analysis.stability.driven import driven
-from leadscrew.analysis.stability.lmi import lmi_zames_falb
+from leadscrew.analysis.stability.criteria import ask
+from leadscrew.analysis.stability.lmi import driven, prove
 from leadscrew.analysis.stability.margins import margins
-from leadscrew.analysis.stability.popov import popov
 from leadscrew.analysis.stability.switching import worst_switching
 from leadscrew.controllers._dead_zone_inverse import dead_zone_inverse
 from leadscrew.controllers._npid import gain, npid
@@ -168,7 +167,10 @@ def proofs(lab: Lab) -> dict[str, Certificate]:
     """Table I's NPID in L*: at rest by Zames and Falb's multipliers, and under every command and load."""
     loop = reference_loops()["L_star"]
     bounds = [1e-4 * math.ceil(1e4 * x) for x in (TOP, STEEPEST)]
-    return {"rest": lmi_zames_falb(loop, 1.0, *bounds), "driven": driven(loop, (1.0, STEEPEST))}
+    return {
+        "rest": prove("zames-falb", loop, 1.0, bounds[0], (1.0, bounds[1])),
+        "driven": driven(loop, (1.0, STEEPEST)),
+    }
 
 
 @measure
@@ -396,7 +398,7 @@ def nyquist_is_not_enough(lab):
 )
 def popov_from_zero(lab):
     """Gain up to which Popov's criterion proves the range (0, 2.5)"""
-    found = popov(reference_loops()["Lc"], 0.0).limit
+    found = ask("popov", reference_loops()["Lc"], 0.0).limit
     return Measured(corrected=found, note="in the loop that crosses at −0.4: 2.5 is the reach of constant gains")
 
 
@@ -411,7 +413,7 @@ def popov_from_zero(lab):
 )
 def popov_from_one(lab):
     """Gain up to which Popov's criterion proves the range from 1, which a cosh has"""
-    found = popov(reference_loops()["Lc"], 1.0).limit
+    found = ask("popov", reference_loops()["Lc"], 1.0).limit
     return Measured(
         corrected=found,
         note="the limit of constant gains again, for which the dead time is chosen; proved is (1, 2.5), not (0, 2.5)",

@@ -7,13 +7,9 @@ from typing import Any
 
 import numpy as np
 
-from leadscrew.analysis.stability.circle import circle
-from leadscrew.analysis.stability.jury_lee import jury_lee
+from leadscrew.analysis.stability.criteria import ask
 from leadscrew.analysis.stability.lure import lure
 from leadscrew.analysis.stability.margins import margins
-from leadscrew.analysis.stability.popov import popov
-from leadscrew.analysis.stability.tsypkin import tsypkin
-from leadscrew.analysis.stability.zames_falb import zames_falb
 from leadscrew.controllers._npid import npid
 from leadscrew.controllers._npid_after import npid_after
 from leadscrew.controllers._npid_slope import npid_slope
@@ -179,12 +175,15 @@ def stability_limits(lab: Lab) -> tuple[Table, str]:
     rows: dict[str, tuple[Any, ...]] = {}
     for name, key in loops.items():
         loop = reference_loops()[key]
-        popovs = (None, None) if loop.sampled else tuple(popov(loop, k).limit for k in (0.0, 1.0))
-        circles = tuple(circle(loop, k).limit for k in (0.0, 1.0))
+        popovs = (None, None) if loop.sampled else tuple(ask("popov", loop, k).limit for k in (0.0, 1.0))
+        circles = tuple(ask("circle", loop, k).limit for k in (0.0, 1.0))
         more: tuple[Any, ...] = (None,) * 4
         if key == "L_star":
             law = lure(npid)
-            multipliers = (tsypkin(loop, 1.0), jury_lee(loop, nonlinearity=law), zames_falb(loop, nonlinearity=law))
+            multipliers = [
+                ask("tsypkin", loop, 1.0),
+                *(ask(n, loop, nonlinearity=law) for n in ("jury-lee", "zames-falb")),
+            ]
             more = (*(found.limit for found in multipliers), proofs(lab)["driven"].limit)
         rows[name] = (loop.gain_limit(), popovs[0], popovs[1], *circles, *more, margins(loop).pm_deg)
     columns = ("constant (1)", "Popov, from 0 (1)", "Popov, from 1 (1)", "circle, from 0 (1)", "circle, from 1 (1)",

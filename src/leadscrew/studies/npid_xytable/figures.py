@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from leadscrew.analysis.harmonics import Sampling, spectrum
-from leadscrew.analysis.stability.popov import popov
+from leadscrew.analysis.stability.criteria import ask
 from leadscrew.controllers import _npid as cosh
 from leadscrew.controllers import _npid_slope as limited
 from leadscrew.controllers import _resonant as resonant
@@ -172,7 +172,7 @@ def popov_paper(lab: Lab) -> Figure:
     loops = reference_loops()
     w = np.geomspace(1.0, 1e5, 1000)
     g = loops["no_delay"].response(w)
-    zero, one = (popov(loops["Lc"], k) for k in (0.0, 1.0))
+    zero, one = (ask("popov", loops["Lc"], k) for k in (0.0, 1.0))
     draw_popov(left, zero, BLUE, VERMILION, "G with 1.2888 ms of dead time")
     bounds = left.get_xlim(), left.get_ylim()
     left.plot(g.real, w * g.imag, color=SKY, linewidth=1.1, label="G as printed")

@@ -11,8 +11,8 @@ from typing import Annotated, Any, NamedTuple
 import numpy as np
 
 from leadscrew.analysis.stability.certificate import Certificate
-from leadscrew.analysis.stability.driven import driven
 from leadscrew.analysis.stability.linear import LinearLoop
+from leadscrew.analysis.stability.lmi import driven
 from leadscrew.controllers._npid_split import NPIDSplitParams, NPIDSplitState, npid_split, paths
 from leadscrew.kernel.block import Block, controller
 from leadscrew.kernel.parameters import Ge, Le

@@ -11,17 +11,17 @@ from leadscrew.controllers._grey_fuzzy.rules_shown import set_name, surface_of
 from leadscrew.controllers._grey_fuzzy.smith import SmithParams
 from leadscrew.controllers._grey_fuzzy.surface import CENTRES, Surface, firing
 from leadscrew.controllers._grey_fuzzy.tfc import TfcParams
+from leadscrew.controllers._parts import Part
 from leadscrew.fuzzy.inference import inside_universe, interval_index, upper_membership
-from leadscrew.kernel.block import Block
-from leadscrew.operate.explain.shown import Acting, Now, Quantity, rules_view, sets_view, triangles, two_degrees
+from leadscrew.fuzzy.views import Acting, Now, Quantity, rules_view, sets_view, triangles, two_degrees
 
 PEAKS = [float(c) for c in CENTRES]
-NAMED = {
+INPUTS = {
     TfcParams: ("error", "change"),
     GpfcParams: ("predicted error", "its change"),
     SmithParams: ("error without the delay", "its change"),
 }
-"""What the rules are asked about."""
+"""Of the rules."""
 
 
 class Scaled:
@@ -29,9 +29,9 @@ class Scaled:
 
     views = ("rules", "sets")
 
-    def __init__(self, block: Block) -> None:
-        self.block = block
-        self.error, self.change = NAMED[type(block.params)]
+    def __init__(self, part: Part) -> None:
+        self.block = part.block
+        self.error, self.change = INPUTS[type(part.block.params)]
         self.params: Any = None
         self.surface: Surface
         self.table: list[list[float]]
@@ -85,6 +85,5 @@ class Scaled:
         return Quantity(name, value, "N", -end, end, -end, end, scale, SETS, self.points[which], degrees)
 
 
-def explained(block: Block) -> Scaled | None:
-    """The explanation of a fuzzy force controller; None of any other."""
-    return Scaled(block) if type(block.params) in NAMED else None
+EXPLANATIONS = dict.fromkeys(INPUTS, Scaled)
+"""By the type of the parameters."""

@@ -6,15 +6,14 @@ import math
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
+from leadscrew.controllers._parts import Part
 from leadscrew.controllers._vud.family import VudFamilyParams
 from leadscrew.controllers._vud.fast import VudFastParams
 from leadscrew.controllers._vud.printed import VudBetaEParams, VudIncrementalParams, VudIntegralFactorParams, VudParams
 from leadscrew.controllers._vud.scaled import VudScaledParams
 from leadscrew.controllers._vud.universe import held
 from leadscrew.fuzzy.inference import RuleBase, rule_base
-from leadscrew.kernel.block import Block
-from leadscrew.neural.inference_net import fired
-from leadscrew.operate.explain.shown import (
+from leadscrew.fuzzy.views import (
     Acting,
     Now,
     Quantity,
@@ -25,6 +24,7 @@ from leadscrew.operate.explain.shown import (
     triangles,
     two_degrees,
 )
+from leadscrew.neural.inference_net import fired
 
 
 class Scales(NamedTuple):
@@ -83,7 +83,7 @@ class Contracting:
 
     views = ("rules", "sets")
 
-    def __init__(self, block: Block) -> None:
+    def __init__(self, part: Part) -> None:
         self.params: Any = None
         self.scales: Scales
         self.rules: RuleBase
@@ -157,6 +157,5 @@ class Contracting:
         )  # fmt: skip
 
 
-def explained(block: Block) -> Contracting | None:
-    """The explanation of a controller with a variable universe; None of any other."""
-    return Contracting(block) if type(block.params) in SCALES else None
+EXPLANATIONS = dict.fromkeys(SCALES, Contracting)
+"""By the type of the parameters."""

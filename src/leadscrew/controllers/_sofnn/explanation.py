@@ -2,17 +2,12 @@
 
 from __future__ import annotations
 
-import math
 from typing import Any
 
+from leadscrew.controllers._parts import Part
 from leadscrew.controllers._sofnn.levels import MOST_LEVEL, Scales, scales
 from leadscrew.controllers._sofnn.network import AllWeightsParams, FnnParams, SofcParams, SofnnParams
-from leadscrew.controllers._tangent.believed import RING, TWICE
-from leadscrew.controllers._tangent.curvature_network import CurvatureNetworkParams
-from leadscrew.kernel.block import Block
-from leadscrew.neural.groups import said_by
-from leadscrew.neural.inference_net import AXIS, CENTRES, LABELS, RULES, Fired, fired, strengths
-from leadscrew.operate.explain.shown import (
+from leadscrew.fuzzy.views import (
     Acting,
     Now,
     Quantity,
@@ -22,9 +17,10 @@ from leadscrew.operate.explain.shown import (
     triangles,
     two_degrees,
 )
+from leadscrew.neural.groups import said_by
+from leadscrew.neural.inference_net import AXIS, CENTRES, LABELS, RULES, Fired, fired, strengths
 
 PEAKS = [float(c) for c in CENTRES]
-LEARNERS = (SofnnParams, SofcParams, AllWeightsParams)
 SHOWN = 7.5
 """Levels up to which the shoulders of the outer sets are drawn."""
 
@@ -66,8 +62,8 @@ class Network:
 
     views = ("rules", "sets")
 
-    def __init__(self, block: Block) -> None:
-        self.fixed = isinstance(block.params, FnnParams)
+    def __init__(self, part: Part) -> None:
+        self.fixed = isinstance(part.block.params, FnnParams)
         self.texts = Texts("deviation", "change", not self.fixed)
         self.params: Any = None
         self.scales: Scales
@@ -111,39 +107,5 @@ class Network:
         return {"rules": rules_view(inputs, outputs, acting, RULES, note), "sets": sets_view(inputs)}
 
 
-AHEAD = "the rules are asked about the line ahead, not about the error"
-
-
-class Curvature:
-    """The explanation of a controller whose rules are about the line ahead."""
-
-    views = ("rules", "sets")
-
-    def __init__(self, block: Block) -> None:
-        self.texts = Texts("curvature", "its change", True)
-
-    def look(self, now: Now) -> dict[str, Any]:
-        """The views ``rules`` and ``sets``."""
-        p, s = now.params, now.state
-        last = (s.at + RING - 1) % RING
-        e, ec, heading = float(s.curvatures[last]), float(s.changes[last]), float(s.headings[last])
-        at = fired(AXIS, AXIS, e, ec)
-        acting = [self.texts.acting(k, h, h, float(s.weights[k]), float(p.prior[k])) for k, h in four(at)]
-        said = sum(a.share * (a.value or 0.0) for a in acting)
-        turned = s.weights[RULES] * math.sin(TWICE * heading) + s.weights[RULES + 1] * math.cos(TWICE * heading)
-        inputs = (
-            levels_of("curvature", "1/mm", e / p.k_c if p.k_c > 0.0 else 0.0, p.k_c, PEAKS, int(at.i), float(at.mu)),
-            levels_of("its change", "1/mm", ec / p.k_h if p.k_h > 0.0 else 0.0, p.k_h, PEAKS, int(at.j), float(at.nu)),
-        )
-        outputs = [
-            ("level", said, "levels"), ("by the direction", turned, "levels"),
-            ("by the observer", p.gain * s.found, "levels"), ("offset sent", s.sent, "deg"),
-        ]  # fmt: skip
-        return {"rules": rules_view(inputs, outputs, acting, RULES, AHEAD), "sets": sets_view(inputs)}
-
-
-def explained(block: Block) -> Network | Curvature | None:
-    """The explanation of a network of the deviation or of the curvature; None of any other controller."""
-    if isinstance(block.params, CurvatureNetworkParams):
-        return Curvature(block)
-    return Network(block) if isinstance(block.params, (FnnParams, *LEARNERS)) else None
+EXPLANATIONS = dict.fromkeys((FnnParams, SofnnParams, SofcParams, AllWeightsParams), Network)
+"""By the type of the parameters."""

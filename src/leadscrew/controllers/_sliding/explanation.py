@@ -10,21 +10,20 @@ The line is read off the controller's own ``surface(p, now)``, which is linear i
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from typing import Any, NamedTuple
 
+from leadscrew.controllers._parts import Part, engine_of, named_by
 from leadscrew.controllers._sliding import complementary, conventional, integral
 from leadscrew.controllers._sliding.fields import stage_params
 from leadscrew.controllers._sliding.fuzzy import FsmcParams, complement
 from leadscrew.controllers._sliding.stage import SlidingParams, View, layer_slope, switching_gain
 from leadscrew.controllers._sliding.super_twisting import SuperTwistingParams
 from leadscrew.fuzzy.engine import Engine
+from leadscrew.fuzzy.system_view import Rules
+from leadscrew.fuzzy.views import Now, number, rounded_up
 from leadscrew.kernel.block import Block
-from leadscrew.operate.explain.parts import Part, named_by
-from leadscrew.operate.explain.shown import Now, number, rounded_up
-from leadscrew.operate.explain.system import Rules
 
-KINDS = (SlidingParams, SuperTwistingParams, FsmcParams)
 WORDS = {
     conventional: "s = e' + lambda e",
     complementary: "s + s_c = 2 (e' + lambda e)",
@@ -63,10 +62,10 @@ def law_of(block: Block) -> Any:
 class Plane:
     """The explanation of one sliding-mode controller."""
 
-    def __init__(self, part: Part, law: Any, made: Engine | None) -> None:
+    def __init__(self, part: Part, law: Any, engine: Engine | None) -> None:
         self.column, self.law = part.column, law
         self.ideal = part.block.continuous
-        self.rules = Rules(made) if made is not None else None
+        self.rules = Rules(engine) if engine is not None else None
         self.views = ("rules", "sets", "phase") if self.rules is not None else ("phase",)
         self.params: Any = None
         self.stage: SlidingParams
@@ -118,7 +117,7 @@ class Plane:
             s, s_c = self.law.surface(self.stage, seen) / p.scale_s, complement(self.stage, seen) / p.scale_sc
         else:
             s, s_c = now.state.s, now.state.s_c
-        pushes = [("torque", p.fuzzy_torque * self.rules.made.infer(self.rules.made.plan, s, s_c), "N m")]
+        pushes = [("torque", p.fuzzy_torque * self.rules.engine.infer(self.rules.engine.plan, s, s_c), "N m")]
         return self.rules.look((s, s_c), (p.scale_s, p.scale_sc), ("rad/s", "rad/s"), pushes)
 
     def _phase(self, p: Any, seen: View) -> dict[str, Any]:
@@ -156,14 +155,17 @@ class Plane:
         }  # fmt: skip
 
 
-def explained(part: Part, made: Engine | None) -> Plane | None:
-    """The explanation of a sliding-mode controller; None of any other."""
-    if not isinstance(part.block.params, KINDS):
-        return None
+LOOK_AHEAD = "leadscrew.controllers._look_ahead"
+"""A wrapper that gives the controller inside it another command than the signals have."""
+
+
+def explained(part: Part) -> Plane | None:
+    """The explanation of a sliding-mode controller; None where its surface or its command cannot be told."""
     law = law_of(part.block)
-    return None if law is None else Plane(part, law, made if isinstance(part.block.params, FsmcParams) else None)
+    if law is None or LOOK_AHEAD in part.around:
+        return None
+    return Plane(part, law, engine_of(part.block) if isinstance(part.block.params, FsmcParams) else None)
 
 
-def trail(axis: Mapping[str, Any], signals: Mapping[str, Any]) -> Any:
-    """The coordinate of a phase plane's trail: the sum of an axis's terms over recorded signals."""
-    return sum(factor * signals[name] for name, factor in axis["terms"])
+EXPLANATIONS = dict.fromkeys((SlidingParams, SuperTwistingParams, FsmcParams), explained)
+"""By the type of the parameters."""

@@ -1,4 +1,4 @@
-"""What the views are made of: plain dicts of finite numbers and short texts, as JSON has them."""
+"""What the explanation of a running controller is made of: plain dicts of finite numbers and short texts, for JSON."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ NAMES = {
 
 
 class Now(NamedTuple):
-    """What is known of a running controller after a period."""
+    """A running controller after a period."""
 
     params: Any
     """Its parameters, as a user sets them."""
@@ -30,7 +30,7 @@ class Now(NamedTuple):
 
 
 class View(Protocol):
-    """One family's explanation."""
+    """The explanation of one controller: a plain function of its parameters, state and signals, with what it keeps."""
 
     @property
     def views(self) -> tuple[str, ...]:
@@ -103,7 +103,7 @@ def closest(names: Sequence[str], peaks: Sequence[float], value: float) -> str:
 def triangles(centres: Sequence[float], factor: float, low: float, high: float) -> list[list[list[float]]]:
     """Corners of the sets of a triangular partition times ``factor``, the shoulders drawn to the universe's ends."""
     c = [factor * x for x in centres]
-    found = []
+    sets = []
     for k, peak in enumerate(c):
         corners = [[c[k - 1], 0.0], [peak, 1.0]] if k else [[peak, 1.0]]
         corners += [[c[k + 1], 0.0]] if k + 1 < len(c) else []
@@ -112,8 +112,8 @@ def triangles(centres: Sequence[float], factor: float, low: float, high: float) 
             corners.insert(0, [first, 1.0])
         if k + 1 == len(c) and (last - peak) * factor > 0.0:
             corners.append([last, 1.0])
-        found.append(corners if factor > 0.0 else corners[::-1])
-    return found
+        sets.append(corners if factor > 0.0 else corners[::-1])
+    return sets
 
 
 def two_degrees(count: int, lower: int, upper_membership: float) -> list[float]:

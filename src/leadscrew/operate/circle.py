@@ -15,8 +15,8 @@ import numpy as np
 from leadscrew.analysis.circular.paths import CCW, CW, FEWEST, TURN, CircularTest, Turn
 from leadscrew.analysis.circular.quantities import quantities
 from leadscrew.analysis.circular.simulation import CircleParams, Machine, place_of
+from leadscrew.fuzzy.views import rounded_up
 from leadscrew.kernel.loop import Loop
-from leadscrew.operate.explain.shown import rounded_up
 from leadscrew.references._sine import SineParams
 from leadscrew.util.errors import DataError, ValueRefused
 
