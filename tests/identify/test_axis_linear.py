@@ -9,7 +9,7 @@ from leadscrew.identify.axis import verdict
 from leadscrew.identify.axis.delay import find_delay
 from leadscrew.identify.axis.inverse_dynamics import Terms, blocks, huber, inverse_dynamics, jackknife
 from leadscrew.identify.axis.linear_stage import Setting, choose, folds, line, models, two_ways
-from leadscrew.identify.axis.parameters import estimates_of, is_told, units
+from leadscrew.identify.axis.parameters import estimates_of, units
 from leadscrew.identify.axis.record import Record, choose_length, corner_of, record
 from leadscrew.identify.axis.verdict import whiteness
 from leadscrew.util.errors import DataError
@@ -155,12 +155,12 @@ def test_friction_that_is_unlike_by_direction_is_seen_where_it_is_foretold():
 def test_told_means_an_interval_of_use():
     log = run()
     good = estimates_of(inverse_dynamics(log, Terms(), corner(log)))
-    assert all(is_told(good, key) for key in good.keys)
+    assert all(good.parameter(key, "").identifiable for key in good.keys)
     low, high = good.ends("mass")
     assert low < 50.0 < high and high - low < 1.0
     noisy = record(DT, log.position, log.force + np.random.default_rng(7).normal(0.0, 900.0, 8000))
     poor = estimates_of(inverse_dynamics(noisy, Terms(), corner(log)))
-    assert not is_told(poor, "offset")
+    assert not poor.parameter("offset", "").identifiable
 
 
 def test_units_are_those_of_the_drive_where_its_force_is_not_known():

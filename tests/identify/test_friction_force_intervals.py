@@ -28,7 +28,7 @@ def test_the_truth_lies_in_the_stated_intervals_as_often_as_they_say():
             ("friction.forward.viscous", TRUTH.forward.viscous),
             ("friction.forward.stribeck_speed", TRUTH.forward.stribeck_speed),
         ):
-            assert found[key].told
+            assert found[key].identifiable
             inside.append(found[key].low <= value <= found[key].high)
     assert 0.88 <= np.mean(inside) <= 0.99
 

@@ -79,7 +79,7 @@ def test_true_values_of_fifty_random_systems_lie_in_the_intervals_of_what_is_tol
         }
         truth |= {"gain": numerator[-1] / denominator[n - q], "delay_s": delay}
         found = {**fit.coefficients, "gain": fit.parameters["gain"], "delay_s": fit.parameters["delay_s"]}
-        half = {name: 0.5 * (found[name].high - found[name].low) for name in truth if found[name].told}
+        half = {name: 0.5 * (found[name].high - found[name].low) for name in truth if found[name].identifiable}
         shares += [abs(found[name].value - truth[name]) / half[name] for name in half]
         all_of_them += len(truth)
     inside = int(np.sum(np.array(shares) <= 1.0))

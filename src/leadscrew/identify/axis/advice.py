@@ -77,14 +77,14 @@ def advice(
 
 
 def missing(parameters: Mapping[str, Parameter]) -> tuple[str, ...]:
-    """Keys that the log does not tell, most important first."""
+    """Keys that are not identifiable from the log, most important first."""
     keys = [key for key, p in parameters.items() if _asked(key, p)]
     return tuple(sorted(keys, key=lambda k: _place(k.split(".")[-1])))
 
 
 def _asked(key: str, p: Parameter) -> bool:
     """Whether a motion could tell it: a play behind the encoder shows in no log of that encoder."""
-    return not p.told and p.how != "given" and p.note not in NO_LOG_TELLS and key != "backlash"
+    return not p.identifiable and p.how != "given" and p.note not in NO_LOG_TELLS and key != "backlash"
 
 
 def _place(name: str, order: Sequence[str] = ORDER) -> int:

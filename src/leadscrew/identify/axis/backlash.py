@@ -28,7 +28,7 @@ from typing import TYPE_CHECKING, Literal, NamedTuple
 
 import numpy as np
 
-from leadscrew.identify.axis.refine import clustered
+from leadscrew.identify.estimation import clustered, identifiable, quantile
 from leadscrew.util.errors import DataError
 
 if TYPE_CHECKING:
@@ -45,9 +45,8 @@ LEAST_STROKES = 4
 """Strokes from reversal to reversal that a play is judged by."""
 OBEYS = 5.0
 """Percent of the drive that the law of a cascade may leave."""
-USEFUL = 0.25
-"""Half of an interval, as a share of the value, up to which it is of use; or :data:`FINE` counts where it holds 0."""
 FINE = 50.0
+"""Counts of the encoder: where the interval holds 0, a lost motion known to so many is as good as none."""
 
 LEADS = "The drive obeys the law of a cascade with the position of the motor, which leads the table by half of it."
 DWELL = (
@@ -67,18 +66,18 @@ Method = Literal["two positions", "command and drive", "dwell at reversals", "no
 
 
 class Backlash(NamedTuple):
-    """The play between drive and table, and how well the log tells it."""
+    """The lost motion between drive and table, and how well the log determines it."""
 
     value: float
     """m or rad; both halves together."""
     low: float
     high: float
-    """95 %; NaN where nothing tells it."""
-    told: bool
+    """95 %; NaN where nothing determines it."""
+    identifiable: bool
     method: Method
     strokes: int
     note: str
-    """Where it comes from, or why the log does not tell it, in a sentence."""
+    """Where it comes from, or why it is not identifiable, in a sentence."""
 
 
 def lost_motion(drive_side: np.ndarray, table: np.ndarray, period: float) -> Backlash:
@@ -105,7 +104,7 @@ def backlash_of(
     delay_s: float = 0.0,
     cascade: Cascade | None = None,
 ) -> Backlash:
-    """The play from a log of one axis whose position is the table's, or why the log does not tell it.
+    """The play from a log of one axis whose position is the table's, or why it is not identifiable from the log.
 
     Args:
         log: with its command, where the loop was closed on the motor; without, the dwell at reversals is tried.
@@ -144,7 +143,7 @@ def _by_law(log: AxisLog, cascade: Cascade | None) -> Backlash | None:
     likely = [law for law in tried if n * np.log(max(law.left, 1e-300) / max(best.left, 1e-300)) < LIKELY]
     found = [_ratio(law, count, int(stroke[-1]) + 1) for law in [best, *likely]]
     low, high = min(f.low for f in found), max(f.high for f in found)
-    return found[0]._replace(low=low, high=high, told=_of_use(found[0].value, low, high, count))
+    return found[0]._replace(low=low, high=high, identifiable=_of_use(found[0].value, low, high, count))
 
 
 class _Law(NamedTuple):
@@ -202,8 +201,8 @@ def _by_dwell(log: AxisLog, values: Mapping[str, float], delay_s: float) -> Back
     found = min(tries, key=lambda f: f.rms)
     low, high = found.interval["backlash"]
     value = found.values["backlash"] if "backlash" not in found.at_bound else 0.0
-    told = _of_use(value, low, high, count) and found.standard_error["backlash"] > 0.0
-    return Backlash(value, max(low, 0.0), high, told, "dwell at reversals", int(stroke[-1]) + 1, DWELL)
+    known = _of_use(value, low, high, count) and found.standard_error["backlash"] > 0.0
+    return Backlash(value, max(low, 0.0), high, known, "dwell at reversals", int(stroke[-1]) + 1, DWELL)
 
 
 def _strokes(position: np.ndarray, period: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -237,10 +236,8 @@ def _line(columns: np.ndarray, right: np.ndarray, cluster: np.ndarray) -> tuple[
 def _found(
     value: float, error: float, degrees: float, count: float, method: Method, strokes: int, note: str
 ) -> Backlash:
-    from scipy.stats import t
-
     # no play is known to better than a tenth of a count
-    reach = max(float(t.ppf(0.975, degrees)) * error, 0.1 * count)
+    reach = max(quantile(degrees) * error, 0.1 * count)
     return Backlash(
         max(value, 0.0), max(value - reach, 0.0), max(value + reach, 0.0),
         _of_use(value, value - reach, value + reach, count), method, strokes, note,
@@ -248,8 +245,7 @@ def _found(
 
 
 def _of_use(value: float, low: float, high: float, count: float) -> bool:
-    half = 0.5 * (high - low)
-    return bool(half <= USEFUL * abs(value) or (low <= 0.0 and half <= FINE * count))
+    return identifiable(value, 0.5 * (high - low), FINE * count if low <= 0.0 else 0.0)
 
 
 def _count(position: np.ndarray) -> float:

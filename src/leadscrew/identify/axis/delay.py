@@ -15,10 +15,10 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from scipy.special import stdtrit
 
 from leadscrew.identify.axis.inverse_dynamics import APART, Terms, blocks, huber, jackknife, refuse_few, rows_of
 from leadscrew.identify.axis.record import Record, held, length_of, smoothed
+from leadscrew.identify.estimation import quantile
 
 EARLIEST, LONGEST_S = -6, 0.05
 """Delays that are tried, in periods and in seconds."""
@@ -43,14 +43,14 @@ class Delay(NamedTuple):
 
     @property
     def open(self) -> bool:
-        """Whether the linear stage does not tell it and it may be above 0: a simulation, which knows the drive exactly
-        where least squares takes noise of the sensor for motion, may tell it.
+        """Whether the linear stage does not determine it and it may be above 0: a simulation, which knows the drive
+        exactly where least squares takes noise of the sensor for motion, may.
         """
         return not self.sharp and self.high > 0.0
 
     @property
     def used(self) -> float:
-        """0 where the interval holds it or lies below it, or where the delay is not told."""
+        """0 where the interval holds it or lies below it, or where the delay is not identifiable."""
         return self.value if self.low > 0.0 and self.sharp else 0.0
 
 
@@ -87,7 +87,7 @@ def find_delay(record: Record, terms: Terms, corner_hz: float) -> Delay:
         if abs(change) < 1e-4 or not EARLIEST - 2 < tau < latest + 2:
             break
     freedom, covariance = jackknife(table, force(tau - change), weights, blocks(rows.at[used], length, table.shape[1]))
-    half = FLOOR + float(stdtrit(freedom, 0.975) * np.sqrt(covariance[-1, -1]) / size)
+    half = FLOOR + quantile(freedom) * float(np.sqrt(covariance[-1, -1])) / size
     low, high, sharp = tau - half, tau + half, bool(half < 1.0 and EARLIEST < tau < latest)
     if not sharp:
         # a flat minimum: all that the sum of squares does not rule out; rows overlap, so half of them count

@@ -12,7 +12,7 @@ by trust-region least squares (SciPy) in scaled variables; all simulations of an
 - ``closed``: the known cascade closes the loop on the model under the logged command. What is left is small, and tells
   of the parameters only as much as the controller lets them show.
 
-Covariances hold where residuals are correlated, :func:`clustered`; ``at_bound`` names a parameter on its bound.
+Covariances are those of :func:`leadscrew.identify.estimation.clustered`; ``at_bound`` names a parameter on its bound.
 H. G. Bock, *Recent advances in parameter identification techniques for ODE*, 1983, for multiple shooting; L. Ljung,
 *System Identification* (2nd ed., 1999), section 7.4 for the output-error method.
 
@@ -26,18 +26,6 @@ The start position shifts the whole window, so it takes the mean out. In sliding
 of Gauss and Newton finds it; where the axis stops within the window a second step is taken from there. A window that
 begins at rest begins with speed 0. Windows begin where the axis moves fastest nearby, since there a start speed is what
 it seems; the derivative is that of L. Kaufman, *A variable projection method*, BIT 15 (1975) 49.
-
-Covariance of a least-squares fit whose residuals are correlated within windows, with small-sample corrections.
-
-With the rows ``X_g, r_g`` of window ``g``, ``M = (X'X)^-1`` and ``A_g = (I - X_g M X_g')^(-1/2)``
-
-    V = M sum_g (X_g' A_g r_g)(X_g' A_g r_g)' M        ("CR2")
-
-It is unbiased where the residuals are white, and consistent whatever their correlation within a window and their size
-from window to window. The interval takes the quantile of Student's t with the degrees of freedom of Bell and McCaffrey,
-by parameter: few where few windows tell it. R. Bell, D. McCaffrey, *Bias reduction in standard errors for linear
-regression with multi-stage samples*, Survey Methodology 28 (2002) 169; J. Pustejovsky, E. Tipton, J. Business &
-Economic Statistics 36 (2018) 672.
 """
 
 from __future__ import annotations
@@ -53,6 +41,7 @@ from leadscrew.identify.axis.cascade import closed_loop, play_closed
 from leadscrew.identify.axis.record import Record, record_of
 from leadscrew.identify.axis.replay import LOST, Starts, play, played
 from leadscrew.identify.axis.simulation import NO_STRIBECK, START_S, plant_values, start_state
+from leadscrew.identify.estimation import Spread, clustered, correlations, inverse, quantile
 from leadscrew.kernel import validate
 from leadscrew.util.errors import DataError, NameUnknown, ValueRefused
 
@@ -426,52 +415,8 @@ class Closed:
         return self.start
 
 
-WEAK = 1e-12
-"""Share of the largest singular value below which a direction counts as not told at all."""
 SHORT_S = 0.02
 """Over which a force is averaged for a look at what disturbs."""
-LEVERAGE = 1e-3
-"""A window's own weight in its fit is taken to be at most one less this."""
-
-
-class Spread(NamedTuple):
-    """How far to trust the variables of a fit."""
-
-    covariance: np.ndarray
-    degrees: np.ndarray
-    """Of freedom of Student's t, by variable."""
-    condition: float
-    """Largest over smallest singular value, columns scaled to the same length."""
-
-
-def clustered(jacobian: np.ndarray, left: np.ndarray, cluster: np.ndarray) -> Spread:
-    """CR2 covariance by window; a direction that is not told has infinite variance."""
-    inverse, condition = _inverse(jacobian)
-    values, vectors = np.linalg.eigh(inverse)
-    root = vectors * np.sqrt(np.maximum(values, 0.0))
-    edges = np.flatnonzero(np.diff(cluster)) + 1
-    scores, sizes, crosses = [], [], []
-    for rows, r in zip(np.split(jacobian, edges), np.split(left, edges), strict=True):
-        u, s, _ = np.linalg.svd(rows @ root, full_matrices=False)
-        gain = 1.0 / np.sqrt(np.maximum(1.0 - s * s, LEVERAGE)) - 1.0
-        scores.append(rows.T @ (r + u @ (gain * (u.T @ r))))
-        own = rows @ inverse
-        own = own + u @ (gain[:, None] * (u.T @ own))
-        sizes.append(np.sum(own * own, axis=0))
-        crosses.append(rows.T @ own)
-    score = np.array(scores)
-    covariance = inverse @ (score.T @ score) @ inverse
-    return Spread(covariance, _degrees(np.array(sizes), np.array(crosses), inverse), condition)
-
-
-def _degrees(sizes: np.ndarray, crosses: np.ndarray, inverse: np.ndarray) -> np.ndarray:
-    """Bell and McCaffrey's, for white residuals."""
-    found = []
-    for i in range(sizes.shape[1]):
-        b = crosses[:, :, i]
-        gram = np.diag(sizes[:, i]) - b @ inverse @ b.T
-        found.append(float(np.trace(gram)) ** 2 / max(float(np.sum(gram * gram)), 1e-300))
-    return np.maximum(np.array(found), 1.0)
 
 
 def by_force(jacobian: np.ndarray, left: np.ndarray, period: float, rate: float, block_s: float) -> Spread:
@@ -483,7 +428,7 @@ def by_force(jacobian: np.ndarray, left: np.ndarray, period: float, rate: float,
     """
     from scipy.signal import lfilter
 
-    inverse, condition = _inverse(jacobian)
+    middle, condition = inverse(jacobian)
     kept = float(np.exp(-rate * period))
     a = np.array([1.0, -1.0 - kept, kept])
     force, turned = lfilter(a, [1.0], left), lfilter(a, [1.0], jacobian, axis=0)
@@ -495,18 +440,8 @@ def by_force(jacobian: np.ndarray, left: np.ndarray, period: float, rate: float,
     block = max(1, round(block_s / period))
     score = np.add.reduceat(adjoint * force[:, None], np.arange(0, len(left), block), axis=0)
     spare = max(1.0, len(score) - jacobian.shape[1] - 2.0)
-    covariance = inverse @ (score.T @ score) @ inverse * len(score) / spare
+    covariance = middle @ (score.T @ score) @ middle * len(score) / spare
     return Spread(covariance, np.full(jacobian.shape[1], spare), condition)
-
-
-def _inverse(jacobian: np.ndarray) -> tuple[np.ndarray, float]:
-    size = np.linalg.norm(jacobian, axis=0)
-    safe = np.where(size > 0.0, size, 1.0)
-    _, s, v = np.linalg.svd(jacobian / safe, full_matrices=False)
-    usable = np.maximum(s, WEAK * s[0])
-    inverse = (v.T / usable**2) @ v / np.outer(safe, safe)
-    condition = float(s[0] / s[-1]) if s[-1] > 0.0 else float("inf")
-    return inverse, condition
 
 
 Mode = Literal["open", "windows", "closed"]
@@ -671,14 +606,12 @@ def _result(
     values = scale.values(x)
     full = scale.point(x) | {k: v for k, v in values.items() if k not in scale.point(x)}
     cluster = problem.cluster
-    safe = np.where(error > 0.0, error, 1.0)
-    related = covariance / np.outer(safe, safe)
     return Refined(
         mode=mode, keys=scale.keys, values=full | {"delay_s": scale.delay(x)}, covariance=covariance,
         standard_error=dict(zip(scale.keys, error.tolist(), strict=True)),
         degrees=dict(zip(scale.keys, spread.degrees.tolist(), strict=True)),
         interval=_intervals(scale, x, spread), condition=spread.condition,
-        correlation={a: {b: float(related[i, j]) for j, b in enumerate(scale.keys)} for i, a in enumerate(scale.keys)},
+        correlation=correlations(covariance, scale.keys),
         rms=float(np.sqrt(np.mean(left * left))), residual=left, window=cluster, windows=int(np.unique(cluster).size),
         left_out=int(np.sum(~problem.used)) if isinstance(problem, Windows) else 0,
         start_state=problem.begin(x), at_bound=at_bound, runs=problem.runs, converged=converged, message=message,
@@ -701,9 +634,7 @@ def _spread(
 
 def _intervals(scale: Scales, x: np.ndarray, spread: Spread) -> dict[str, tuple[float, float]]:
     """95 %, in the variable that was fitted: a logarithm's interval does not reach zero."""
-    from scipy.stats import t
-
-    reach = t.ppf(0.975, spread.degrees) * np.sqrt(np.maximum(np.diag(spread.covariance), 0.0))
+    reach = np.array([quantile(d) for d in spread.degrees]) * np.sqrt(np.maximum(np.diag(spread.covariance), 0.0))
     found = {}
     for i, key in enumerate(scale.keys):
         ends = [x[i] - reach[i], x[i] + reach[i]]

@@ -222,7 +222,7 @@ class Predicted(NamedTuple):
     value: float
     half: float
     target: float
-    verdict: Literal["told", "wide", "not told"]
+    verdict: Literal["identifiable", "wide", "not identifiable"]
     why: str = ""
 
     @property
@@ -325,7 +325,7 @@ def half_intervals(total: Information, belief: Belief) -> dict[str, float]:
     columns = columns_of(belief)
     prior = np.zeros(len(columns))
     for k, keys in enumerate(columns.values()):
-        known = [belief.told[key] for key in keys if belief.told.get(key, 0.0) > 0.0]
+        known = [belief.known[key] for key in keys if belief.known.get(key, 0.0) > 0.0]
         prior[k] = 1.0 / min(known) ** 2 if known else 0.0
     covariance = _inverse(total.sensor + np.diag(prior))
     if belief.force_noise > 0.0:
@@ -419,10 +419,10 @@ def _move(limits: Limits, chosen: list[tuple[Part, int]]) -> Move:
 
 def _predicted(key: str, belief: Belief, half: float, target: float, limits: Limits, duration: float) -> Predicted:
     if half <= 1.0001 * target:
-        return Predicted(key, belief.of(key), half, target, "told")
+        return Predicted(key, belief.of(key), half, target, "identifiable")
     if key == "offset" and not belief.symmetric:
-        why = "with friction by direction an offset is a part of Coulomb friction: no motion tells them apart"
-        return Predicted(key, belief.of(key), math.inf, target, "not told", why)
+        why = "with friction by direction an offset is a part of Coulomb friction: no motion separates them"
+        return Predicted(key, belief.of(key), math.inf, target, "not identifiable", why)
     size = abs(belief.of(key)) or 20.0 * target
-    verdict: Literal["wide", "not told"] = "wide" if half < 0.5 * size else "not told"
+    verdict: Literal["wide", "not identifiable"] = "wide" if half < 0.5 * size else "not identifiable"
     return Predicted(key, belief.of(key), half, target, verdict, why_not(key, belief, half, target, limits, duration))

@@ -34,7 +34,7 @@ from leadscrew.friction.asymmetric import TwoSidedLuGre
 from leadscrew.friction.dahl import Dahl
 from leadscrew.friction.maxwell_slip import MaxwellSlip
 from leadscrew.friction.static_map import Sliding, TwoSided
-from leadscrew.identify.axis.result import Parameter
+from leadscrew.identify.estimation import Parameter, quantile
 from leadscrew.identify.friction_force.models import dahl_force, levels, lugre_force, map_force, one_sided, stops
 from leadscrew.identify.friction_force.record import LEAST, ForceRecord
 from leadscrew.identify.friction_force.result import (
@@ -109,8 +109,6 @@ def sliding_rows(task: Task, share: np.ndarray) -> np.ndarray:
 
 def bins_of(task: Task, rows: np.ndarray) -> list[Bin]:
     """Force against speed in bins of equal ratios of speed, each direction."""
-    from scipy.stats import t as student
-
     r, found = task.record, []
     y = r.force / np.where(task.weight != 0.0, task.weight, 1.0)
     for way in (-1.0, 1.0):
@@ -125,7 +123,7 @@ def bins_of(task: Task, rows: np.ndarray) -> list[Bin]:
                 continue
             means = np.array([y[part[r.strokes[part] == k]].mean() for k in np.unique(r.strokes[part])])
             few = len(means) < 3
-            reach = np.nan if few else float(student.ppf(0.975, len(means) - 1) * means.std(ddof=1) / len(means) ** 0.5)
+            reach = np.nan if few else quantile(len(means) - 1) * float(means.std(ddof=1)) / len(means) ** 0.5
             middle = float(means.mean())
             found.append(Bin(float(r.speed[part].mean()), middle, middle - reach, middle + reach, len(means)))
     return sorted(found)
@@ -331,8 +329,8 @@ def _merged(yields: np.ndarray, forces: np.ndarray) -> np.ndarray:
 
 
 def _share(p: Parameter, level: float, yields: float, unit: str) -> Parameter:
-    note = f"yields after {yields:.3g} {unit}" + ("" if p.told else "; its interval is too wide to be of use")
-    return Parameter(p.value / level, "1", p.low / level, p.high / level, p.how, p.told, note)
+    note = f"yields after {yields:.3g} {unit}" + ("" if p.identifiable else "; its interval is too wide to be of use")
+    return Parameter(p.value / level, "1", p.low / level, p.high / level, p.how, p.identifiable, note)
 
 
 SHARES = (1e-3, 3e-3, 1e-2, 3e-2, 0.1, 0.3)
@@ -633,6 +631,6 @@ def _advice(fit: FrictionForceFit, task: Task) -> list[str]:
     if task.ratio < STRIBECK_RATIO:
         said.append("slow strokes, down to a hundredth of the fastest, tell static friction and Stribeck speed")
     damping = fit.chosen.parameters["friction.damping"]
-    if not damping.told:
+    if not damping.identifiable:
         said.append("quick reversals inside the travel before sliding tell the damping of the bristles")
     return said

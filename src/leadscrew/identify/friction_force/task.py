@@ -22,7 +22,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from leadscrew.friction.static_map import Sliding
-from leadscrew.identify.axis.result import How, Parameter
+from leadscrew.identify.estimation import Parameter, fitted, quantile
+from leadscrew.identify.estimation import fixed as fixed_parameter
 from leadscrew.identify.friction_force.record import ForceRecord
 from leadscrew.identify.friction_force.result import Load, ModelFit
 
@@ -89,8 +90,6 @@ def robust(
     jacobian: np.ndarray, residual: np.ndarray, clusters: np.ndarray, free: np.ndarray
 ) -> tuple[np.ndarray, float, float]:
     """Covariance of the jackknife over clusters; condition number, columns at unit length; Student's 0.975 quantile."""
-    from scipy.stats import t as student
-
     p = jacobian.shape[1]
     covariance = np.full((p, p), np.nan)
     length = np.linalg.norm(jacobian, axis=0)
@@ -110,7 +109,7 @@ def robust(
         found += np.outer(moved, moved)
     found *= (count - 1.0) / count
     covariance[np.ix_(use, use)] = found / np.outer(length[use], length[use])
-    return covariance, condition, float(student.ppf(0.975, count - 1))
+    return covariance, condition, quantile(count - 1)
 
 
 def whiteness(residual: np.ndarray) -> float:
@@ -125,7 +124,7 @@ def whiteness(residual: np.ndarray) -> float:
 
 
 USEFUL = 0.5
-"""Half of an interval over the value, beyond which the log is said not to tell the parameter."""
+"""Half of an interval over the value, beyond which a parameter is not identifiable."""
 VISCOUS_RATIO = 2.0
 """Fast over slow sliding below which a viscous part cannot be told from Coulomb friction."""
 STRIBECK_RATIO = 3.0
@@ -198,12 +197,10 @@ def parameters(
             out[key] = Parameter(value, units[kind], np.nan, np.nan, "fitted", False, "on its bound, or without effect")
             continue
         reach = found.quantile * float(np.sqrt(variance))
-        told = reach <= USEFUL * abs(value)
-        note = "" if told else "its interval is too wide to be of use"
-        out[key] = Parameter(value, units[kind], value - reach, value + reach, "fitted", told, note)
+        p = fitted(value, (value - reach, value + reach), units[kind], share=USEFUL)
+        out[key] = p if p.identifiable else p._replace(note="its interval is too wide to be of use")
     for key, (value, kind, why) in fixed.items():
-        how: How = "fixed"
-        out[key] = Parameter(value, units[kind], np.nan, np.nan, how, False, why)
+        out[key] = fixed_parameter(value, units[kind], why)
     return out
 
 

@@ -27,12 +27,13 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from leadscrew.identify.estimation import coloured, condition
 from leadscrew.identify.linear import advice
 from leadscrew.identify.linear.choose import Fitted, Task, alone, choose, fitted, held_out
 from leadscrew.identify.linear.model import Model, Problem, Solved, Structure, candidates
 from leadscrew.identify.linear.record import LEAST, LinearRecord
 from leadscrew.identify.linear.result import Candidate, LinearFit, Stretch
-from leadscrew.identify.linear.uncertainty import Sure, condition, covariance, sure, whiteness, within
+from leadscrew.identify.linear.uncertainty import Sure, sure, whiteness, within
 from leadscrew.kernel.one_thread import one_thread
 from leadscrew.kernel.validate import number, whole
 from leadscrew.util.errors import DataError, ValueRefused
@@ -80,7 +81,7 @@ class Estimate(NamedTuple):
     @property
     def tells(self) -> bool:
         """Whether the log tells one of its numbers; a delay that was given is none."""
-        return any(p.told and p.low < p.high for p in self.found.parameters.values())
+        return any(p.identifiable and p.low < p.high for p in self.found.parameters.values())
 
 
 def estimate(task: Task, best: Fitted) -> Estimate:
@@ -102,7 +103,7 @@ def estimate(task: Task, best: Fitted) -> Estimate:
     residual = problem.y[problem.rows] - model.simulate(phi, problem.u)
     change = model.jacobian(phi, problem.u)
     hz = np.geomspace(0.5 / (r.period * len(r.time)), 0.499 / r.period, BAND)
-    found = sure(model, phi, covariance(change, residual, tools), (r.input_unit, r.output_unit), hz)
+    found = sure(model, phi, coloured(change, residual, tools), (r.input_unit, r.output_unit), hz)
     spoken = advice.excited(problem.u[problem.rows], residual, r.period, (hz, found.bode.response))
     b, theta = model.split(phi)
     denominator, delay_s, _ = problem.system(theta)
