@@ -25,7 +25,7 @@ import numpy as np
 
 from leadscrew.analysis.cutting_force import ChipAndEdge, PowerLaw, r_squared, specific_force
 from leadscrew.identify.cutting_force_table import ForceTable
-from leadscrew.identify.estimation import CONFIDENCE, Interval, Parameter, condition, fitted, quantile
+from leadscrew.identify.estimation import CONFIDENCE, Interval, Parameter, fitted, quantile, white
 from leadscrew.util.errors import DataError, ValueRefused
 
 Method = Literal["log-log", "relative", "absolute"]
@@ -155,7 +155,8 @@ def fit_law(model: Model, method: Method, table: ForceTable) -> LawFit:
         jacobian = design * (modelled * weight if model.logarithmic else weight)[:, None]
     freedom = len(force) - len(x)
     scatter = math.sqrt(float(left @ left) / freedom)
-    covariance = np.linalg.inv(jacobian.T @ jacobian) * scatter**2
+    spread = white(jacobian, left)
+    covariance = spread.covariance
     reach = quantile(freedom) * np.sqrt(np.diag(covariance))
     parameters = {name: _parameter(name, at, at - r, at + r) for name, at, r in zip(model.names, x, reach, strict=True)}
     return LawFit(
@@ -168,7 +169,7 @@ def fit_law(model: Model, method: Method, table: ForceTable) -> LawFit:
                 np.log(specific_force(force, f, a)), np.log(specific_force(modelled, f, a))
             ),
         },
-        rms_n=_rms(force - modelled), condition=condition(jacobian), freedom=freedom, scatter=scatter,
+        rms_n=_rms(force - modelled), condition=spread.condition, freedom=freedom, scatter=scatter,
         covariance=covariance,
     )  # fmt: skip
 

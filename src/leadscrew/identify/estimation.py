@@ -106,19 +106,19 @@ class Parameter(NamedTuple):
         return abs(50.0 * (self.high - self.low) / self.value) if self.value else math.inf
 
 
-def identifiable(value: float, half: float, negligible: float = 0.0, share: float = SHARE) -> bool:
+def identifiable(value: float, half: float, negligible: float = 0.0) -> bool:
     """Whether an interval of half the width ``half`` determines ``value``; NaN and infinite ones do not."""
-    return bool(math.isfinite(half) and half <= max(share * abs(value), negligible))
+    return bool(math.isfinite(half) and half <= max(SHARE * abs(value), negligible))
 
 
 def fitted(
     value: float, ends: tuple[float, float], unit: str = "", *, counted: float | None = None, negligible: float = 0.0,
-    note: str = "", share: float = SHARE,
+    note: str = "",
 ) -> Parameter:  # fmt: skip
     """A fitted parameter, judged by the rule; ``counted``: the size that counts, where it is not the value."""
     low, high = ends
     size = value if counted is None else counted
-    known = identifiable(size, 0.5 * (high - low), negligible, share)
+    known = identifiable(size, 0.5 * (high - low), negligible)
     return Parameter(float(value), unit, float(low), float(high), "fitted", known, note)
 
 
@@ -170,6 +170,8 @@ def inverse(jacobian: np.ndarray) -> tuple[np.ndarray, float]:
     """``(J'J)^-1`` and the condition number; a direction without effect has a huge variance."""
     size = np.linalg.norm(jacobian, axis=0)
     safe = np.where(size > 0.0, size, 1.0)
+    if not len(size):
+        return np.zeros((0, 0)), 1.0
     _, s, v = np.linalg.svd(jacobian / safe, full_matrices=False)
     usable = np.maximum(s, WEAK * s[0])
     found = (v.T / usable**2) @ v / np.outer(safe, safe)
@@ -184,7 +186,7 @@ def white(jacobian: np.ndarray, residual: np.ndarray) -> Spread:
 
 
 def clustered(jacobian: np.ndarray, residual: np.ndarray, cluster: np.ndarray) -> Spread:
-    """CR2 covariance; ``cluster``: the number of the cluster of each row, clusters lying side by side."""
+    """CR2 covariance, infinite for fewer than two clusters; ``cluster``: number of the cluster of each row, in runs."""
     middle, ratio = inverse(jacobian)
     values, vectors = np.linalg.eigh(middle)
     root = vectors * np.sqrt(np.maximum(values, 0.0))
@@ -198,6 +200,8 @@ def clustered(jacobian: np.ndarray, residual: np.ndarray, cluster: np.ndarray) -
         own = own + u @ (gain[:, None] * (u.T @ own))
         sizes.append(np.sum(own * own, axis=0))
         crosses.append(rows.T @ own)
+    if len(scores) < 2:
+        return Spread(np.full_like(middle, np.inf), np.ones(len(middle)), ratio)
     score = np.array(scores)
     covariance = middle @ (score.T @ score) @ middle
     return Spread(covariance, _degrees(np.array(sizes), np.array(crosses), middle), ratio)

@@ -16,11 +16,10 @@ The cost has several minima along ``v_s``. Trust-region least squares starts fro
 (:class:`Residuals`); where none are, the least cost is taken and ``consistent`` is false.
 
 Standard errors are those of a linearised fit, not below the noise, with the errors of inertia, Coulomb and viscous
-friction carried over from step 1. A stroke that repeats another count by count counts once. A parameter with more than
-:data:`KNOWN` is not identifiable. Static friction and Stribeck speed act in slow motion only: sines of millimetres do
-not determine them, the record of :obj:`leadscrew.references.friction_test` does. Where they are not identifiable they
-stay near usual values (F_S = 1.5 F_C; v_s a 3,300th of the top speed), each weighed as one sample that is off by the
-noise at a factor of e.
+friction carried over from step 1. A stroke that repeats another count by count counts once. Static friction and
+Stribeck speed act in slow motion only: sines of millimetres do not determine them, the record of
+:obj:`leadscrew.references.friction_test` does. Where they are not identifiable they stay near usual values (F_S = 1.5
+F_C; v_s a 3,300th of the top speed), each weighed as one sample that is off by the noise at a factor of e.
 
 The method is ours; for the model see :mod:`leadscrew.friction.lugre`.
 """
@@ -35,14 +34,11 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from leadscrew.friction.lugre import LuGre
-from leadscrew.identify.estimation import Parameter, correlations, fitted
+from leadscrew.identify.estimation import SHARE, Parameter, correlations, fitted, identifiable, quantile
 from leadscrew.identify.friction_record import Piece, Record, Sliding, checked, pieces, replay_loop, sliding
 from leadscrew.kernel import validate
 from leadscrew.util.errors import DataError
 
-KNOWN = 0.1
-"""Standard error, as a share of the value (of static friction: of what it is above Coulomb friction), up to which a
-parameter is identifiable."""
 WORSE = 20.0
 """Rise of the cost, in squared noise, that half and double of ``F_S - F_C`` must bring for it to be identifiable: what
 six standard deviations bring."""
@@ -51,7 +47,6 @@ UNITS = {
     "stiffness": "N m/rad", "damping": "N m s/rad", "viscous": "N m s/rad", "coulomb": "N m", "static": "N m",
     "stribeck_speed": "rad/s",
 }  # fmt: skip
-NORMAL = 1.96
 USUAL_SPEED = 3e-4
 """Usual Stribeck speed, as a share of the top speed."""
 ROBUST, BEYOND = 3.0, 9.0
@@ -236,7 +231,7 @@ def fit_friction(
 
 def _inertia(slide: Sliding) -> float:
     error = slide.standard_error["inertia"]
-    if not slide.inertia > 0.0 or error > KNOWN * slide.inertia:
+    if not slide.inertia > 0.0 or not identifiable(slide.inertia, quantile() * error):
         raise DataError(
             f"the log does not determine the inertia ({slide.inertia:.3g} with a standard error of {error:.2g}): give "
             "it, or let the axis accelerate more while it slides"
@@ -307,7 +302,7 @@ def _result(
         errors |= {"static": math.inf, "stribeck_speed": math.inf}
     parameters = {
         n: fitted(
-            v, (v - NORMAL * errors[n], v + NORMAL * errors[n]), UNITS[n], share=NORMAL * KNOWN,
+            v, (v - quantile() * errors[n], v + quantile() * errors[n]), UNITS[n],
             counted=friction.static - friction.coulomb if n == "static" else None,
         )
         for n, v in values.items()
@@ -315,8 +310,8 @@ def _result(
     poor = [n for n in ("stiffness", "damping") if not parameters[n].identifiable]
     if poor:
         raise DataError(
-            f"the log does not determine the {' and the '.join(poor)} of the bristles (standard error above "
-            f"{100.0 * KNOWN:.0f} %): it needs slower reversals, more of them, or a finer encoder"
+            f"the log does not determine the {' and the '.join(poor)} of the bristles (half of the 95 % interval above "
+            f"{100.0 * SHARE:.0f} % of the value): it needs slower reversals, more of them, or a finer encoder"
         )
     return FrictionFit(
         friction=friction, inertia=inertia, inertia_given=given, offset=slide.offset, standard_error=errors,

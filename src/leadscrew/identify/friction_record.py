@@ -29,6 +29,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from leadscrew.friction.lugre import LuGre, friction, steady_bristle
+from leadscrew.identify.estimation import identifiable, quantile, white
 from leadscrew.kernel.block import controller, plant, reference
 from leadscrew.kernel.loop import Loop
 from leadscrew.kernel.parameters import Doc, Gt, Unit
@@ -181,10 +182,10 @@ def sliding(record: Record) -> Sliding:
         a, b, left = a[middling], b[middling], left[middling]
     rms = float(np.sqrt(np.mean(left * left)))
     # Neighbours overlap by half: every second window is new.
-    spread = np.sqrt(2.0 * np.diag(np.linalg.pinv(a.T @ a))) * rms * np.sqrt(len(left) / max(1, len(left) - 4))
+    spread = np.sqrt(2.0 * np.diag(white(a, left).covariance))
     names = ("coulomb", "viscous", "inertia", "offset")
     error = dict(zip(names, spread.tolist(), strict=True))
-    if not x[0] > 0.0 or error["coulomb"] > 0.2 * x[0]:
+    if not x[0] > 0.0 or not identifiable(x[0], quantile() * error["coulomb"]):
         raise DataError(
             f"Coulomb friction from the sliding is {x[0]:.3g} with a standard error of {error['coulomb']:.2g}: the log "
             "slides at too few speeds, or its torque is not that of the axis"

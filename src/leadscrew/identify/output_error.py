@@ -22,6 +22,7 @@ from typing import TYPE_CHECKING, Literal, NamedTuple
 
 import numpy as np
 
+from leadscrew.identify.estimation import white
 from leadscrew.kernel import validate
 from leadscrew.util.errors import DataError, ValueRefused
 
@@ -158,8 +159,7 @@ def fit_output_error(
             f"the records cannot tell the parameters apart: condition number {sizes[0] / max(sizes[-1], DEAF):.2g}, "
             f"allowed {max_condition:.2g}; hardly anything changes along {parts} (in shares of their bounds)"
         )
-    spare = max(1, jacobian.shape[0] - len(lows))
-    spread = np.sqrt(2.0 * best.cost / spare * np.diag(np.linalg.inv(jacobian.T @ jacobian))) * (highs - lows)
+    spread = np.sqrt(np.diag(white(jacobian, best.fun).covariance)) * (highs - lows)
     values = lows + best.x * (highs - lows)
     simulated = dict(zip(records, problem.simulate(best.x[None]), strict=True))
     return OutputErrorFit(

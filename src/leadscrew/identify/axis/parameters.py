@@ -30,7 +30,8 @@ class Estimates:
     keys: tuple[str, ...]
     values: dict[str, float]
     covariance: np.ndarray
-    freedom: float
+    degrees: np.ndarray
+    """Of freedom of Student's t, by key."""
     condition: float
     effect: dict[str, float]
     """Root mean square of the force that one unit of each parameter makes."""
@@ -50,17 +51,19 @@ class Estimates:
         if key in self.interval:
             return 0.5 * (self.interval[key][1] - self.interval[key][0])
         i = self.keys.index(key)
-        return quantile(max(self.freedom, 1.0)) * math.sqrt(max(float(self.covariance[i, i]), 0.0))
+        return quantile(float(self.degrees[i])) * math.sqrt(max(float(self.covariance[i, i]), 0.0))
 
     def correlation(self) -> dict[str, dict[str, float]]:
         """Between the parameters."""
         return correlations(self.covariance, self.keys)
 
-    def parameter(self, key: str, unit: str, note: str = "") -> Parameter:
-        """A parameter with its interval; friction and offset may be too small to matter."""
+    def parameter(self, key: str, unit: str, note: str = "", coulomb: float | None = None) -> Parameter:
+        """A parameter with its interval; ``coulomb``: what static friction counts above."""
         effect = self.effect.get(key, 0.0) if key.split(".")[-1] in ("offset", "coulomb", "viscous") else 0.0
         negligible = LITTLE * self.rms_force / effect if effect > 0.0 else 0.0
-        return fitted(self.values[key], self.ends(key), unit, negligible=negligible, note=note)
+        value = self.values[key]
+        counted = None if coulomb is None else value - coulomb
+        return fitted(value, self.ends(key), unit, counted=counted, negligible=negligible, note=note)
 
 
 def estimates_of(fit: LinearFit) -> Estimates:
@@ -78,14 +81,14 @@ def estimates_of(fit: LinearFit) -> Estimates:
     bias = [values[k] * (BIAS_STRIBECK if k.split(".")[-1] in ("static", "stribeck_speed") else BIAS) for k in keys]
     covariance = turn @ fit.covariance @ turn.T + np.diag(np.square(0.5 * np.array(bias)))
     return Estimates(
-        keys, values, covariance, fit.freedom, fit.condition,
+        keys, values, covariance, np.array([float(fit.degrees[row != 0.0].min()) for row in turn]), fit.condition,
         {new: fit.effect[old] for old, new in zip(fit.keys, keys, strict=True)}, fit.rms_force,
     )  # fmt: skip
 
 
 def interval_half(fit: LinearFit, key: str) -> float:
     """Half of the 95 % interval of a term of the line."""
-    return quantile(max(fit.freedom, 1)) * fit.standard_error[key]
+    return quantile(float(fit.degrees[fit.keys.index(key)])) * fit.standard_error[key]
 
 
 def units(position_unit: str, drive_unit: str, force_known: bool) -> dict[str, str]:
@@ -168,7 +171,9 @@ def _one(
     if key in known:
         return given(known[key], units[key])
     if key in estimates.values:
-        return estimates.parameter(key, units[key], note)
+        below = key.replace(".static", ".coulomb")
+        coulomb = None if below == key else estimates.values.get(below, known.get(below))
+        return estimates.parameter(key, units[key], note, coulomb)
     return fixed(0.0, units[key], why.get(key, "not identifiable from the log: fixed at 0"))
 
 
@@ -206,7 +211,7 @@ def delay_parameter(found: Delay | None, period: float, estimates: Estimates, gi
         low, high = estimates.ends("delay_s")
         low, value = max(low, 0.0), estimates.values["delay_s"]
         value = value if value > CLOCK * period else 0.0
-        return fitted(value, (low, high), "s", negligible=period, share=0.0)
+        return fitted(value, (low, high), "s", negligible=period)
     assert found is not None
     low, high = found.low * period, found.high * period
     if found.used > 0.0:

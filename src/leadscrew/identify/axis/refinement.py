@@ -175,8 +175,8 @@ def refined(
         )
     effect = estimates.effect | {"delay_s": 0.0}
     better = Estimates(
-        found.keys, {k: found.values[k] for k in found.keys}, found.covariance, float(min(found.degrees.values())),
-        found.condition, effect, estimates.rms_force,
+        found.keys, {k: found.values[k] for k in found.keys}, found.covariance,
+        np.array([found.degrees[k] for k in found.keys]), found.condition, effect, estimates.rms_force,
         {k: _widened(found.values[k], *ends) for k, ends in found.interval.items()},
     )  # fmt: skip
     if not job.follows:

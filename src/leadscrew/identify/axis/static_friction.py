@@ -22,7 +22,7 @@ from leadscrew.identify.axis.inverse_dynamics import SIDES, stretches
 from leadscrew.identify.axis.job import Job
 from leadscrew.identify.axis.parameters import Estimates
 from leadscrew.identify.axis.record import Record
-from leadscrew.identify.estimation import Parameter, fixed, given
+from leadscrew.identify.estimation import Parameter, fixed, given, quantile
 from leadscrew.util.errors import DataError
 
 if TYPE_CHECKING:
@@ -134,8 +134,6 @@ def _borne_out(job: Job, values: Mapping[str, float], late: float, value: float)
 
 TURN = 1e-3
 """m of a linear axis that count as a radian."""
-NORMAL = 1.96
-"""Standard errors to each side of a 95 % interval."""
 
 
 class Presliding(NamedTuple):
@@ -185,7 +183,7 @@ def presliding(
         value, low, high = (scale[name] * x for x in (p.value, p.low, p.high))
         found[_key(name)] = p._replace(value=value, low=low, high=high)
     for name, value in (("inertia", fit.inertia), ("offset", fit.offset)):
-        half = NORMAL * fit.standard_error[name]
+        half = quantile() * fit.standard_error[name]
         found[_key(name)] = Parameter(
             scale[name] * value, "", scale[name] * (value - half), scale[name] * (value + half)
         )

@@ -1,9 +1,7 @@
 """Measured against simulated over a stretch of the log, and what inverse dynamics leaves of its force.
 
-Whether a residual is noise: the share of its autocorrelations that lie within their 95 % bounds.
-
-Of white noise about 95 of 100 lie within ``+- 1.96 / sqrt(n)`` (G. Box and G. Jenkins, 1970). A filtered residual is
-looked at once in a window's length, so that the filter itself does not colour it.
+The whiteness of a filtered residual (:func:`leadscrew.identify.estimation.whiteness`) is that of one sample in each
+window's length, so that the filter itself does not colour it.
 
 Whether the form of friction fits: what inverse dynamics leaves of the force, by speed and direction.
 
@@ -29,35 +27,11 @@ from leadscrew.identify.axis.inverse_dynamics import SIDES, Terms, friction_key,
 from leadscrew.identify.axis.job import Job
 from leadscrew.identify.axis.record import Record, window
 from leadscrew.identify.axis.result import Judged, Parameter
+from leadscrew.identify.estimation import whiteness
 from leadscrew.util.errors import DataError
 
 if TYPE_CHECKING:
     from leadscrew.identify.axis.cascade import Cascade
-
-
-LAGS = 40
-LEAST = 10
-"""Pairs that an autocorrelation is taken of at least."""
-
-
-def whiteness(residual: np.ndarray, lags: int = LAGS) -> float:
-    """Percent of the first ``lags`` autocorrelations within their bounds; NaN in the residual marks what is left out.
-
-    NaN where fewer than :data:`LEAST` pairs are there for every lag.
-    """
-    known = np.isfinite(residual)
-    if known.sum() < LEAST:
-        return float("nan")
-    r = np.where(known, residual - np.mean(residual[known]), 0.0)
-    power = float(np.mean(r[known] ** 2))
-    if not power > 0.0:
-        return float("nan")
-    inside = []
-    for lag in range(1, min(lags, len(r) - 1) + 1):
-        pairs = int(np.sum(known[lag:] & known[:-lag]))
-        if pairs >= LEAST:
-            inside.append(abs(float(r[lag:] @ r[:-lag]) / pairs / power) <= 1.96 / np.sqrt(pairs))
-    return 100.0 * float(np.mean(inside)) if inside else float("nan")
 
 
 def terms_of(values: Mapping[str, float]) -> Terms:
@@ -108,7 +82,7 @@ def judged(
         what=what, start_s=float(time[0]), end_s=float(time[-1]), rms=rms, worst=float(np.max(np.abs(error))),
         nrmse_percent=100.0 * rms / float(np.ptp(record.position)) if np.ptp(record.position) > 0.0 else float("nan"),
         rms_force=rms_left, force_percent=100.0 * rms_left / rms_force if rms_force > 0.0 else float("nan"),
-        whiteness=whiteness(left[length // 2 :: length]), time=np.asarray(time),
+        whiteness=whiteness(left[length // 2 :: length]).percent, time=np.asarray(time),
         measured=np.asarray(record.position), simulated=simulated, speed=speed_of(record), force_left=left,
     )  # fmt: skip
 

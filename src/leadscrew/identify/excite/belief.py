@@ -11,7 +11,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
-from leadscrew.identify.estimation import LITTLE, SHARE, identifiable
+from leadscrew.identify.estimation import LITTLE, identifiable, quantile
 from leadscrew.identify.excite.move import Limits
 from leadscrew.kernel.parameters import nearest
 from leadscrew.machine.file import MachineFile
@@ -144,7 +144,7 @@ def _of_fit(path: str | Path, guess: Mapping[str, float]) -> tuple[Belief, Limit
         parameters = {k: p for k, p in seen["parameters"].items() if k in KEYS}
         values = {k: float(p["value"]) for k, p in parameters.items() if p["value"] is not None}
         # Version 0.1.0 wrote "told" for "identifiable".
-        known = {k: (p["high"] - p["low"]) / 3.92 for k, p in parameters.items()
+        known = {k: (p["high"] - p["low"]) / (2.0 * quantile()) for k, p in parameters.items()
                  if p.get("how") == "fitted" and p.get("identifiable", p.get("told"))
                  and None not in (p["low"], p["high"])}  # fmt: skip
         low, high = map(float, seen["travel"])
@@ -281,7 +281,7 @@ def _missing(machine: MachineFile, values: dict[str, float], symmetric: bool, sp
 
 def _known(machine: MachineFile, speed: float) -> dict[str, float]:
     """Standard deviations of what was identifiable from its log."""
-    return {k: (high - low) / 3.92 for k, (low, high) in machine.intervals.items()
+    return {k: (high - low) / (2.0 * quantile()) for k, (low, high) in machine.intervals.items()
             if k in KEYS and high > low and _identifiable(machine, k, speed)}  # fmt: skip
 
 
@@ -291,7 +291,9 @@ def _identifiable(machine: MachineFile, key: str, speed: float) -> bool:
     half, value = 0.5 * (high - low), float(machine.parameters.get(key, machine.delay_s if key == "delay_s" else 0.0))
     name, negligible = key.rsplit(".", 1)[-1], 0.0
     if key == "delay_s":
-        negligible = SHARE * machine.period
+        negligible = machine.period
+    elif name == "static":
+        value -= float(machine.parameters.get(key.replace(".static", ".coulomb"), 0.0))
     elif name in ("offset", "coulomb", "viscous"):
         sliding = max(
             float(machine.parameters.get(f"friction.{s}.coulomb", 0.0))

@@ -25,10 +25,11 @@ from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
+from leadscrew.identify.estimation import identifiable, quantile
 from leadscrew.identify.excite import belief as beliefs
 from leadscrew.identify.excite import move as bounds
 from leadscrew.identify.excite.belief import Belief, level
-from leadscrew.identify.excite.information import Z95, Information, columns_of, information, nothing
+from leadscrew.identify.excite.information import Information, columns_of, information, nothing
 from leadscrew.identify.excite.move import (
     SHARE,
     START_REST,
@@ -195,8 +196,8 @@ def _reverse(limits: Limits, belief: Belief) -> Part:
     return _part(limits, "reverse", "lost motion", half, min(2.0 * half / 0.5, 0.2 * limits.speed), 0.3, 3)
 
 
-TARGETS = {"mass": 5.0, "coulomb": 5.0, "viscous": 10.0, "static": 10.0, "stribeck_speed": 30.0, "stiffness": 10.0,
-           "damping": 30.0, "backlash": 20.0}  # fmt: skip
+TARGETS = {"mass": 5.0, "coulomb": 5.0, "viscous": 10.0, "static": 10.0, "stribeck_speed": 25.0, "stiffness": 10.0,
+           "damping": 25.0, "backlash": 20.0}  # fmt: skip
 """Half of a 95 % interval in percent of the value, where no target is given; offset: of Coulomb friction."""
 END_REST = 0.5
 SINGULAR = 1e-11
@@ -334,13 +335,15 @@ def half_intervals(total: Information, belief: Belief) -> dict[str, float]:
     for k, keys in enumerate(columns.values()):
         spread = math.sqrt(covariance[k, k]) if np.isfinite(covariance[k, k]) else math.inf
         found.update(
-            dict.fromkeys(keys, Z95 * REACHED * spread + (DELAY_FLOOR * belief.period if keys[0] == "delay_s" else 0.0))
+            dict.fromkeys(
+                keys, quantile() * REACHED * spread + (DELAY_FLOOR * belief.period if keys[0] == "delay_s" else 0.0)
+            )
         )
     bristles = _inverse(total.bristles)
     for k, key in enumerate(("friction.stiffness", "friction.damping")):
-        found[key] = Z95 * REACHED * math.sqrt(bristles[k, k]) if np.isfinite(bristles[k, k]) else math.inf
+        found[key] = quantile() * REACHED * math.sqrt(bristles[k, k]) if np.isfinite(bristles[k, k]) else math.inf
     found.update({k: math.hypot(half, LEAST_SHARE * abs(belief.of(k))) for k, half in found.items()})
-    found["backlash"] = Z95 * belief.noise * math.sqrt(2.0 / total.reversals) if total.reversals else math.inf
+    found["backlash"] = quantile() * belief.noise * math.sqrt(2.0 / total.reversals) if total.reversals else math.inf
     return found
 
 
@@ -423,6 +426,12 @@ def _predicted(key: str, belief: Belief, half: float, target: float, limits: Lim
     if key == "offset" and not belief.symmetric:
         why = "with friction by direction an offset is a part of Coulomb friction: no motion separates them"
         return Predicted(key, belief.of(key), math.inf, target, "not identifiable", why)
-    size = abs(belief.of(key)) or 20.0 * target
-    verdict: Literal["wide", "not identifiable"] = "wide" if half < 0.5 * size else "not identifiable"
+    size = abs(belief.of(key) - _below(key, belief)) or 20.0 * target
+    known = identifiable(size, half, belief.period if key == "delay_s" else 0.0)
+    verdict: Literal["wide", "not identifiable"] = "wide" if known else "not identifiable"
     return Predicted(key, belief.of(key), half, target, verdict, why_not(key, belief, half, target, limits, duration))
+
+
+def _below(key: str, belief: Belief) -> float:
+    """What a value is counted from: static friction from Coulomb friction."""
+    return belief.of(key.replace(".static", ".coulomb")) if key.endswith(".static") else 0.0

@@ -29,7 +29,6 @@ from leadscrew.identify.excite.move import Move, Sampled, sampled
 WINDOW_S = 0.5
 ALIKE_S = 0.025
 """Seconds over which what a model leaves of the force is alike."""
-Z95 = 1.959963984540054
 
 
 class Information(NamedTuple):

@@ -56,8 +56,8 @@ from leadscrew.identify.friction_force.task import (
     clusters_of,
     judged,
     parameters,
-    robust,
     search,
+    spread_of,
     task_of,
     without_rise,
 )
@@ -83,10 +83,8 @@ def fit_coulomb(task: Task, amplitude: float) -> ModelFit:
     matrix = np.column_stack([way > 0.0, -(way < 0.0).astype(float), r.speed]) * task.weight[:, None]
     values, *_ = np.linalg.lstsq(matrix[:n], r.force[:n], rcond=None)
     simulated = matrix @ values
-    covariance, condition, quantile = robust(
-        matrix[:n], simulated[:n] - r.force[:n], clusters_of(r.strokes[:n]), np.ones(3, bool)
-    )
-    found = Found(values, covariance, condition, 0.0, quantile, True)
+    spread = spread_of(matrix[:n], simulated[:n] - r.force[:n], clusters_of(r.strokes[:n]), np.ones(3, bool))
+    found = Found(values, spread, 0.0, True)
     keys = {
         "friction.forward.coulomb": ("force", np.array([1.0, 0.0, 0.0])),
         "friction.backward.coulomb": ("force", np.array([0.0, 1.0, 0.0])),
@@ -95,7 +93,9 @@ def fit_coulomb(task: Task, amplitude: float) -> ModelFit:
     }
     ahead, back, viscous = values.tolist()
     f = TwoSided(Sliding(ahead, ahead, 1.0, viscous), Sliding(back, back, 1.0, viscous))
-    return judged(task, MAP, f, simulated, parameters(keys, found, task, {}), amplitude=amplitude, condition=condition)
+    return judged(
+        task, MAP, f, simulated, parameters(keys, found, task, {}), amplitude=amplitude, condition=spread.condition
+    )
 
 
 def sliding_rows(task: Task, share: np.ndarray) -> np.ndarray:
@@ -172,12 +172,14 @@ def fit_map(task: Task, rows: np.ndarray, amplitude: float) -> ModelFit:
         ))  # fmt: skip
     done = min(tried, key=lambda x: x.cost)
     free = done.x - np.array(low) > 1e-6 * np.maximum(np.abs(done.x), 1e-3 * np.abs(q0))
-    covariance, condition, quantile = robust(done.jac, done.fun, clusters_of(r.strokes[some]), free)
+    doubt = spread_of(done.jac, done.fun, clusters_of(r.strokes[some]), free)
     values = np.where(free, done.x, np.array(low))
-    found = Found(values, covariance, condition, 0.0, quantile, done.status > 0)
+    found = Found(values, doubt, 0.0, done.status > 0)
     f = friction_of(values)
     given = _map_parameters(task, found, f, viscous, fall)
-    return judged(task, STRIBECK, f, task.weight * map_force(f, r), given, amplitude=amplitude, condition=condition)
+    return judged(
+        task, STRIBECK, f, task.weight * map_force(f, r), given, amplitude=amplitude, condition=doubt.condition
+    )
 
 
 def _map_parameters(task: Task, found: Found, f: TwoSided, viscous: bool, fall: bool) -> dict:
@@ -253,7 +255,7 @@ def fit_dahl(task: Task, like: ModelFit, amplitude: float) -> ModelFit:
     dahl = friction_of(found.values)
     force = task.weight * (dahl_force(dahl, task.record) + found.values[3])
     return judged(task, DAHL, dahl, force, parameters(keys, found, task, {}), amplitude=amplitude,
-                  offset=float(found.values[3]), condition=found.condition)  # fmt: skip
+                  offset=float(found.values[3]), condition=found.spread.condition)  # fmt: skip
 
 
 def fit_slip(task: Task, amplitude: float) -> tuple[ModelFit, np.ndarray]:
@@ -283,10 +285,10 @@ def fit_slip(task: Task, amplitude: float) -> tuple[ModelFit, np.ndarray]:
     )  # fmt: skip
     simulated = matrix @ weights
     kept = np.flatnonzero(weights > 0.0)
-    covariance, condition, quantile = robust(
+    spread = spread_of(
         matrix[:n][:, kept], simulated[:n] - record.force[:n], clusters_of(record.strokes[:n]), np.ones(len(kept), bool)
     )
-    found = Found(weights[kept], covariance, condition, 0.0, quantile, True)
+    found = Found(weights[kept], spread, 0.0, True)
     unit = {int(k): row for k, row in zip(kept, np.eye(len(kept)), strict=True)}
     keys = {"friction.coulomb": ("force", np.sum([unit[int(k)] for k in used], axis=0))}
     keys |= {f"friction.share[{i}]": ("force", unit[int(k)]) for i, k in enumerate(used)}
@@ -294,7 +296,8 @@ def fit_slip(task: Task, amplitude: float) -> tuple[ModelFit, np.ndarray]:
     for i, k in enumerate(used):
         given[f"friction.share[{i}]"] = _share(given[f"friction.share[{i}]"], level, float(yields[k]), record.unit)
     bent = matrix[:, :m] @ weights[:m] / (level * np.where(task.weight != 0.0, task.weight, 1.0))
-    return judged(task, SLIP, slip, simulated, given, amplitude=amplitude, offset=offset, condition=condition), bent
+    fit = judged(task, SLIP, slip, simulated, given, amplitude=amplitude, offset=offset, condition=spread.condition)
+    return fit, bent
 
 
 def _weights(task: Task, yields: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -383,7 +386,7 @@ def fit_lugre(task: Task, amplitude: float) -> ModelFit:
     f = friction_of(found.values, shape, fast)
     force = lugre_force(f, task.record, float(found.values[4]))
     given = _parameters(task, shape, found, f)
-    return judged(task, LUGRE, f, task.weight * force, given, amplitude=amplitude, condition=found.condition,
+    return judged(task, LUGRE, f, task.weight * force, given, amplitude=amplitude, condition=found.spread.condition,
                   notes=tuple(notes))  # fmt: skip
 
 

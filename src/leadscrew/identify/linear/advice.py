@@ -6,11 +6,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from leadscrew.identify.estimation import autoregression
+from leadscrew.identify.estimation import LAGS, SHARE, autoregression
 from leadscrew.identify.linear.choose import Task
 from leadscrew.identify.linear.record import LinearRecord
 from leadscrew.identify.linear.result import LinearFit
-from leadscrew.identify.linear.uncertainty import LAGS, TOLD, beyond, hertz
+from leadscrew.identify.linear.uncertainty import beyond, hertz
 
 if TYPE_CHECKING:
     from leadscrew.analysis.frequency_response import FrequencyResponse
@@ -129,8 +129,12 @@ def notes(fit: LinearFit, record: LinearRecord, task: Task, asked: bool) -> list
                 "output by more than what is left: neither it nor the coefficients nor the delay are identifiable"
             )
         elif not fit.parameters[name].identifiable:
-            wide = fit.parameters[name].percent >= TOLD
-            why = "its 95 % interval is as wide as the value" if wide else "others stand in for it within its interval"
+            wide = fit.parameters[name].percent > 100.0 * SHARE
+            why = (
+                f"half of its 95 % interval is more than {100.0 * SHARE:.0f} % of its value"
+                if wide
+                else "others stand in for it within its interval"
+            )
             said.append(f"{name} is not identifiable from this log: {why}")
     if fit.numerator[-1] < 0.0:
         said.append(

@@ -27,13 +27,13 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from leadscrew.identify.estimation import coloured, condition
+from leadscrew.identify.estimation import coloured, condition, whiteness
 from leadscrew.identify.linear import advice
 from leadscrew.identify.linear.choose import Fitted, Task, alone, choose, fitted, held_out
 from leadscrew.identify.linear.model import Model, Problem, Solved, Structure, candidates
 from leadscrew.identify.linear.record import LEAST, LinearRecord
 from leadscrew.identify.linear.result import Candidate, LinearFit, Stretch
-from leadscrew.identify.linear.uncertainty import Sure, sure, whiteness, within
+from leadscrew.identify.linear.uncertainty import Sure, sure, within
 from leadscrew.kernel.one_thread import one_thread
 from leadscrew.kernel.validate import number, whole
 from leadscrew.util.errors import DataError, ValueRefused

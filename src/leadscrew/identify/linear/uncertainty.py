@@ -11,11 +11,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from leadscrew.identify.estimation import Parameter, _autocovariance, fitted, identifiable, quantile
+from leadscrew.identify.estimation import LITTLE, Parameter, fitted, identifiable, quantile
 from leadscrew.identify.linear.model import NUDGE, Model, sampled_response
-
-LAGS = 25
-"""Of the whiteness test."""
 
 
 def slopes(quantity: Callable[[np.ndarray], np.ndarray], at: np.ndarray, spread: np.ndarray) -> np.ndarray:
@@ -30,17 +27,6 @@ def slopes(quantity: Callable[[np.ndarray], np.ndarray], at: np.ndarray, spread:
     return np.array(rows).T
 
 
-def whiteness(residual: np.ndarray, lags: int = LAGS) -> tuple[float, np.ndarray]:
-    """Share in percent of autocorrelations within the 95 % bounds of white noise, and the autocorrelations from 1."""
-    r = _autocovariance(residual - residual.mean(), min(lags, len(residual) // 4))
-    if r[0] <= 0.0:
-        return 100.0, np.zeros(len(r) - 1)
-    rho = r[1:] / r[0]
-    return float(100.0 * np.mean(np.abs(rho) < quantile() / np.sqrt(len(residual)))), rho
-
-
-TOLD = 50.0
-"""Percent of the value that half an interval may be wide, for the value to be identifiable."""
 BENT = 0.5
 """Share by which the simulated output may leave a straight line between the ends of an interval. Beyond it a zero, a
 fast pole and the delay stand for one another, and the interval does not hold (Bates and Watts, *Nonlinear Regression
@@ -88,7 +74,7 @@ def sure(model: Model, phi: np.ndarray, covariance: np.ndarray, units: tuple[str
     rows: dict[str, Row] = {n: (_plain(v, d), g) for n, v, d, g in zip(names, values, deviations, by, strict=True)}
     delay, way = rows.pop("delay_s")
     period, fixed = model.problem.period, model.problem.delay is not None
-    known = fixed or identifiable(delay.value, delay.half, period, share=TOLD / 100.0)
+    known = fixed or identifiable(delay.value, delay.half, period)
     delay = delay._replace(low=max(delay.low, 0.0), unit="s", identifiable=known)
     straight = _straightness(model, phi, covariance)
     coefficients = {name: straight(*row) for name, row in rows.items()}
@@ -175,20 +161,16 @@ def _coefficients(model: Model, at: np.ndarray) -> np.ndarray:
     return np.concatenate([b, denominator[1 : model.problem.structure.free + 1][::-1], [delay_s]])
 
 
-def _plain(value: float, deviation: float, unit: str = "") -> Parameter:
+def _plain(value: float, deviation: float, unit: str = "", negligible: float = 0.0) -> Parameter:
     half = quantile() * deviation
-    return fitted(value, (value - half, value + half), unit, negligible=float("inf") if value == 0.0 else 0.0,
-                  share=TOLD / 100.0)  # fmt: skip
+    return fitted(value, (value - half, value + half), unit, negligible=negligible)
 
 
 def _ratio(logarithm: float, deviation: float, unit: str, sign: float = 1.0) -> Parameter:
     """Of a quantity of which the logarithm is known."""
     reach = min(quantile() * deviation, ANYTHING)
     ends = sorted(sign * np.exp(logarithm + np.array([-reach, reach])))
-    return Parameter(
-        float(sign * np.exp(logarithm)), unit, float(ends[0]), float(ends[1]), "fitted",
-        bool(np.expm1(reach) < TOLD / 100.0),
-    )  # fmt: skip
+    return fitted(float(sign * np.exp(logarithm)), (ends[0], ends[1]), unit)
 
 
 def _gain(model: Model, at: np.ndarray, spread: np.ndarray, cov: np.ndarray, units: tuple[str, str]) -> Row:
@@ -266,8 +248,9 @@ def _offset(model: Model, phi: np.ndarray, spread: np.ndarray, cov: np.ndarray, 
         return np.array([-x[-1] * s.integrators * s.denominator(theta)[s.free] / b[0]])
 
     by = slopes(offset, phi, spread)
-    found = _plain(offset(phi)[0], float(np.sqrt(max((by @ cov @ by.T)[0, 0], 0.0))), units[0 if s.integrators else 1])
-    return found._replace(identifiable=True)
+    deviation = float(np.sqrt(max((by @ cov @ by.T)[0, 0], 0.0)))
+    signal, unit = (model.problem.u, units[0]) if s.integrators else (model.problem.y, units[1])
+    return _plain(offset(phi)[0], deviation, unit, LITTLE * float(np.sqrt(np.mean(signal**2))))
 
 
 def _band(model: Model, at: np.ndarray, spread: np.ndarray, cov: np.ndarray, hz: np.ndarray) -> Bode:
