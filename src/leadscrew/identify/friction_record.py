@@ -21,7 +21,6 @@ Coarse integration may step over the limit of bristles that barely hold, to a sl
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 from typing import Annotated, NamedTuple
 
@@ -30,6 +29,7 @@ from numpy.typing import NDArray
 
 from leadscrew.friction.lugre import LuGre, friction, steady_bristle
 from leadscrew.identify.estimation import identifiable, quantile, white
+from leadscrew.identify.log_player import row_at
 from leadscrew.kernel.block import controller, plant, reference
 from leadscrew.kernel.loop import Loop
 from leadscrew.kernel.parameters import Doc, Gt, Unit
@@ -281,7 +281,7 @@ class PieceParams(NamedTuple):
 
 def piece_step(p, t, dt):
     """The sample at ``t``."""
-    row = int(p.first + min(math.floor(t / dt + 0.5), p.length - 1.0))
+    row = int(min(row_at(p.first, t, dt), p.first + p.length - 1.0))
     return Logged(p.torque[row], p.angle[row])
 
 

@@ -37,11 +37,12 @@ from typing import TYPE_CHECKING, Literal, NamedTuple
 
 import numpy as np
 
-from leadscrew.identify.axis.cascade import closed_loop, play_closed
+from leadscrew.identify.axis.cascade import closed_loop
 from leadscrew.identify.axis.record import Record, record_of
-from leadscrew.identify.axis.replay import LOST, Starts, play, played
+from leadscrew.identify.axis.replay import played
 from leadscrew.identify.axis.simulation import NO_STRIBECK, START_S, plant_values, start_state
 from leadscrew.identify.estimation import Spread, clustered, correlations, inverse, quantile
+from leadscrew.identify.log_player import LOST, Starts
 from leadscrew.kernel import validate
 from leadscrew.util.errors import DataError, NameUnknown, ValueRefused
 
@@ -240,13 +241,25 @@ def _growth(point: Mapping[str, float], speed: np.ndarray) -> np.ndarray:
     return rate
 
 
+def differences(
+    simulate: Callable[[list[np.ndarray]], np.ndarray], x: np.ndarray, low: np.ndarray, central: bool
+) -> list[np.ndarray]:
+    """Change of what is simulated by each variable; one-sided, or to both sides where bounds leave room."""
+    steps = STEP * np.eye(len(x))
+    ups = [x + step for step in steps]
+    downs = [np.maximum(x - step, low) for step in steps] if central else [x] * len(x)
+    found = simulate([*ups, *(downs if central else [x])])
+    below = found[len(x) :] if central else [found[-1]] * len(x)
+    return [(found[i] - below[i]) / (ups[i] - downs[i])[i] for i in range(len(x))]
+
+
 class Windows:
     """Residuals of all windows at once; ``x`` are the variables of :class:`Scales`."""
 
     def __init__(self, log: AxisLog, scale: Scales, pieces: Cut, held: bool = False) -> None:
         self.held = held
         """Start positions are the measured ones."""
-        self.log, self.scale, self.loop = log, scale, played(log)
+        self.log, self.scale, self.player = log, scale, played(log)
         self.pieces, self.first, self.length = pieces, pieces.first, pieces.length
         self.longest = int(self.length.max())
         rows = np.minimum(self.first[:, None] + np.arange(self.longest), len(log.position) - 1)
@@ -279,7 +292,7 @@ class Windows:
             )  # fmt: skip
             runs = [p for p in values for _ in range(w)]
             self.runs += len(runs)
-            rows = play(self.loop, runs, starts, most, np.repeat(delays, w).tolist())
+            rows = self.player.play(runs, starts, most, np.repeat(delays, w).tolist())
             table[:, group, :most] = rows.reshape(len(points), w, most)
         return np.where(self.inside, table - self.measured, 0.0)
 
@@ -341,15 +354,8 @@ class Windows:
     def jacobian(self, x: np.ndarray, central: bool = False) -> np.ndarray:
         """``[sample, variable]``; one-sided differences, or to both sides."""
         _, by_speed, speed = self.solve(x)
-        ups = [x + STEP * row for row in np.eye(len(x))]
-        downs = [np.maximum(x - STEP * row, self.scale.low) for row in np.eye(len(x))] if central else [x]
-        found = self.simulate([*ups, *downs], [speed] * (len(ups) + len(downs)))
-        columns = []
-        for i, up in enumerate(ups):
-            down = downs[i if central else 0]
-            change = (found[i] - found[len(ups) + (i if central else 0)]) / (up[i] - down[i])
-            columns.append(self._without(change, by_speed)[self.counted])
-        return np.column_stack(columns)
+        changes = differences(lambda at: self.simulate(at, [speed] * len(at)), x, self.scale.low, central)
+        return np.column_stack([self._without(change, by_speed)[self.counted] for change in changes])
 
     @property
     def cluster(self) -> np.ndarray:
@@ -383,14 +389,15 @@ class Closed:
     """The log's whole command played on the closed loop."""
 
     def __init__(self, log: AxisLog, scale: Scales, cascade: Cascade) -> None:
-        self.log, self.scale, self.loop, self.runs = log, scale, closed_loop(log, cascade), 0
+        self.log, self.scale, self.player, self.runs = log, scale, closed_loop(log, cascade), 0
         self.start = start_state(log)
 
     def simulate(self, points: list[np.ndarray]) -> np.ndarray:
         """``[point, sample]``, model less measured."""
         self.runs += len(points)
         values, delays = [self.scale.point(x) for x in points], [self.scale.delay(x) for x in points]
-        return play_closed(self.loop, values, self.start, len(self.log.time), delays) - self.log.position
+        starts = Starts.together(self.start, len(points))
+        return self.player.play(values, starts, len(self.log.time), delays) - self.log.position
 
     def residuals(self, x: np.ndarray) -> np.ndarray:
         """All samples."""
@@ -398,12 +405,7 @@ class Closed:
 
     def jacobian(self, x: np.ndarray, central: bool = False) -> np.ndarray:
         """``[sample, variable]``; one-sided differences, or to both sides."""
-        ups = [x + STEP * row for row in np.eye(len(x))]
-        downs = [np.maximum(x - STEP * row, self.scale.low) for row in np.eye(len(x))] if central else [x]
-        found = self.simulate([*ups, *downs])
-        other = [len(ups) + (i if central else 0) for i in range(len(ups))]
-        apart = [(up - downs[i if central else 0])[i] for i, up in enumerate(ups)]
-        return np.column_stack([(found[i] - found[other[i]]) / apart[i] for i in range(len(ups))])
+        return np.column_stack(differences(self.simulate, x, self.scale.low, central))
 
     @property
     def cluster(self) -> np.ndarray:

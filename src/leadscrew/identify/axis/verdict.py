@@ -28,6 +28,7 @@ from leadscrew.identify.axis.job import Job
 from leadscrew.identify.axis.record import Record, window
 from leadscrew.identify.axis.result import Judged, Parameter
 from leadscrew.identify.estimation import whiteness
+from leadscrew.identify.log_player import LOST, Starts
 from leadscrew.util.errors import DataError
 
 if TYPE_CHECKING:
@@ -157,23 +158,19 @@ def simulated(
     job: Job, values: Mapping[str, float], late: float, parts: list[tuple[str, int, int]], cascade: Cascade | None
 ) -> list[np.ndarray | None]:
     """Positions of each stretch from its own start (``by_model``); None where it diverges."""
-    from leadscrew.identify.axis import replay as plant
-    from leadscrew.identify.axis.simulation import by_model, plant_values, simulate_closed
+    from leadscrew.identify.axis.replay import played
+    from leadscrew.identify.axis.simulation import by_model, plant_values, play_lugre, simulate_closed
 
     if cascade is None and "friction.stiffness" in values:
-        from leadscrew.identify.axis.simulation import play_lugre
-
         return play_lugre(job.log, values, late, [p[1:] for p in parts], job.record.samples.slow_speed)
     if cascade is None:
-        point, loop = plant_values(values, job.log.force_per_drive), plant.played(job.log)
-        starts = by_model(job.log, loop, point, [first for _, first, _ in parts], late)
-        begins = plant.Starts(
-            np.array([p[1] for p in parts]), *(np.array(column) for column in zip(*starts, strict=True))
-        )
+        point, player = plant_values(values, job.log.force_per_drive), played(job.log)
+        begun = by_model(job.log, player, point, [first for _, first, _ in parts], late)
+        starts = Starts(np.array([p[1] for p in parts]), *(np.array(column) for column in zip(*begun, strict=True)))
         longest = max(last - first for _, first, last in parts)
-        rows = plant.play(loop, [point] * len(parts), begins, longest, [late] * len(parts))
+        rows = player.play([point] * len(parts), starts, longest, [late] * len(parts))
         found = [row[: last - first] for row, (_, first, last) in zip(rows, parts, strict=True)]
-        return [None if np.max(np.abs(row)) >= plant.LOST else row for row in found]
+        return [None if np.max(np.abs(row)) >= LOST else row for row in found]
     closed: list[np.ndarray | None] = []
     for _, first, last in parts:
         try:
