@@ -120,13 +120,13 @@ def test_a_pole_beyond_what_the_input_moves_unsettles_what_depends_on_it_and_not
 
 
 @pytest.mark.slow
-def test_a_candidate_of_which_nothing_is_told_is_not_chosen_while_there_is_another():
+def test_a_candidate_of_which_nothing_is_identifiable_is_not_chosen_while_there_is_another():
     t, u, y = axis(np.random.default_rng(3), 300)
     task = Task(linear_record(t, u, y), 150, 2.3e-3, 0.02)
     tried = [Structure(2, 0, 1), Structure(1, 0, 1)]
     best, table = choose(task, tried, 0.02, lambda what, done: None, lambda f: f.structure == tried[1])
     assert best.structure == tried[1]
-    assert {c.structure: c.against for c in table}[tried[0]] == "the log tells none of its numbers"
+    assert {c.structure: c.against for c in table}[tried[0]] == "none of its numbers is identifiable"
 
 
 def test_an_interval_that_says_nothing_is_not_printed_as_numbers():
