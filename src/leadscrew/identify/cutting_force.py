@@ -73,7 +73,7 @@ class LawFit:
 
     @property
     def left_out_rms_percent(self) -> float:
-        """Root mean square error of a row that the fit has not seen; NaN where one cannot be left out."""
+        """Root mean square error of a row by the law of the others; NaN where one cannot be left out."""
         return _rms(self.left_out_percent)
 
 

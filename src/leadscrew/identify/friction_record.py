@@ -28,6 +28,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from leadscrew.friction.lugre import LuGre, friction, steady_bristle
+from leadscrew.identify.axis.record import count_of
 from leadscrew.identify.estimation import identifiable, quantile, white
 from leadscrew.identify.log_player import row_at
 from leadscrew.kernel.block import controller, plant, reference
@@ -131,9 +132,7 @@ def checked(time_s: np.ndarray, torque: np.ndarray, angle: np.ndarray, delay: in
             raise DataError(f"{name} is the same, {values[0]:g}, in all samples: nothing was excited")
     if delay:
         u, y = u[: -int(delay)], y[int(delay) :]
-    moves = np.abs(np.diff(y))
-    # rounding errors of a decimal file are no counts
-    count = float(np.min(moves[moves > 1e-9 * float(np.ptp(y))]))
+    count = count_of(y)
     wobble, way = np.abs(y[2:] - 2.0 * y[1:-1] + y[:-2]), np.abs(y[2:] - y[:-2])
     still = wobble[way <= max(2.5 * count, float(np.quantile(way, 0.2)))]
     still = still[still <= np.quantile(still, 0.99)]

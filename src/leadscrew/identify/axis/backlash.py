@@ -28,6 +28,7 @@ from typing import TYPE_CHECKING, Literal, NamedTuple
 
 import numpy as np
 
+from leadscrew.identify.axis.record import count_of
 from leadscrew.identify.estimation import clustered, identifiable, quantile
 from leadscrew.util.errors import DataError
 
@@ -93,7 +94,7 @@ def lost_motion(drive_side: np.ndarray, table: np.ndarray, period: float) -> Bac
     columns = np.column_stack([-0.5 * side, x - x.mean(), np.ones(len(x))])[rows]
     coefficients, covariance, degrees = _line(columns, (y - x)[rows], stroke[rows])
     return _found(
-        float(coefficients[0]), float(np.sqrt(covariance[0, 0])), float(degrees[0]), _count(y), "two positions",
+        float(coefficients[0]), float(np.sqrt(covariance[0, 0])), float(degrees[0]), count_of(y), "two positions",
         int(stroke[-1]) + 1, "The table's lag behind the drive's side changes by it at each reversal.",
     )  # fmt: skip
 
@@ -121,8 +122,8 @@ def backlash_of(
         if values is not None:
             return _by_dwell(log, values, delay_s)
     except DataError as error:
-        return _untold(f"{error}.")
-    return _untold(CLOSED_HERE if by_law is not None else ONE_POSITION)
+        return _unknown(f"{error}.")
+    return _unknown(CLOSED_HERE if by_law is not None else ONE_POSITION)
 
 
 def _by_law(log: AxisLog, cascade: Cascade | None) -> Backlash | None:
@@ -139,7 +140,7 @@ def _by_law(log: AxisLog, cascade: Cascade | None) -> Backlash | None:
     best = min(tried, key=lambda law: law.left)
     if 100.0 * best.left > OBEYS * float(np.std(best.means[:, -2])):
         return None
-    n, count = len(best.means), _count(log.position)
+    n, count = len(best.means), count_of(log.position)
     likely = [law for law in tried if n * np.log(max(law.left, 1e-300) / max(best.left, 1e-300)) < LIKELY]
     found = [_ratio(law, count, int(stroke[-1]) + 1) for law in [best, *likely]]
     low, high = min(f.low for f in found), max(f.high for f in found)
@@ -191,7 +192,7 @@ def _means(columns: np.ndarray, rows: np.ndarray, stroke: np.ndarray, length: in
 def _by_dwell(log: AxisLog, values: Mapping[str, float], delay_s: float) -> Backlash:
     from leadscrew.identify.axis.refine import refine
 
-    count, stroke = _count(log.position), _strokes(log.position, log.period)[2]
+    count, stroke = count_of(log.position), _strokes(log.position, log.period)[2]
     begins = max(20.0 * count, 1e-4 * float(np.ptp(log.position)))
     symmetric = not any(k.startswith("friction.backward.") for k in values)
     tries = [
@@ -248,11 +249,5 @@ def _of_use(value: float, low: float, high: float, count: float) -> bool:
     return identifiable(value, 0.5 * (high - low), FINE * count if low <= 0.0 else 0.0)
 
 
-def _count(position: np.ndarray) -> float:
-    moves = np.abs(np.diff(position))
-    real = moves[moves > 1e-9 * float(np.ptp(position))]
-    return float(np.min(real)) if real.size else 0.0
-
-
-def _untold(why: str) -> Backlash:
+def _unknown(why: str) -> Backlash:
     return Backlash(0.0, float("nan"), float("nan"), False, "none", 0, why[0].upper() + why[1:])

@@ -1,10 +1,10 @@
-"""``identify axis``: from a log to a model of the axis, with intervals, and judged on data it has not seen.
+"""``identify axis``: from a log to a model of the axis, with intervals, and judged on validation data.
 
-1. The log is cut in time: the first part trains, the rest (half, unless told) is kept unseen.
+1. The log is cut in time: the first part is estimation data, the rest (half by default) validation data.
 2. Linear stage: delay (:mod:`delay`), then inverse-dynamics least squares (:mod:`inverse_dynamics`) of four models of
    friction; the simplest that cross-validation inside the training part does not speak against (:mod:`linear_stage`).
 3. Refinement by simulation of the plant itself over windows of the training part (:mod:`refine`); where these leave far
-   more than the sensor's noise, by what serves best between halves of the training part (:mod:`refinement`).
+   more than the sensor's noise, by what serves best between halves of the training part (:mod:`simulation_stage`).
 4. Bristles and a play, where the log shows them (:mod:`static_friction`).
 5. The model is simulated over both parts from their measured first state and compared (:mod:`verdict`).
 
@@ -26,8 +26,8 @@ from leadscrew.identify.axis.job import Job, Progress, prepared, ways
 from leadscrew.identify.axis.linear_stage import Candidate, Line, Model, Setting, choose, fitted, gauge_of, models
 from leadscrew.identify.axis.parameters import Estimates, delay_parameter, parameters, terms_known, units
 from leadscrew.identify.axis.record import corner_of
-from leadscrew.identify.axis.refinement import refined
 from leadscrew.identify.axis.result import AxisFit, Judged
+from leadscrew.identify.axis.simulation_stage import refined
 from leadscrew.identify.axis.static_friction import at_rest, bends, play
 from leadscrew.identify.axis.verdict import all_judged, bins, cascade_left, extent, faults, sentence
 from leadscrew.identify.estimation import Parameter
@@ -68,7 +68,7 @@ def identify_axis(
         log: drive and position, evenly sampled; is not changed.
         symmetric: friction alike both ways, or by direction; decided by cross-validation unless given.
         model: ``coulomb``, ``stribeck``, ``lugre``, or ``auto``: decided by cross-validation.
-        holdout: share of the log, at its end, that is kept unseen, 0 to 0.8.
+        holdout: share of the log, at its end, that is validation data, 0 to 0.8.
         delay: s, from a logged drive to its act; found unless given.
         given: values that are known, by key of :obj:`leadscrew.plants.servo_axis`; they are not fitted.
         refine: ``none``: the linear stage alone; ``windows`` (``auto``), ``open``, ``closed``: see

@@ -109,10 +109,10 @@ HALF = 50.0
 
 
 def faults(judged: Sequence[Judged]) -> list[str]:
-    """Why the model is worthless, in sentences; judged on unseen data where there are any."""
+    """Why the model is worthless, in sentences; judged on validation data where there are any."""
     open_loop = {j.what: j for j in judged if "closed" not in j.what}
     j = open_loop.get("hold-out", open_loop.get("training"))
-    where = "data that the fit has not seen" if "hold-out" in open_loop else "the data of the fit itself"
+    where = "the validation data" if "hold-out" in open_loop else "the data of the fit itself"
     if j is None:
         return ["worthless as a model: simulated from the drive alone it diverges"]
     if j.force_percent > HALF:

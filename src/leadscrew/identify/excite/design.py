@@ -4,7 +4,7 @@ The information of parts adds up (each starts and ends at rest), so the choice i
 experiments with a cost in seconds (V. V. Fedorov, *Theory of Optimal Experiments*, Academic Press 1972): the next part
 is the one that lowers the sum of ``ln(interval / target)`` over all intervals not yet met the most, by second. A part
 of each kind is run whatever the numbers say. The whole is run twice: a fitter that keeps the second half of a log
-unseen then meets in both halves the same motions. Predictions are for the first.
+for validation then meets in both halves the same motions. Predictions are for the first.
 
 Parts that a test move is made of; each starts and ends at rest in the middle of the travel.
 

@@ -18,8 +18,8 @@ LuGre from a measured friction force: stiffness, damping, friction of each direc
 
 The start of the search is Coulomb friction of each direction and the best of several stiffnesses. Viscous friction
 needs sliding speeds that differ, a Stribeck fall needs them to differ more; where they do not, the value is fixed and
-said to be. A Stribeck fall is kept only where it lowers the error of strokes that the fit has not seen: the last third
-of the training part judges it, and then all of the training part fits it.
+said to be. A Stribeck fall is kept only where it lowers the error on validation strokes: the last third of the
+training part judges it, and then all of the training part fits it.
 """
 
 from __future__ import annotations
@@ -341,7 +341,7 @@ SHARES = (1e-3, 3e-3, 1e-2, 3e-2, 0.1, 0.3)
 FALLS = (0.05, 0.2, 0.5)
 """Of the fastest sliding: Stribeck speeds to start from."""
 KEEP = 0.98
-"""A Stribeck fall must lower the error of unseen strokes to this share."""
+"""A Stribeck fall must lower the error on validation strokes to this share."""
 FAR_SPEED = 1e3
 """Times the fastest sliding: a Stribeck speed that does not matter because there is no fall."""
 
@@ -379,7 +379,7 @@ def fit_lugre(task: Task, amplitude: float) -> ModelFit:
         if fuller is not None:
             shape, found = with_fall, fuller
         else:
-            notes.append("a Stribeck fall does not lower the error of strokes that the fit has not seen")
+            notes.append("a Stribeck fall does not lower the error on validation strokes")
     if not found.converged:
         notes.append("the search ended before it had converged")
     fast = task.speeds[1]
@@ -459,7 +459,7 @@ def _with_stribeck(task: Task, plain: Shape, found: Found) -> tuple[Found | None
     simple = _search(part, plain, found.values)
     tried = [_search(part, shape, _with_fall(found.values, shape, share, task.speeds[1])) for share in FALLS]
     best = min(tried, key=lambda x: x.rms)
-    if _unseen(task, inner, best, shape) > KEEP * _unseen(task, inner, simple, plain):
+    if _validation_error(task, inner, best, shape) > KEEP * _validation_error(task, inner, simple, plain):
         return None, plain
     return _search(task, shape, best.values), shape
 
@@ -475,7 +475,7 @@ def _with_fall(values: np.ndarray, shape: Shape, share: float, fast: float) -> n
     return start
 
 
-def _unseen(task: Task, inner: int, found: Found, shape: Shape) -> float:
+def _validation_error(task: Task, inner: int, found: Found, shape: Shape) -> float:
     record, n = _first(task)
     force = lugre_force(friction_of(found.values, shape, task.speeds[1]), record, float(found.values[4]))
     left = (task.weight[:n] * force - task.record.force[:n])[inner:]

@@ -1,4 +1,4 @@
-"""What ``identify linear`` found: a transfer function with delay, intervals, and its errors on data it has not seen."""
+"""What ``identify linear`` found: a transfer function with delay, intervals, and its errors on validation data."""
 
 from __future__ import annotations
 
