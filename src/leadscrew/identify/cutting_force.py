@@ -372,10 +372,10 @@ def _notes(
             f"the force is not in proportion to the depth: exponent {q.value:.3f} ({q.low:.3f} to {q.high:.3f}), "
             f"p = {depth.p_value:.2g}; a law in proportion is off by up to {chosen.worst_percent:.3g} % here"
         )
-    told = chosen.parameters.get("exponent")
-    if told is not None and not (told.low > 0.0 and told.high < 1.0):
+    own = chosen.parameters.get("exponent")
+    if own is not None and not (own.low > 0.0 and own.high < 1.0):
         notes.append(
-            f"the exponent's interval {told.low:.3f} to {told.high:.3f} reaches outside 0 to 1, where cutting laws "
+            f"the exponent's interval {own.low:.3f} to {own.high:.3f} reaches outside 0 to 1, where cutting laws "
             "have it: more feeds, or less scatter"
         )
     speed = table.others.get("speed")

@@ -147,8 +147,8 @@ def fit_output_error(
         xtol=1e-9, ftol=1e-12, gtol=1e-12, max_nfev=200,
     )  # fmt: skip
     jacobian = problem.jacobian(best.x, step)
-    told = np.linalg.norm(jacobian, axis=0)
-    for key, share in zip(bounds, told, strict=True):
+    effects = np.linalg.norm(jacobian, axis=0)
+    for key, share in zip(bounds, effects, strict=True):
         if share < DEAF:
             raise ValueRefused(f"{key} does not act on {signal} at the best fit: these records say nothing about it")
     _, sizes, directions = np.linalg.svd(jacobian, full_matrices=False)

@@ -23,11 +23,11 @@ from leadscrew.identify.axis.record import Record
 from leadscrew.util.errors import DataError
 
 MOST = 100.0
-"""Condition number of the columns above which parameters cannot be told apart."""
+"""Condition number of the columns above which parameters cannot be complete apart."""
 SHARE = 0.02
 """Of the moving time that must go the other way for a log to count as one of both directions."""
 GIVEN_UP = ("excess", "viscous", "offset", "coulomb")
-"""What is given up first where terms cannot be told apart."""
+"""What is given up first where terms cannot be complete apart."""
 ACTS = 1e-3
 """Share of the force that acceleration must make, for a mass to be looked for."""
 PENDING = (1.0, 1.0)
@@ -245,11 +245,11 @@ def choose(training: Record, candidates: list[Model], setting: Setting) -> list[
     if not usable:
         assert problem is not None
         raise problem
-    told = [c for c in usable if not _reduced(c)] or usable[:1]
-    least = min((c for c in told if np.isfinite(c.rms)), key=lambda c: c.rms, default=told[0])
-    best = next((c for c in told if c.rms <= NEARLY * least.rms), least)
+    complete = [c for c in usable if not _reduced(c)] or usable[:1]
+    least = min((c for c in complete if np.isfinite(c.rms)), key=lambda c: c.rms, default=complete[0])
+    best = next((c for c in complete if c.rms <= NEARLY * least.rms), least)
     for other in usable:
-        if other not in told or (np.isfinite(best.rms) and not np.isfinite(other.rms)):
+        if other not in complete or (np.isfinite(best.rms) and not np.isfinite(other.rms)):
             other.verdict = "this log does not distinguish it from a simpler one"
         elif other.rms > NEARLY * least.rms:
             other.verdict = f"its prediction error is {other.rms / best.rms:.3g} times larger"
@@ -260,7 +260,7 @@ def choose(training: Record, candidates: list[Model], setting: Setting) -> list[
 
 
 def _reduced(candidate: Candidate) -> bool:
-    """Whether what sets a model apart was taken out of it, or its rise is not told in each direction."""
+    """Whether what sets a model apart was taken out of it, or its rise is not complete in each direction."""
     assert candidate.line is not None
     if not candidate.model.stribeck:
         return False

@@ -102,7 +102,7 @@ def checked(belief: Belief) -> Belief:
         name = key.rsplit(".", 1)[-1]
         if (name in needs or key in ("friction.stiffness", "backlash")) and not belief.of(key) > 0.0:
             short = name if name in SHORT else key
-            raise ValueRefused(f"{key} is to be told, and a test for it needs a guess of it: --guess {short}=VALUE")
+            raise ValueRefused(f"{key} is wanted, and a test for it needs a guess of it: --guess {short}=VALUE")
     if any(k in belief.wanted for k in SHORT["presliding"]) and not level(belief) > 0.0:
         raise ValueRefused(
             "Coulomb friction is 0, and a test for pre-sliding must stay below it: --guess coulomb=VALUE"
@@ -134,7 +134,7 @@ def belief_of(
         belief, limits = _of_fit(path, guess or {})
     names = keys_of(wanted) if wanted is not None else belief.wanted
     if not names:
-        raise ValueRefused(f"{path}: nothing is missing; say what is to be told better, as in --tell friction")
+        raise ValueRefused(f"{path}: nothing is missing; say what is to be determined better, as in --tell friction")
     return guessed(replace(belief, wanted=names), limits.speed), limits
 
 

@@ -278,16 +278,16 @@ def propose(
         raise ValueRefused(f"target = {target_percent!r} %: allowed range is (0, 100]")
     room = (limits.duration - START_REST - END_REST) / PASSES
     parts = _fitting(candidates(limits, belief), limits, room)
-    told = []
+    by_part = []
     for k, part in enumerate(parts):
         progress(part.name, k / len(parts))
-        told.append(information(part.move, belief)._replace(seconds=part.move.duration - START_REST))
+        by_part.append(information(part.move, belief)._replace(seconds=part.move.duration - START_REST))
     targets = {key: _target(key, belief, target_percent) for key in belief.wanted}
-    chosen = _chosen(told, _first(parts), belief, targets, room)
+    chosen = _chosen(by_part, _first(parts), belief, targets, room)
     counts = Counter(chosen)
     total = nothing(belief)
     for k, times in counts.items():
-        total = total.plus(told[k], times)
+        total = total.plus(by_part[k], times)
     move = _move(limits, [(parts[k], counts[k]) for k in sorted(counts)])
     seen = sampled(move, belief.period)
     check(seen, limits)
@@ -378,22 +378,22 @@ def _target(key: str, belief: Belief, percent: float | None) -> float:
 
 
 def _chosen(
-    told: list[Information], always: list[int], belief: Belief, targets: Mapping[str, float], room: float
+    by_part: list[Information], always: list[int], belief: Belief, targets: Mapping[str, float], room: float
 ) -> list[int]:
     """Numbers of parts, in the order in which they were chosen."""
     total, chosen, used = nothing(belief), [], 0.0
     for k in always:
-        if used + told[k].seconds <= room:
-            total, used = total.plus(told[k]), used + told[k].seconds
+        if used + by_part[k].seconds <= room:
+            total, used = total.plus(by_part[k]), used + by_part[k].seconds
             chosen.append(k)
     here = _missing(total, belief, targets)
     while here > 0.0 and len(chosen) < LONGEST:
-        open_to = [k for k, part in enumerate(told) if used + part.seconds <= room]
-        after = {k: _missing(total.plus(told[k]), belief, targets) for k in open_to}
-        best = max(open_to, key=lambda k: (here - after[k]) / told[k].seconds, default=-1)
+        open_to = [k for k, part in enumerate(by_part) if used + part.seconds <= room]
+        after = {k: _missing(total.plus(by_part[k]), belief, targets) for k in open_to}
+        best = max(open_to, key=lambda k: (here - after[k]) / by_part[k].seconds, default=-1)
         if best < 0 or after[best] >= here:
             break
-        total, used, here = total.plus(told[best]), used + told[best].seconds, after[best]
+        total, used, here = total.plus(by_part[best]), used + by_part[best].seconds, after[best]
         chosen.append(best)
     return chosen
 

@@ -160,10 +160,10 @@ def identify_linear(
         progress(f"fitting {structures[0].text}", 0.1)
         best = fitted(task, structures[0], [], thorough=True, start=alone(task, structures[0]).theta)
         table = [Candidate(best.structure, best.solved.delay_s, best.train_rms, best.holdout_rms, "chosen")]
-    return _told(task, best, estimate(task, best), table, margin, asked=structure is not None)
+    return _result(task, best, estimate(task, best), table, margin, asked=structure is not None)
 
 
-def _told(task: Task, best: Fitted, its: Estimate, table: list[Candidate], margin: float, asked: bool) -> LinearFit:
+def _result(task: Task, best: Fitted, its: Estimate, table: list[Candidate], margin: float, asked: bool) -> LinearFit:
     r, problem = task.record, task.problem(best.structure)
     solved, found = its.solved, its.found
     white, rho = whiteness(solved.residual)

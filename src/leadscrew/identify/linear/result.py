@@ -191,8 +191,7 @@ def machine(fit: LinearFit, name: str) -> MachineFile:
             f"{fit.source}: {fit.input_name} moves {fit.output_name} by less than what the model leaves, at every "
             "frequency: there is no model of it, and so no machine; log a move that the input makes"
         )
-    told = machine_values(fit)
-    made = from_linear(told, name, limits(fit), fit.source)
+    made = from_linear(machine_values(fit), name, limits(fit), fit.source)
     errors = {
         s.what.replace("-", "_"): {"rms": s.rms, "nrmse_percent": s.nrmse_percent, "fit_percent": s.fit_percent}
         for s in fit.stretches
