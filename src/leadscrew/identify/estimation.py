@@ -4,17 +4,15 @@ A parameter is **identifiable** where half of its 95 % interval is at most a qua
 
     half <= max(0.25 |value|, negligible)
 
-or too small to matter, ``negligible``. A quarter of a gain is 2 dB, a third of the 6 dB that a loop should keep; and
-a value eight standard errors from zero is where first-order intervals still hold.
+or too small to matter. A quarter of a gain is 2 dB, a third of the 6 dB that a loop should keep; and a value eight
+standard errors from zero is where first-order intervals still hold. Of static friction ``value`` is what it is above
+Coulomb friction. ``negligible`` is
 
-| number | counts as ``value`` | ``negligible`` |
-|---|---|---|
-| static friction | what it is above Coulomb friction | 0 |
-| delay | the delay | one sampling period |
-| Coulomb and viscous friction, offset | the number | what changes the force by 1 % of its root mean square |
-| offset of a linear model | the offset | 1 % of the root mean square of the signal that it belongs to |
-| lost motion with 0 in its interval | the lost motion | 50 counts of the encoder |
-| everything else | the number | 0 |
+- of a delay: one sampling period;
+- of Coulomb and viscous friction and offset of an axis: what changes the force by 1 % of its root mean square;
+- of the offset of a linear model: 1 % of the root mean square of the signal that it is added to;
+- of a lost motion with 0 in its interval: 50 counts of the encoder;
+- of every other number: 0.
 
 Interval: ``value -+ t(0.975, degrees of freedom) standard error``, of the logarithm where that is what was fitted.
 Standard errors come from the Jacobian ``J`` of the residual ``r``, columns scaled to unit length:
