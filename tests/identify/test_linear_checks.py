@@ -11,7 +11,7 @@ from leadscrew.identify.linear.fit import identify_linear
 from leadscrew.identify.linear.model import Structure
 from leadscrew.identify.linear.record import linear_record, read_linear
 from leadscrew.identify.linear.result import Parameter, block, machine, machine_values
-from leadscrew.identify.linear.uncertainty import Sure, _poles, within
+from leadscrew.identify.linear.uncertainty import Quantities, _poles, within
 from leadscrew.report.identified_linear import parameter_rows, stretch_rows
 from leadscrew.util.errors import DataError
 from tests.identify.test_linear import T, axis, finer, levels
@@ -109,7 +109,7 @@ def test_of_a_model_that_explains_nothing_no_machine_is_made():
 
 def test_a_pole_beyond_what_the_input_moves_unsettles_what_depends_on_it_and_not_the_gain():
     fit = identify_linear(record(MM_PER_M * move()[2], output_unit="mm"), structure=(2, 0, 1))
-    found = Sure(fit.coefficients, fit.parameters, fit.offset, fit.covariance, fit.bode)
+    found = Quantities(fit.coefficients, fit.parameters, fit.offset, fit.covariance, fit.bode)
     pole_hz = abs(fit.parameters["pole 1"].value) / (2.0 * np.pi)
     assert all(p.identifiable for p in (*fit.parameters.values(), *fit.coefficients.values()))
     assert within(found, 0.6 * pole_hz) == found

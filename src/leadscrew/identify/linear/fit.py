@@ -33,7 +33,7 @@ from leadscrew.identify.linear.choose import Fitted, Task, alone, choose, fitted
 from leadscrew.identify.linear.model import Model, Problem, Solved, Structure, candidates
 from leadscrew.identify.linear.record import LEAST, LinearRecord
 from leadscrew.identify.linear.result import Candidate, LinearFit, Stretch
-from leadscrew.identify.linear.uncertainty import Sure, sure, within
+from leadscrew.identify.linear.uncertainty import Quantities, quantities, within
 from leadscrew.kernel.one_thread import one_thread
 from leadscrew.kernel.validate import number, whole
 from leadscrew.util.errors import DataError, ValueRefused
@@ -75,7 +75,7 @@ class Estimate(NamedTuple):
     closed: bool
     """Whether the command was the instrument."""
     condition: float
-    found: Sure
+    found: Quantities
     excited_hz: tuple[float, float]
 
     @property
@@ -103,7 +103,7 @@ def estimate(task: Task, best: Fitted) -> Estimate:
     residual = problem.y[problem.rows] - model.simulate(phi, problem.u)
     change = model.jacobian(phi, problem.u)
     hz = np.geomspace(0.5 / (r.period * len(r.time)), 0.499 / r.period, BAND)
-    found = sure(model, phi, coloured(change, residual, tools), (r.input_unit, r.output_unit), hz)
+    found = quantities(model, phi, coloured(change, residual, tools), (r.input_unit, r.output_unit), hz)
     spoken = advice.excited(problem.u[problem.rows], residual, r.period, (hz, found.bode.response))
     b, theta = model.split(phi)
     denominator, delay_s, _ = problem.system(theta)

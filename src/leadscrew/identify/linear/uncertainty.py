@@ -52,7 +52,7 @@ class Bode(NamedTuple):
     """rad."""
 
 
-class Sure(NamedTuple):
+class Quantities(NamedTuple):
     """Quantities with intervals."""
 
     coefficients: dict[str, Parameter]
@@ -62,7 +62,9 @@ class Sure(NamedTuple):
     bode: Bode
 
 
-def sure(model: Model, phi: np.ndarray, covariance: np.ndarray, units: tuple[str, str], hz: np.ndarray) -> Sure:
+def quantities(
+    model: Model, phi: np.ndarray, covariance: np.ndarray, units: tuple[str, str], hz: np.ndarray
+) -> Quantities:
     """From ``phi`` and its covariance; ``units`` are those of input and output, ``hz`` the frequencies of the band."""
     kept = model.kept
     at, spread = phi[:kept], np.sqrt(np.maximum(np.diag(covariance), 0.0))
@@ -83,7 +85,7 @@ def sure(model: Model, phi: np.ndarray, covariance: np.ndarray, units: tuple[str
         "delay_s": (delay, way),
     }  # fmt: skip
     parameters = {name: straight(*row) for name, row in more.items()}
-    return Sure(coefficients, parameters, _offset(model, phi, spread, covariance, units), cov,
+    return Quantities(coefficients, parameters, _offset(model, phi, spread, covariance, units), cov,
                 _band(model, at, spread, inner, hz))  # fmt: skip
 
 
@@ -99,7 +101,7 @@ def beyond(name: str, found: Parameter, high_hz: float) -> bool:
     return hertz(name, found) > FAR * high_hz
 
 
-def within(found: Sure, high_hz: float) -> Sure:
+def within(found: Quantities, high_hz: float) -> Quantities:
     """Only what the log speaks of is identifiable.
 
     A pole beyond the last excited frequency stands for many others there, far from the found one too, where no interval
