@@ -1,4 +1,8 @@
-"""Files in TOML: read within the limits of :mod:`leadscrew.util.reading`, written whole or not at all."""
+"""Files in TOML: read within the limits of :mod:`leadscrew.util.reading`, written whole or not at all.
+
+Written here and not by ``tomli-w``, which has no dotted keys (``friction.forward.coulomb`` stands in ``[set]`` as it
+does behind ``--set``) and sets every list on lines of its own, an interval on four and a table of numbers on hundreds.
+"""
 
 from __future__ import annotations
 

@@ -95,7 +95,7 @@ def test_the_whole_log_column_keeps_what_is_published():
     closed = [float(cell) for cell in rows["closed loop, whole log, um rms"]]
     assert max(closed[1:]) <= closed[0]
     # the default on data that it has not seen: within twice the published error on data that was fitted
-    assert float(rows["drive to position, unseen half, mm rms"][3]) <= 2.0 * 2.61
+    assert float(rows["drive to position, validation half, mm rms"][3]) <= 2.0 * 2.61
     (mass, coulomb, viscous), (m, c, v) = (
         [float(rows[f"{n}, {unit}"][k]) for n, unit in (("mass", "kg"), ("Coulomb friction", "N"),
                                                         ("viscous friction", "N s/m"))]

@@ -71,9 +71,9 @@ def test_the_table_of_emps_is_what_the_fit_finds():
     assert f"{newton / b0.high:.1f} to {newton / b0.low:.1f} kg" in WORDS
     axis = (ROOT / "docs" / "identify_axis.md").read_text(encoding="utf-8")
     fitted, unseen = (re.search(rf"\| drive to position, {part}, mm rms \|(.*)\|", axis) for part in
-                      ("data of the fit", "unseen half"))  # fmt: skip
+                      ("data of the fit", "validation half"))  # fmt: skip
     said = [found[1].split("|")[2].strip() for found in (fitted, unseen) if found]
-    assert f"leaves {said[0]} mm there and {said[1]} mm on the unseen half" in WORDS
+    assert f"leaves {said[0]} mm there and {said[1]} mm on the validation half" in WORDS
     chosen = identify_linear(linear_record(t, volts, position))
     assert chosen.structure == (4, 2, 0)
     assert f"{1e3 * chosen.stretches[1].rms:.2f} mm on the hold-out" in WORDS

@@ -77,7 +77,9 @@ def statements(t: Truth, fit: Any) -> list[Row]:
         ahead = fit.parameters.get(key.replace("backward", "forward"))
         if "backward" in key and ahead is not None and ahead[:4] == p[:4] and _same(true, key):
             continue
-        rows.append(Row(t.seed, t.kind, key, group, true[key], p.value, p.low, p.high, p.told, p.how, key in t.excites))
+        rows.append(
+            Row(t.seed, t.kind, key, group, true[key], p.value, p.low, p.high, p.identifiable, p.how, key in t.excites)
+        )
     return rows
 
 

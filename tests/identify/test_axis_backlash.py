@@ -52,14 +52,14 @@ def test_two_encoders_give_the_play_of_an_axis_with_backlash(play: float) -> Non
         for name in ("motor", "position")
     )
     found = lost_motion(motor, table, PERIOD)
-    assert found.told and found.method == "two positions" and found.low <= play <= found.high
+    assert found.identifiable and found.method == "two positions" and found.low <= play <= found.high
     assert found.high - found.low < 1e-7
 
 
 @pytest.mark.parametrize("play", [5e-6, 20e-6])
 def test_command_and_drive_give_the_play_where_the_loop_was_closed_on_the_motor(play: float) -> None:
     found = backlash_of(log_of(play), cascade=Cascade(KP, KV, over=2))
-    assert found.told and found.method == "command and drive"
+    assert found.identifiable and found.method == "command and drive"
     assert found.low <= play <= found.high and found.value == pytest.approx(play, rel=0.01)
     # which speed the loop used decides a micrometre; not known, the interval says so
     free = backlash_of(log_of(play))
@@ -68,7 +68,7 @@ def test_command_and_drive_give_the_play_where_the_loop_was_closed_on_the_motor(
 
 def test_a_loop_closed_on_the_table_is_said_to_hide_the_play_in_its_law() -> None:
     found = backlash_of(log_of(20e-6, "table"))
-    assert not found.told and "the loop was closed on this encoder" in found.note and np.isnan(found.low)
+    assert not found.identifiable and "the loop was closed on this encoder" in found.note and np.isnan(found.low)
 
 
 @pytest.mark.slow
@@ -77,19 +77,19 @@ def test_the_dwell_at_reversals_gives_the_play_where_only_drive_and_table_were_l
     play: float, closed_on: str
 ) -> None:
     found = backlash_of(log_of(play, closed_on, with_command=False), VALUES)
-    assert found.told and found.method == "dwell at reversals" and found.low <= play <= found.high
+    assert found.identifiable and found.method == "dwell at reversals" and found.low <= play <= found.high
     assert found.value == pytest.approx(play, abs=2e-7)
 
 
 def test_one_position_alone_does_not_tell_the_play_and_the_reason_is_given() -> None:
     found = backlash_of(log_of(20e-6, with_command=False))
-    assert not found.told and found.method == "none" and "log both positions, or the command" in found.note
+    assert not found.identifiable and found.method == "none" and "log both positions, or the command" in found.note
 
 
 def test_a_log_without_reversals_says_how_many_strokes_are_needed() -> None:
     log = log_of(5e-6)
     few = log.part(None, 0.6)
-    assert "strokes" in backlash_of(few).note and not backlash_of(few).told
+    assert "strokes" in backlash_of(few).note and not backlash_of(few).identifiable
     with pytest.raises(DataError, match="a play needs at least 4"):
         lost_motion(few.position, few.position, PERIOD)
 
@@ -97,4 +97,4 @@ def test_a_log_without_reversals_says_how_many_strokes_are_needed() -> None:
 @pytest.mark.slow
 def test_emps_does_not_tell_a_play_but_bounds_it() -> None:
     found = backlash_of(emps(), PUBLISHED)
-    assert not found.told and found.low == 0.0 and found.high < 1e-3
+    assert not found.identifiable and found.low == 0.0 and found.high < 1e-3

@@ -37,7 +37,7 @@ def test_a_shoved_axis_is_found_within_its_intervals_and_simulated_on_the_unseen
     true = {"mass": 50.0, COULOMB: 15.0, "friction.backward.coulomb": 15.0, VISCOUS: 120.0, "offset": -2.0}
     for key, value in true.items():
         p = fit.parameters[key]
-        assert p.told and p.low <= value <= p.high and p.percent < 3.0
+        assert p.identifiable and p.low <= value <= p.high and p.percent < 3.0
     assert [j.what for j in fit.judged] == ["training", "hold-out", "whole log"]
     for j in fit.judged:
         assert j.nrmse_percent < 2.0 and j.force_percent < 1.0
@@ -49,7 +49,7 @@ def test_a_shoved_axis_is_found_within_its_intervals_and_simulated_on_the_unseen
 def test_what_the_log_does_not_show_is_fixed_and_said_and_not_missing_twice():
     fit = plain()
     static = fit.parameters["friction.forward.static"]
-    assert static.how == "fixed" and not static.told and "Coulomb" in static.note
+    assert static.how == "fixed" and not static.identifiable and "Coulomb" in static.note
     assert static.value == fit.parameters[COULOMB].value
     assert fit.parameters["delay_s"].value == 0.0
     assert "friction.forward.static" in fit.missing and any("Creep" in line for line in fit.advice)
@@ -107,8 +107,8 @@ def test_one_direction_alone_is_said():
     force = np.where(shove() > 0.0, 60.0, 20.0)
     fit = identify_axis(shoved(Axis(50.0, 120.0, 15.0, 2.0), force), refine="none", model="coulomb")
     assert fit.parameters["offset"].how == "fixed" and fit.parameters["friction.backward.coulomb"].how == "fixed"
-    assert not fit.parameters[COULOMB].told and fit.parameters[COULOMB].value == pytest.approx(17.0, rel=0.01)
-    assert fit.parameters["mass"].told and fit.advice[0].startswith("Move both ways")
+    assert not fit.parameters[COULOMB].identifiable and fit.parameters[COULOMB].value == pytest.approx(17.0, rel=0.01)
+    assert fit.parameters["mass"].identifiable and fit.advice[0].startswith("Move both ways")
 
 
 @pytest.mark.parametrize(

@@ -113,7 +113,7 @@ def test_a_form_of_friction_that_does_not_fit_is_said_and_one_that_does_is_not()
 
 
 @pytest.mark.slow
-def test_a_delay_that_least_squares_do_not_tell_is_told_by_simulation_and_so_is_the_mass():
+def test_a_delay_that_least_squares_cannot_identify_is_identified_by_simulation_and_so_is_the_mass():
     """A small axis in a stiff loop that feeds noise of 10 um back: least squares say -6 to 25 ms of the delay 0."""
     from tests.identify.excite_machine import run as excited
     from tests.identify.test_excite_round_trip import SMALL, proposed, recorded
@@ -122,13 +122,14 @@ def test_a_delay_that_least_squares_do_not_tell_is_told_by_simulation_and_so_is_
     move = proposed(guess, ["mass", "friction", "offset", "delay"], noise, limits)
     log = recorded(move, Path(tempfile.mkdtemp()), *excited(move.samples, **true, noise=1e-5, seed=4))
     rough = identify_axis(log, refine="none", model="coulomb", symmetric=True)
-    assert not rough.parameters["delay_s"].told and not rough.parameters["mass"].told
-    low, high = (float(x) for x in rough.parameters["delay_s"].note.split("tell it, ")[1].split(" s")[0].split(" to "))
+    assert not rough.parameters["delay_s"].identifiable and not rough.parameters["mass"].identifiable
+    ends = rough.parameters["delay_s"].note.split("from the log, ")[1].split(" s")[0]
+    low, high = (float(x) for x in ends.split(" to "))
     assert low < 0.0 < high
     fit = identify_axis(log, model="coulomb", symmetric=True)
-    assert fit.parameters["delay_s"].told and 0.0 <= fit.parameters["delay_s"].high < 1e-4
+    assert fit.parameters["delay_s"].identifiable and 0.0 <= fit.parameters["delay_s"].high < 1e-4
     mass = fit.parameters["mass"]
-    assert mass.told and mass.low <= 2.0 <= mass.high and mass.percent < 0.2
+    assert mass.identifiable and mass.low <= 2.0 <= mass.high and mass.percent < 0.2
 
 
 @pytest.mark.slow
@@ -137,5 +138,5 @@ def test_a_play_at_the_table_is_refined_with_the_other_parameters():
 
     fit = identify_axis(replace(log_of(20e-6, "table"), command=None), model="coulomb", symmetric=True, holdout=0)
     play = fit.parameters["backlash"]
-    assert play.how == "fitted" and play.told and play.low <= 20e-6 <= play.high
+    assert play.how == "fitted" and play.identifiable and play.low <= 20e-6 <= play.high
     assert identify_axis(log_of(0.0, "table"), model="coulomb", symmetric=True).values["backlash"] == 0.0

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from leadscrew.identify.axis import replay
-from leadscrew.identify.axis.replay import Starts, lengthened, play, played
+from leadscrew.identify.axis.replay import played
+from leadscrew.identify.log_player import Starts, lengthened
 from tests.identify.axis_truth import truth
 
 
@@ -28,5 +29,5 @@ def test_a_replay_is_the_same_to_the_bit(monkeypatch):
     runs = []
     for change in (lengthened, np.asarray):
         monkeypatch.setattr(replay, "lengthened", change)
-        runs.append(play(played(log), [point], starts, len(log.time), [1.5 * log.period]))
+        runs.append(played(log).play([point], starts, len(log.time), [1.5 * log.period]))
     assert np.array_equal(runs[0], runs[1]) and np.ptp(runs[0]) > 0.0

@@ -7,11 +7,10 @@ import pytest
 
 from leadscrew.identify.axis import verdict
 from leadscrew.identify.axis.delay import find_delay
-from leadscrew.identify.axis.inverse_dynamics import Terms, blocks, huber, inverse_dynamics, jackknife
+from leadscrew.identify.axis.inverse_dynamics import Terms, blocks, huber, inverse_dynamics, weighted
 from leadscrew.identify.axis.linear_stage import Setting, choose, folds, line, models, two_ways
-from leadscrew.identify.axis.parameters import estimates_of, is_told, units
+from leadscrew.identify.axis.parameters import estimates_of, units
 from leadscrew.identify.axis.record import Record, choose_length, corner_of, record
-from leadscrew.identify.axis.verdict import whiteness
 from leadscrew.util.errors import DataError
 from tests.identify.axis_oracle import Axis
 from tests.identify.axis_runs import AXIS, DT, run, shove
@@ -63,11 +62,11 @@ def test_standard_errors_are_the_usual_ones_for_white_noise_and_larger_for_colou
     z, white = np.column_stack([np.ones(4000), np.repeat(rng.normal(size=40), 100)]), rng.normal(size=4000)
     usual = np.sqrt(np.diag(np.linalg.inv(z.T @ z)))
     block = blocks(np.arange(4000), 10, 2)
-    freedom, covariance = jackknife(z, white, np.ones(4000), block)
-    assert freedom == 39
-    assert np.sqrt(np.diag(covariance)) == pytest.approx(usual, rel=0.35)
+    spread = weighted(z, white, np.ones(4000), block)
+    assert np.sqrt(np.diag(spread.covariance)) == pytest.approx(usual, rel=0.35)
+    assert ((spread.degrees > 10.0) & (spread.degrees < 40.0)).all()
     slow = np.repeat(rng.normal(size=40), 100)
-    assert (np.sqrt(np.diag(jackknife(z, slow, np.ones(4000), block)[1])) > 5.0 * usual).all()
+    assert (np.sqrt(np.diag(weighted(z, slow, np.ones(4000), block).covariance)) > 5.0 * usual).all()
 
 
 def test_a_late_drive_is_noticed_and_one_on_time_is_too():
@@ -155,12 +154,12 @@ def test_friction_that_is_unlike_by_direction_is_seen_where_it_is_foretold():
 def test_told_means_an_interval_of_use():
     log = run()
     good = estimates_of(inverse_dynamics(log, Terms(), corner(log)))
-    assert all(is_told(good, key) for key in good.keys)
+    assert all(good.parameter(key, "").identifiable for key in good.keys)
     low, high = good.ends("mass")
     assert low < 50.0 < high and high - low < 1.0
     noisy = record(DT, log.position, log.force + np.random.default_rng(7).normal(0.0, 900.0, 8000))
     poor = estimates_of(inverse_dynamics(noisy, Terms(), corner(log)))
-    assert not is_told(poor, "offset")
+    assert not poor.parameter("offset", "").identifiable
 
 
 def test_units_are_those_of_the_drive_where_its_force_is_not_known():
@@ -169,27 +168,6 @@ def test_units_are_those_of_the_drive_where_its_force_is_not_known():
     volts = units("m", "V", False)
     assert volts["mass"] == "V s^2/m" and volts["friction.forward.viscous"] == "V s/m" and volts["offset"] == "V"
     assert units("m", "V", True)["mass"] == "kg"
-
-
-def test_noise_is_white_and_a_drift_is_not():
-    rng = np.random.default_rng(8)
-    noise = rng.normal(size=3000)
-    assert whiteness(noise) > 85.0
-    assert whiteness(np.cumsum(noise)) < 20.0
-    noise[500:900] = np.nan
-    assert whiteness(noise) > 85.0
-    assert np.isnan(whiteness(np.full(50, np.nan)))
-
-
-@pytest.mark.parametrize(("changes", "inside"), [(40, 0.0), (41, 100.0), (60, 100.0), (61, 0.0)])
-def test_a_residual_is_white_up_to_1_96_standard_errors(changes, inside):
-    """Of 102 signs the first autocorrelation is (101 - 2 changes) / 101; allowed are 1.96 / sqrt(101)."""
-    runs = [1] * (changes + 1)
-    runs[0] += 51 - len(runs[0::2])
-    runs[1] += 51 - len(runs[1::2])
-    signs = np.concatenate([np.full(n, (-1.0) ** k) for k, n in enumerate(runs)])
-    assert len(signs) == 102 and signs.sum() == 0.0 and np.sum(np.diff(signs) != 0.0) == changes
-    assert whiteness(signs, lags=1) == inside
 
 
 def test_the_same_axis_is_found_at_rest_now_and_then():

@@ -23,7 +23,7 @@ PER_RAD = 1.5923e-3
 @pytest.mark.slow
 def test_emps_turns_too_fast_for_bristles_and_says_so() -> None:
     found = presliding(emps(), PUBLISHED)
-    assert not found.found and found.values == {}
+    assert found.why_not and found.parameters == {}
     assert "does not determine the stiffness and the damping of the bristles" in found.why_not
 
 
@@ -41,10 +41,10 @@ def test_a_ball_screw_stage_gives_its_bristles_in_rad_and_in_metres(unit: Litera
     turn = PER_RAD if unit == "m" else 1.0
     log = axis_log(run.time, u / turn, x / PER_RAD * turn, position_unit=unit, drive_unit="N" if unit == "m" else "N m")
     found = presliding(log, {})
-    assert found.found and found.consistent
-    assert found.values["friction.stiffness"] * turn**2 == pytest.approx(1e5, rel=0.02)
-    assert found.values["friction.damping"] * turn**2 == pytest.approx(np.sqrt(1e5), rel=0.02)
-    assert found.values["friction.forward.static"] * turn == pytest.approx(9.36, rel=0.02)
-    assert found.values["friction.forward.stribeck_speed"] / turn == pytest.approx(1e-3, rel=0.02)
-    assert found.values["mass"] * turn**2 == pytest.approx(INERTIA, rel=0.02)
-    assert all(found.told.values())
+    assert not found.why_not and found.consistent
+    assert found.parameters["friction.stiffness"].value * turn**2 == pytest.approx(1e5, rel=0.02)
+    assert found.parameters["friction.damping"].value * turn**2 == pytest.approx(np.sqrt(1e5), rel=0.02)
+    assert found.parameters["friction.forward.static"].value * turn == pytest.approx(9.36, rel=0.02)
+    assert found.parameters["friction.forward.stribeck_speed"].value / turn == pytest.approx(1e-3, rel=0.02)
+    assert found.parameters["mass"].value * turn**2 == pytest.approx(INERTIA, rel=0.02)
+    assert all(p.identifiable for p in found.parameters.values())

@@ -8,8 +8,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from leadscrew.identify.axis.refine import Mode, by_force, clustered, refine
+from leadscrew.identify.axis.refine import Mode, by_force, refine
 from leadscrew.identify.axis.simulation import rms, simulate_closed, simulate_open
+from leadscrew.identify.estimation import clustered
 from leadscrew.logs.arrays import axis_log
 from leadscrew.util.errors import LeadscrewError
 from tests.identify.axis_exact import PERIOD, VALUES, Exact, recorded, replay, strokes

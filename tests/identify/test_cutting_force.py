@@ -72,10 +72,11 @@ def test_the_log_log_fit_and_its_intervals_are_those_of_scipy():
     cuts = noisy(1)
     line = linregress(np.log(cuts.feed), np.log(cuts.force / cuts.depth))
     fit = fit_forces(cuts).chosen
+    kf, exponent = (fit.parameters[name].interval for name in ("kf", "exponent"))
     reach = t.ppf(0.975, 6) * line.stderr
-    assert fit.parameters["exponent"] == pytest.approx((line.slope, line.slope - reach, line.slope + reach), rel=1e-10)
+    assert exponent == pytest.approx((line.slope, line.slope - reach, line.slope + reach), rel=1e-10)
     reach = t.ppf(0.975, 6) * line.intercept_stderr
-    assert fit.parameters["kf"] == pytest.approx(np.exp(line.intercept + np.array([0.0, -reach, reach])), rel=1e-10)
+    assert kf == pytest.approx(np.exp(line.intercept + np.array([0.0, -reach, reach])), rel=1e-10)
     assert fit.r2["log specific force"] == pytest.approx(
         linregress(np.log(cuts.feed), np.log(cuts.force / cuts.depth / cuts.feed)).rvalue ** 2, rel=1e-10
     )
@@ -106,9 +107,9 @@ def test_the_truth_lies_in_the_stated_intervals_of_200_tables_as_often_as_they_s
         cuts = table(force)
         law, free = (fit_law(power_model(depth_free=x), "log-log", cuts) for x in (False, True))
         fit = ForceFit(cuts, law, {}, None, 90.0, False, ())
-        inside["kf"] += law.parameters["kf"].holds(kf)
-        inside["exponent"] += law.parameters["exponent"].holds(p)
-        inside["depth"] += free.parameters["depth_exponent"].holds(1.0)
+        inside["kf"] += law.parameters["kf"].interval.holds(kf)
+        inside["exponent"] += law.parameters["exponent"].interval.holds(p)
+        inside["depth"] += free.parameters["depth_exponent"].interval.holds(1.0)
         inside["next"] += fit.force(0.2, 1.0)[0].holds(kf * 0.2**p * math.exp(share * rng.normal()))
     assert all(180 <= n <= 198 for n in inside.values()), inside
 
@@ -151,9 +152,9 @@ def test_the_one_row_that_tells_the_exponent_cannot_be_left_out():
 def test_a_force_that_is_not_in_proportion_to_the_depth_is_said_so():
     scatter = np.exp(0.01 * np.random.default_rng(4).normal(size=8))
     fit = fit_forces(table(1600.0 * DEPTHS**0.85 * FEEDS**0.8 * scatter))
-    assert fit.depth.exponent.holds(0.85) and fit.depth.p_value < 1e-3
+    assert fit.depth.exponent.interval.holds(0.85) and fit.depth.p_value < 1e-3
     assert any("not in proportion to the depth" in note for note in fit.notes)
-    assert fit_forces(noisy(5)).depth.exponent.holds(1.0)
+    assert fit_forces(noisy(5)).depth.exponent.interval.holds(1.0)
 
 
 def test_what_a_table_cannot_tell_is_refused_or_said():

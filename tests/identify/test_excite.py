@@ -153,19 +153,19 @@ def test_what_no_move_within_the_limits_tells_is_said_with_what_would():
     found = propose(slow, believed("mass", "friction", force_noise=0.4))
     said = {p.key: p for p in found.predicted}
     viscous = said["friction.forward.viscous"]
-    assert viscous.verdict == "not told"
+    assert viscous.verdict == "not identifiable"
     assert "at the top speed of 2 mm/s it is 0.392 of 20.4 N" in viscous.why and "higher top speed" in viscous.why
-    assert said["mass"].verdict != "told" and "4.66 N beside 20 of friction" in said["mass"].why
+    assert said["mass"].verdict != "identifiable" and "4.66 N beside 20 of friction" in said["mass"].why
     coulomb = said["friction.forward.coulomb"]
-    assert coulomb.verdict != "told" and "trades with viscous friction, which reaches 0.392 N" in coulomb.why
+    assert coulomb.verdict != "identifiable" and "trades with viscous friction, which reaches 0.392 N" in coulomb.why
 
 
 @pytest.mark.slow
 def test_an_offset_beside_friction_by_direction_is_said_to_be_beyond_any_motion():
     found = propose(LIMITS, believed("offset", "friction", symmetric=False))
     offset = next(p for p in found.predicted if p.key == "offset")
-    assert offset.verdict == "not told" and math.isinf(offset.half) and "no motion tells them apart" in offset.why
-    assert all(p.verdict == "told" for p in found.predicted if p.key != "offset")
+    assert offset.verdict == "not identifiable" and math.isinf(offset.half) and "no motion separates them" in offset.why
+    assert all(p.verdict == "identifiable" for p in found.predicted if p.key != "offset")
 
 
 @pytest.mark.slow

@@ -37,8 +37,8 @@ def test_a_fit_says_what_is_missing_and_what_the_axis_did_and_so_may_do(tmp_path
     (tmp_path / "fit.json").write_text(json.dumps({"schema_version": 1, **FIT}))
     belief, limits = belief_of(tmp_path / "fit.json")
     assert belief.wanted == tuple(FIT["missing"]) and belief.force_noise == 0.5 and belief.noise == 2e-6
-    assert limits[:4] == (0.0, 0.25, 0.2, 2.0) and belief.told["mass"] == pytest.approx(2.0 / 3.92)
-    assert propose(limits, belief).predicted[0].verdict == "told"
+    assert limits[:4] == (0.0, 0.25, 0.2, 2.0) and belief.known["mass"] == pytest.approx(2.0 / 3.92, rel=1e-4)
+    assert propose(limits, belief).predicted[0].verdict == "identifiable"
     more, _ = belief_of(tmp_path / "fit.json", ["static", "backlash", "presliding"])
     assert more.of("friction.forward.static") == pytest.approx(26.0) and more.of("backlash") == pytest.approx(6e-5)
     assert more.of("friction.backward.stribeck_speed") == pytest.approx(0.004)
@@ -120,7 +120,7 @@ def test_a_machine_file_gives_values_sensor_limits_and_what_its_log_did_not_tell
     assert belief.noise == pytest.approx(math.hypot(2e-6, 1e-6 / math.sqrt(12.0)))
     assert belief.force_noise == 0.5 and not belief.symmetric
     assert (belief.unit, belief.force_unit, belief.drive_unit, belief.of("delay_s")) == ("m", "N", "V", 0.0005)
-    assert set(belief.told) == {"mass"} and belief.told["mass"] == pytest.approx(2.0 / 3.92)
+    assert set(belief.known) == {"mass"} and belief.known["mass"] == pytest.approx(2.0 / 3.92, rel=1e-4)
     # 1 mm/s in the file says nothing where friction does not rise: 2 % of the top speed, 1.3 times Coulomb friction.
     assert belief.of("friction.forward.stribeck_speed") == pytest.approx(0.004)
     assert belief.of("friction.backward.static") == pytest.approx(28.6)

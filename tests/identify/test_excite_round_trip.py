@@ -45,7 +45,7 @@ SMALL = ({"mass": 3.0, "coulomb": 8.0, "viscous": 20.0, "offset": 0.4}, 1e-6, Li
 def test_the_log_of_a_test_move_tells_what_was_missing_as_well_as_predicted(axis, tmp_path):
     guess, noise, limits, true = axis
     proposal = proposed(guess, ["mass", "friction", "offset", "delay"], noise, limits)
-    assert {p.verdict for p in proposal.predicted} == {"told"}
+    assert {p.verdict for p in proposal.predicted} == {"identifiable"}
     log = recorded(proposal, tmp_path, *run(proposal.samples, **true, noise=noise))
     assert [f for f in log.findings if f.severity != "note"] == []
     fit = identify_axis(log)
@@ -59,7 +59,7 @@ def test_the_log_of_a_test_move_tells_what_was_missing_as_well_as_predicted(axis
     }  # fmt: skip
     for key, value in expected.items():
         parameter = fit.parameters[key]
-        assert parameter.told and parameter.how == "fitted"
+        assert parameter.identifiable and parameter.how == "fitted"
         assert parameter.value == pytest.approx(value, rel=0.01, abs=0.02)
 
 

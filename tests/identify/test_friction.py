@@ -217,14 +217,15 @@ def test_residuals_of_twice_the_noise_are_reported():
     assert fit.residuals.why_not == "the residuals are 2 times the noise"
 
 
-def test_what_is_known_to_a_tenth_is_identifiable_and_what_is_not_is_not():
-    for slope, known in ((2.0 / (0.099 * math.sqrt(20.0)), True), (2.0 / (0.101 * math.sqrt(20.0)), False)):
+def test_what_is_known_to_a_quarter_is_identifiable_and_what_is_not_is_not():
+    for error, known in ((0.127, True), (0.128, False)):
+        slope = 2.0 / (error * math.sqrt(20.0))
         problem = Solved(0, slope=200.0)
         problem.slopes[:, 3] *= slope / 200.0
         log = Record(1e-3, np.zeros(9), np.zeros(9), 1e-6, 1e-6)
         fit = _result(log, solved(0).sliding, 1e-3, False, problem, np.zeros(4))
         assert fit.identifiable["stribeck_speed"] is known and fit.identifiable["static"], slope
-        assert fit.standard_error["stribeck_speed"] == pytest.approx(0.01 * (0.099 if known else 0.101))
+        assert fit.standard_error["stribeck_speed"] == pytest.approx(0.01 * error)
 
 
 def test_static_friction_is_identifiable_only_where_half_and_double_of_it_fit_worse_by_six_deviations():

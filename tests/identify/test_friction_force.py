@@ -45,7 +45,7 @@ def test_every_value_of_a_known_friction_lies_in_its_interval(made):
         p = found[key]
         # an interval holds in 95 of 100 cases: three times its width for ten of them at once
         assert abs(p.value - value) < 1.5 * (p.high - p.low), key
-        assert p.told and p.how == "fitted", key
+        assert p.identifiable and p.how == "fitted", key
     assert found["friction.stiffness"].value == pytest.approx(2e5, rel=0.005)
     assert found["friction.forward.static"].value == pytest.approx(4.5, rel=0.005)
 
@@ -143,8 +143,8 @@ def test_what_the_speeds_cannot_tell_is_fixed_and_said():
     for side in ("forward", "backward"):
         for name in ("viscous", "static", "stribeck_speed"):
             p = fit.chosen.parameters[f"friction.{side}.{name}"]
-            assert p.how == "fixed" and not p.told and p.note
-        assert fit.chosen.parameters[f"friction.{side}.coulomb"].told
+            assert p.how == "fixed" and not p.identifiable and p.note
+        assert fit.chosen.parameters[f"friction.{side}.coulomb"].identifiable
     assert fit.chosen.parameters["friction.forward.viscous"].value == 0.0
     assert any("strokes at other speeds" in a for a in fit.advice)
 

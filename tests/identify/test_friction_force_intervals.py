@@ -5,8 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from leadscrew.identify.estimation import quantile
 from leadscrew.identify.friction_force import force_record, identify_friction_force
-from leadscrew.identify.friction_force.task import clusters_of, robust
+from leadscrew.identify.friction_force.task import clusters_of, spread_of
 from tests.identify.friction_force_logs import TRUTH, log
 
 STROKES = ((0.2e-3, 1.6), (0.05e-3, 0.4), (0.3e-3, 0.8))
@@ -28,7 +29,7 @@ def test_the_truth_lies_in_the_stated_intervals_as_often_as_they_say():
             ("friction.forward.viscous", TRUTH.forward.viscous),
             ("friction.forward.stribeck_speed", TRUTH.forward.stribeck_speed),
         ):
-            assert found[key].told
+            assert found[key].identifiable
             inside.append(found[key].low <= value <= found[key].high)
     assert 0.88 <= np.mean(inside) <= 0.99
 
@@ -41,8 +42,8 @@ def test_coloured_noise_widens_an_interval_where_the_usual_one_would_be_too_narr
     for _ in range(200):
         e = np.repeat(rng.standard_normal(20), 100)
         errors.append(e.mean())
-        covariance, _, quantile = robust(column, e - e.mean(), clusters_of(strokes), np.array([True]))
-        robust_sizes.append(quantile * np.sqrt(covariance[0, 0]))
+        spread = spread_of(column, e - e.mean(), clusters_of(strokes), np.array([True]))
+        robust_sizes.append(quantile(spread.degrees[0]) * np.sqrt(spread.covariance[0, 0]))
         usual_sizes.append(1.96 * e.std() / np.sqrt(2000))
     held = np.mean(np.abs(errors) <= robust_sizes)
     assert 0.9 <= held <= 0.99

@@ -138,9 +138,9 @@ def test_what_a_log_does_not_tell_is_said():
     u = np.sin(2.0 * np.pi * 0.7 * t)
     y = finer([3e5], np.polymul([1.0, 10.0], [1.0, 3e4]), u, 0.0, 2) + np.random.default_rng(0).normal(0.0, 0.02, 3000)
     fit = identify_linear(linear_record(t, u, y), structure=(2, 0, 0))
-    assert not fit.parameters["pole 2" if "pole 2" in fit.parameters else "damping 1"].told
+    assert not fit.parameters["pole 2" if "pole 2" in fit.parameters else "damping 1"].identifiable
     assert fit.excited_hz[1] < 10.0
-    assert any("not told" in note or "hardly tells" in note for note in fit.notes)
+    assert any("not identifiable" in note or "hardly tells" in note for note in fit.notes)
     assert any("repeats the move" in note for note in fit.notes)
     assert fit.advice
 

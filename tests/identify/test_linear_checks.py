@@ -10,8 +10,8 @@ from leadscrew.identify.linear.choose import Task, _score, choose, late
 from leadscrew.identify.linear.fit import identify_linear
 from leadscrew.identify.linear.model import Structure
 from leadscrew.identify.linear.record import linear_record, read_linear
-from leadscrew.identify.linear.result import Interval, block, machine, machine_values
-from leadscrew.identify.linear.uncertainty import Sure, _poles, within
+from leadscrew.identify.linear.result import Parameter, block, machine, machine_values
+from leadscrew.identify.linear.uncertainty import Quantities, _poles, within
 from leadscrew.report.identified_linear import parameter_rows, stretch_rows
 from leadscrew.util.errors import DataError
 from tests.identify.test_linear import T, axis, finer, levels
@@ -109,31 +109,31 @@ def test_of_a_model_that_explains_nothing_no_machine_is_made():
 
 def test_a_pole_beyond_what_the_input_moves_unsettles_what_depends_on_it_and_not_the_gain():
     fit = identify_linear(record(MM_PER_M * move()[2], output_unit="mm"), structure=(2, 0, 1))
-    found = Sure(fit.coefficients, fit.parameters, fit.offset, fit.covariance, fit.bode)
+    found = Quantities(fit.coefficients, fit.parameters, fit.offset, fit.covariance, fit.bode)
     pole_hz = abs(fit.parameters["pole 1"].value) / (2.0 * np.pi)
-    assert all(p.told for p in (*fit.parameters.values(), *fit.coefficients.values()))
+    assert all(p.identifiable for p in (*fit.parameters.values(), *fit.coefficients.values()))
     assert within(found, 0.6 * pole_hz) == found
     less = within(found, 0.4 * pole_hz)
-    assert [name for name, p in less.parameters.items() if p.told] == ["gain"]
-    assert not any(p.told for p in less.coefficients.values())
-    assert not any(p.told for p in within(found, 0.0).parameters.values())
+    assert [name for name, p in less.parameters.items() if p.identifiable] == ["gain"]
+    assert not any(p.identifiable for p in less.coefficients.values())
+    assert not any(p.identifiable for p in within(found, 0.0).parameters.values())
 
 
 @pytest.mark.slow
-def test_a_candidate_of_which_nothing_is_told_is_not_chosen_while_there_is_another():
+def test_a_candidate_of_which_nothing_is_identifiable_is_not_chosen_while_there_is_another():
     t, u, y = axis(np.random.default_rng(3), 300)
     task = Task(linear_record(t, u, y), 150, 2.3e-3, 0.02)
     tried = [Structure(2, 0, 1), Structure(1, 0, 1)]
     best, table = choose(task, tried, 0.02, lambda what, done: None, lambda f: f.structure == tried[1])
     assert best.structure == tried[1]
-    assert {c.structure: c.against for c in table}[tried[0]] == "the log tells none of its numbers"
+    assert {c.structure: c.against for c in table}[tried[0]] == "none of its numbers is identifiable"
 
 
 def test_an_interval_that_says_nothing_is_not_printed_as_numbers():
     fit = identify_linear(record(MM_PER_M * move()[2], output_unit="mm"), structure=(2, 0, 1))
-    wide = Interval(-7.0, -7e6, -7e-6, "1/s", False)
+    wide = Parameter(-7.0, "1/s", -7e6, -7e-6, identifiable=False)
     rows = {row[0]: row for row in parameter_rows(replace(fit, parameters={**fit.parameters, "pole 1": wide}))}
-    assert rows["pole 1"][2:4] == ["–", "–"] and rows["pole 1"][-1] == "not told"
+    assert rows["pole 1"][2:4] == ["–", "–"] and rows["pole 1"][-1] == "not identifiable"
     assert rows["b0"][2] != "–"
     assert stretch_rows(fit)[0][3].endswith(" mm")
 

@@ -9,7 +9,8 @@ from types import SimpleNamespace
 
 import pytest
 
-from leadscrew.identify.axis.result import AxisFit, Parameter
+from leadscrew.identify.axis.result import AxisFit
+from leadscrew.identify.estimation import Parameter
 from leadscrew.util.errors import DataError
 from tests.budget import WHOLE
 from tests.identify.axis_coverage import shares, statements, table
@@ -23,7 +24,7 @@ def as_said(low, high):
     """A fit of made-up values: what `statements` reads."""
     one = Parameter(0.5 * (low + high), "", low, high, "fitted", True)
     keys = [f"friction.{s}.{n}" for s in ("forward", "backward") for n in ("coulomb", "viscous")]
-    offset = Parameter(0.0, "N", math.nan, math.nan, "fixed", False, "not told")
+    offset = Parameter(0.0, "N", math.nan, math.nan, "fixed", False, "not identifiable")
     return SimpleNamespace(parameters={"mass": one, "offset": offset, **dict.fromkeys(keys, one)}, symmetric=False)
 
 
@@ -92,7 +93,7 @@ def test_what_is_fixed_never_has_an_interval_and_says_why(fits):
     for t, fit, _ in fits:
         for key, p in fit.parameters.items() if fit is not None else ():
             if p.how == "fixed":
-                assert math.isnan(p.low) and math.isnan(p.high) and not p.told, (t.seed, key)
+                assert math.isnan(p.low) and math.isnan(p.high) and not p.identifiable, (t.seed, key)
                 assert p.note, (t.seed, key)
             elif p.how == "fitted":
                 assert p.low <= p.value <= p.high, (t.seed, key)
@@ -105,5 +106,5 @@ def test_a_log_that_moves_one_way_only_does_not_tell_the_other_way():
     assert len(one_way) >= 3
     for _, fit in one_way:
         assert fit.parameters["friction.backward.coulomb"].how == "fixed"
-        assert not fit.parameters["offset"].told
-        assert not fit.parameters["friction.forward.coulomb"].told
+        assert not fit.parameters["offset"].identifiable
+        assert not fit.parameters["friction.forward.coulomb"].identifiable

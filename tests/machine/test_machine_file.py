@@ -10,7 +10,8 @@ from typer.testing import CliRunner
 
 from leadscrew import resolve
 from leadscrew.cli import app
-from leadscrew.identify.axis.result import AxisFit, Judged, Parameter
+from leadscrew.identify.axis.result import AxisFit, Judged
+from leadscrew.identify.estimation import Parameter
 from leadscrew.machine import MachineFile, from_axis, from_linear, read, write
 from leadscrew.machine.axis_study import controllers_of, loop_of, plant_of
 from leadscrew.machine.gains import cascade

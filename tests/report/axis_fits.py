@@ -4,7 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from leadscrew.identify.axis.result import AxisFit, Judged, Parameter
+from leadscrew.identify.axis.result import AxisFit, Judged
+from leadscrew.identify.estimation import Parameter
 
 PERIOD = 1e-3
 KEYS = ("mass", "offset", "friction.forward.coulomb", "friction.backward.coulomb", "friction.forward.viscous",

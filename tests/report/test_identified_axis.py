@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from leadscrew.identify.axis.result import Parameter
+from leadscrew.identify.estimation import Parameter
 from leadscrew.report import identified_axis as tables
 from leadscrew.report.identified_axis import page_of, scaled, sentences, write
 from leadscrew.util.errors import DataError
@@ -27,7 +27,7 @@ def test_a_number_carries_the_prefix_that_suits_it():
 def test_every_parameter_says_how_it_was_found_and_why_it_has_no_interval():
     rows = tables.parameter_rows(made_up())
     assert row(rows, "mass") == ["mass", "20", "19.9", "20.1", "kg", "fitted", "moving mass"]
-    assert row(rows, "friction.backward.viscous")[5] == "not told"
+    assert row(rows, "friction.backward.viscous")[5] == "not identifiable"
     assert row(rows, "friction.backward.viscous")[6] == "viscous friction, backward: it never moves fast"
     assert row(rows, "force_per_drive")[2:6] == ["–", "–", "N/V", "given"]
     assert row(rows, "backlash")[5:] == ["fixed", "lost motion: one encoder cannot see lost motion"]
@@ -68,7 +68,7 @@ def test_the_error_on_unseen_data_comes_first_and_with_its_ratio():
     assert "5 to 9.999 s) the simulated position is off by 20 um rms" in said[2]
     assert said[3] == "that is 1.25 times the error on the data of the fit"
     assert any("a controller hides faults of a model" in s and "200 nm" in s for s in said)
-    assert "not told by this log: friction.backward.viscous, backlash" in said
+    assert "not identifiable from this log: friction.backward.viscous, backlash" in said
 
 
 def test_a_model_that_does_not_carry_over_is_said_so():

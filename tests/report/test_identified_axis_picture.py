@@ -101,7 +101,7 @@ def test_a_parameter_without_an_interval_is_drawn_without_one():
     words = {t.get_text() for t in figure.axes[0].texts}
     assert words == {"given: no interval", "fixed: no interval", "fitted: no interval"}
     marks = [line.get_marker() for line in figure.axes[0].get_lines() if len(line.get_xdata()) == 1]
-    assert marks.count("o") == 5 and marks.count("D") == 1, "hollow diamond: not told"
+    assert marks.count("o") == 5 and marks.count("D") == 1, "hollow diamond: not identifiable"
 
 
 def test_without_a_stretch_there_are_only_intervals():

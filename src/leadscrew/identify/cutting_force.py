@@ -25,26 +25,14 @@ import numpy as np
 
 from leadscrew.analysis.cutting_force import ChipAndEdge, PowerLaw, r_squared, specific_force
 from leadscrew.identify.cutting_force_table import ForceTable
+from leadscrew.identify.estimation import CONFIDENCE, Interval, Parameter, fitted, quantile, white
 from leadscrew.util.errors import DataError, ValueRefused
 
 Method = Literal["log-log", "relative", "absolute"]
 METHODS: tuple[Method, ...] = ("log-log", "relative", "absolute")
-CONFIDENCE = 0.95
 KAPPA_DEG = 90.0
 MOST_REFITTED = 200
 """Rows up to which a nonlinear law is fitted again without each of them; beyond, its leverage says what that gives."""
-
-
-class Interval(NamedTuple):
-    """A parameter with its 95 % interval."""
-
-    value: float
-    low: float
-    high: float
-
-    def holds(self, value: float) -> bool:
-        """Whether a value lies inside."""
-        return self.low <= value <= self.high
 
 
 @dataclass(frozen=True)
@@ -53,7 +41,7 @@ class LawFit:
 
     law: PowerLaw | ChipAndEdge
     method: Method
-    parameters: Mapping[str, Interval]
+    parameters: Mapping[str, Parameter]
     """By name, those that were fitted."""
     middle: Interval
     """Specific cutting force at the middle of the table (geometric means of feed and depth), N/mm^2."""
@@ -85,7 +73,7 @@ class LawFit:
 
     @property
     def left_out_rms_percent(self) -> float:
-        """Root mean square error of a row that the fit has not seen; NaN where one cannot be left out."""
+        """Root mean square error of a row by the law of the others; NaN where one cannot be left out."""
         return _rms(self.left_out_percent)
 
 
@@ -155,8 +143,6 @@ def _solve(model: Model, method: Method, f: np.ndarray, a: np.ndarray, force: np
 
 
 def fit_law(model: Model, method: Method, table: ForceTable) -> LawFit:
-    from scipy.stats import t as student
-
     f, a, force = table.feed, table.depth, table.force
     x = _solve(model, method, f, a, force)
     law = model.law(x)
@@ -169,13 +155,10 @@ def fit_law(model: Model, method: Method, table: ForceTable) -> LawFit:
         jacobian = design * (modelled * weight if model.logarithmic else weight)[:, None]
     freedom = len(force) - len(x)
     scatter = math.sqrt(float(left @ left) / freedom)
-    covariance = np.linalg.inv(jacobian.T @ jacobian) * scatter**2
-    reach = float(student.ppf(0.5 + 0.5 * CONFIDENCE, freedom)) * np.sqrt(np.diag(covariance))
-    sizes = np.linalg.svd(jacobian / np.linalg.norm(jacobian, axis=0), compute_uv=False)
-    parameters = {
-        name: Interval(*(float(np.exp(v)) if name == "kf" else float(v) for v in (at, at - r, at + r)))
-        for name, at, r in zip(model.names, x, reach, strict=True)
-    }
+    spread = white(jacobian, left)
+    covariance = spread.covariance
+    reach = quantile(freedom) * np.sqrt(np.diag(covariance))
+    parameters = {name: _parameter(name, at, at - r, at + r) for name, at, r in zip(model.names, x, reach, strict=True)}
     return LawFit(
         law=law, method=method, parameters=parameters, middle=_middle(model, x, covariance, freedom, f, a),
         residual_percent=100.0 * (force / modelled - 1.0), left_out_percent=_left_out(model, method, f, a, force),
@@ -186,19 +169,26 @@ def fit_law(model: Model, method: Method, table: ForceTable) -> LawFit:
                 np.log(specific_force(force, f, a)), np.log(specific_force(modelled, f, a))
             ),
         },
-        rms_n=_rms(force - modelled), condition=float(sizes[0] / sizes[-1]), freedom=freedom, scatter=scatter,
+        rms_n=_rms(force - modelled), condition=spread.condition, freedom=freedom, scatter=scatter,
         covariance=covariance,
     )  # fmt: skip
+
+
+UNITS = {"kf": "N/mm^(1+P)", "ktc": "N/mm^2", "kte": "N/mm", "exponent": "1", "depth_exponent": "1"}
+
+
+def _parameter(name: str, at: float, low: float, high: float) -> Parameter:
+    """Of the vector that is fitted: ``Kf`` stands in it as its logarithm."""
+    value, *ends = (float(np.exp(v)) if name == "kf" else float(v) for v in (at, low, high))
+    return fitted(value, (ends[0], ends[1]), UNITS[name])
 
 
 def _middle(
     model: Model, x: np.ndarray, covariance: np.ndarray, freedom: int, f: np.ndarray, a: np.ndarray
 ) -> Interval:
-    from scipy.stats import t as student
-
     at = np.exp(np.array([[np.log(f).mean()], [np.log(a).mean()]]))
     row = model.columns(at[0], at[1])[0]
-    reach = float(student.ppf(0.5 + 0.5 * CONFIDENCE, freedom)) * math.sqrt(float(row @ covariance @ row))
+    reach = quantile(freedom) * math.sqrt(float(row @ covariance @ row))
     kc = float(model.law(x).force(at[0], at[1])[0] / (at[0, 0] * at[1, 0]))
     if model.logarithmic:
         return Interval(kc, kc * math.exp(-reach), kc * math.exp(reach))
@@ -250,7 +240,7 @@ ROUNDING = 1e-9
 class DepthTest(NamedTuple):
     """Whether the force is in proportion to the depth."""
 
-    exponent: Interval
+    exponent: Parameter
     p_value: float
     """Probability of an exponent at least as far from 1 if it were 1 (two-sided ``t`` test)."""
 
@@ -283,15 +273,12 @@ class ForceFit:
         Raises:
             ValueRefused: a feed or a depth that is not positive.
         """
-        from scipy.stats import t as student
-
         if not (0.0 < feed < math.inf and 0.0 < depth < math.inf):
             raise ValueRefused(f"feed = {feed!r} mm/rev, depth = {depth!r} mm: both must be above 0")
         fit, value = self.chosen, float(self.law.force(feed, depth))
         row = np.array([1.0, math.log(feed)][: len(fit.covariance)])
-        quantile = float(student.ppf(0.5 + 0.5 * CONFIDENCE, fit.freedom))
         share = fit.scatter / value if fit.method == "absolute" else fit.scatter
-        reach = quantile * math.sqrt(float(row @ fit.covariance @ row) + share**2)
+        reach = quantile(fit.freedom) * math.sqrt(float(row @ fit.covariance @ row) + share**2)
         table = self.table
         inside = table.feed.min() <= feed <= table.feed.max() and table.depth.min() <= depth <= table.depth.max()
         return Interval(value, value * math.exp(-reach), value * math.exp(reach)), bool(inside)
@@ -385,10 +372,10 @@ def _notes(
             f"the force is not in proportion to the depth: exponent {q.value:.3f} ({q.low:.3f} to {q.high:.3f}), "
             f"p = {depth.p_value:.2g}; a law in proportion is off by up to {chosen.worst_percent:.3g} % here"
         )
-    told = chosen.parameters.get("exponent")
-    if told is not None and not (told.low > 0.0 and told.high < 1.0):
+    own = chosen.parameters.get("exponent")
+    if own is not None and not (own.low > 0.0 and own.high < 1.0):
         notes.append(
-            f"the exponent's interval {told.low:.3f} to {told.high:.3f} reaches outside 0 to 1, where cutting laws "
+            f"the exponent's interval {own.low:.3f} to {own.high:.3f} reaches outside 0 to 1, where cutting laws "
             "have it: more feeds, or less scatter"
         )
     speed = table.others.get("speed")
@@ -399,7 +386,7 @@ def _notes(
     return notes
 
 
-def bootstrap(fit: ForceFit, draws: int = 2000, seed: int = 1) -> dict[str, Interval]:
+def bootstrap(fit: ForceFit, draws: int = 2000, seed: int = 1) -> dict[str, Parameter]:
     """Intervals of the log-log power law from drawing residuals again, as a check of the ``t`` intervals.
 
     Residuals are first widened by ``1 / sqrt(1 - leverage)``. With fewer than some ten rows such intervals are too
@@ -420,8 +407,4 @@ def bootstrap(fit: ForceFit, draws: int = 2000, seed: int = 1) -> dict[str, Inte
     picked = np.random.default_rng(seed).choice(left - left.mean(), size=(draws, len(left)))
     found = x + picked @ solver.T
     ends = np.quantile(found, [0.5 - 0.5 * CONFIDENCE, 0.5 + 0.5 * CONFIDENCE], axis=0)
-    as_shown: dict[str, Interval] = {}
-    for i, name in enumerate(model.names):
-        values = (x[i], ends[0, i], ends[1, i])
-        as_shown[name] = Interval(*(float(np.exp(v)) if name == "kf" else float(v) for v in values))
-    return as_shown
+    return {name: _parameter(name, x[i], ends[0, i], ends[1, i]) for i, name in enumerate(model.names)}

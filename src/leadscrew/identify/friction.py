@@ -16,11 +16,10 @@ The cost has several minima along ``v_s``. Trust-region least squares starts fro
 (:class:`Residuals`); where none are, the least cost is taken and ``consistent`` is false.
 
 Standard errors are those of a linearised fit, not below the noise, with the errors of inertia, Coulomb and viscous
-friction carried over from step 1. A stroke that repeats another count by count counts once. A parameter with more than
-:data:`KNOWN` is not identifiable. Static friction and Stribeck speed act in slow motion only: sines of millimetres do
-not determine them, the record of :obj:`leadscrew.references.friction_test` does. Where they are not identifiable they
-stay near usual values (F_S = 1.5 F_C; v_s a 3,300th of the top speed), each weighed as one sample that is off by the
-noise at a factor of e.
+friction carried over from step 1. A stroke that repeats another count by count counts once. Static friction and
+Stribeck speed act in slow motion only: sines of millimetres do not determine them, the record of
+:obj:`leadscrew.references.friction_test` does. Where they are not identifiable they stay near usual values (F_S = 1.5
+F_C; v_s a 3,300th of the top speed), each weighed as one sample that is off by the noise at a factor of e.
 
 The method is ours; for the model see :mod:`leadscrew.friction.lugre`.
 """
@@ -35,17 +34,19 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from leadscrew.friction.lugre import LuGre
+from leadscrew.identify.estimation import SHARE, Parameter, correlations, fitted, identifiable, quantile
 from leadscrew.identify.friction_record import Piece, Record, Sliding, checked, pieces, replay_loop, sliding
 from leadscrew.kernel import validate
 from leadscrew.util.errors import DataError
 
-KNOWN = 0.1
-"""Standard error, as a share of the value (of static friction: of what it is above Coulomb friction), up to which a
-parameter is identifiable."""
 WORSE = 20.0
 """Rise of the cost, in squared noise, that half and double of ``F_S - F_C`` must bring for it to be identifiable: what
 six standard deviations bring."""
 FITTED = ("stiffness", "damping", "static", "stribeck_speed")
+UNITS = {
+    "stiffness": "N m/rad", "damping": "N m s/rad", "viscous": "N m s/rad", "coulomb": "N m", "static": "N m",
+    "stribeck_speed": "rad/s",
+}  # fmt: skip
 USUAL_SPEED = 3e-4
 """Usual Stribeck speed, as a share of the top speed."""
 ROBUST, BEYOND = 3.0, 9.0
@@ -131,8 +132,8 @@ class FrictionFit:
     """Torque that does not turn with the direction."""
     standard_error: dict[str, float]
     """Of each parameter, in its unit; infinite where the log does not determine it."""
-    identifiable: dict[str, bool]
-    """Whether the standard error is small enough, :data:`KNOWN`."""
+    parameters: dict[str, Parameter]
+    """The six of the friction, with their intervals."""
     correlation: dict[str, dict[str, float]]
     """Between the four of the second step."""
     condition: float
@@ -154,17 +155,21 @@ class FrictionFit:
         """Whether the model leaves white noise of the log's size: if not, the standard errors do not hold."""
         return self.residuals.consistent
 
+    @property
+    def identifiable(self) -> dict[str, bool]:
+        """Of each of the six."""
+        return {name: p.identifiable for name, p in self.parameters.items()}
+
     def known(self) -> dict[str, float]:
-        """The parameters that the log determines."""
-        return {name: value for name, value in self.friction._asdict().items() if self.identifiable[name]}
+        """The identifiable parameters."""
+        return {name: p.value for name, p in self.parameters.items() if p.identifiable}
 
     def as_dict(self) -> dict[str, Any]:
         """The fit for JSON."""
-        values = self.friction._asdict()
         return {
             "parameters": {
-                name: {"value": value, "standard_error": self.standard_error[name], "identifiable": known}
-                for (name, value), known in zip(values.items(), self.identifiable.values(), strict=True)
+                name: {**p._asdict(), "standard_error": self.standard_error[name]}
+                for name, p in self.parameters.items()
             },
             "inertia": {
                 "value": self.inertia, "standard_error": self.standard_error["inertia"], "given": self.inertia_given,
@@ -226,7 +231,7 @@ def fit_friction(
 
 def _inertia(slide: Sliding) -> float:
     error = slide.standard_error["inertia"]
-    if not slide.inertia > 0.0 or error > KNOWN * slide.inertia:
+    if not slide.inertia > 0.0 or not identifiable(slide.inertia, quantile() * error):
         raise DataError(
             f"the log does not determine the inertia ({slide.inertia:.3g} with a standard error of {error:.2g}): give "
             "it, or let the axis accelerate more while it slides"
@@ -295,21 +300,22 @@ def _result(
     # both act through F_S - F_C and trade with one another: not along a straight line, so far away is looked at too
     if problem.worse_elsewhere(x) < WORSE * scale**2:
         errors |= {"static": math.inf, "stribeck_speed": math.inf}
-    above = values | {"static": friction.static - friction.coulomb}
-    identifiable = {n: bool(errors[n] <= KNOWN * above[n]) for n in values}
-    poor = [n for n in ("stiffness", "damping") if not identifiable[n]]
+    parameters = {
+        n: fitted(
+            v, (v - quantile() * errors[n], v + quantile() * errors[n]), UNITS[n],
+            counted=friction.static - friction.coulomb if n == "static" else None,
+        )
+        for n, v in values.items()
+    }  # fmt: skip
+    poor = [n for n in ("stiffness", "damping") if not parameters[n].identifiable]
     if poor:
         raise DataError(
-            f"the log does not determine the {' and the '.join(poor)} of the bristles (standard error above "
-            f"{100.0 * KNOWN:.0f} %): it needs slower reversals, more of them, or a finer encoder"
+            f"the log does not determine the {' and the '.join(poor)} of the bristles (half of the 95 % interval above "
+            f"{100.0 * SHARE:.0f} % of the value): it needs slower reversals, more of them, or a finer encoder"
         )
     return FrictionFit(
         friction=friction, inertia=inertia, inertia_given=given, offset=slide.offset, standard_error=errors,
-        identifiable=identifiable,
-        correlation={
-            a: {b: float(covariance[i, j] / (spread[i] * spread[j])) for j, b in enumerate(FITTED)}
-            for i, a in enumerate(FITTED)
-        },
+        parameters=parameters, correlation=correlations(covariance, FITTED),
         condition=float(sizes[0] / sizes[-1]) if sizes[-1] > 0.0 else math.inf,
         residuals=Residuals.of(by_piece), noise=record.noise, sliding=slide,
         pieces=len(problem.pieces), simulations=problem.simulations,

@@ -19,11 +19,11 @@ if TYPE_CHECKING:
     from leadscrew.logs.table import Table
 
 MADE_BY = "leadscrew identify friction"
-NAMES = {
-    "stiffness": ("sigma_0", "N m/rad"), "damping": ("sigma_1", "N m s/rad"), "viscous": ("sigma_2", "N m s/rad"),
-    "coulomb": ("F_C", "N m"), "static": ("F_S", "N m"), "stribeck_speed": ("v_s", "rad/s"),
+SYMBOLS = {
+    "stiffness": "sigma_0", "damping": "sigma_1", "viscous": "sigma_2", "coulomb": "F_C", "static": "F_S",
+    "stribeck_speed": "v_s",
 }  # fmt: skip
-"""Symbol and unit of each parameter, in the order in which they are shown."""
+"""Of each parameter, in the order in which they are shown."""
 
 
 def identify_file(
@@ -144,13 +144,12 @@ def origin(fit: FrictionFit, source: str, version: str) -> dict[str, Any]:
 
 def table_rows(fit: FrictionFit) -> list[tuple[str, str, str, str, str]]:
     """Name, value, standard error, the same in percent, and whether the log determines it."""
-    values = fit.friction._asdict()
     rows = []
-    for name, (symbol, unit) in NAMES.items():
-        error = fit.standard_error[name]
-        share = f"{100.0 * error / values[name]:.2g} %" if values[name] > 0.0 and error < float("inf") else ""
-        rows.append((f"{name} ({symbol})", f"{values[name]:.6g} {unit}", f"{error:.2g}", share,
-                     "" if fit.identifiable[name] else "not identifiable: a usual value"))  # fmt: skip
+    for name, symbol in SYMBOLS.items():
+        p, error = fit.parameters[name], fit.standard_error[name]
+        share = f"{100.0 * error / p.value:.2g} %" if p.value > 0.0 and error < float("inf") else ""
+        rows.append((f"{name} ({symbol})", f"{p.value:.6g} {p.unit}", f"{error:.2g}", share,
+                     "" if p.identifiable else "not identifiable: a usual value"))  # fmt: skip
     share = "given" if fit.inertia_given else f"{100.0 * fit.standard_error['inertia'] / fit.inertia:.2g} %"
     error_text = "" if fit.inertia_given else f"{fit.standard_error['inertia']:.2g}"
     rows.append(("inertia (J)", f"{fit.inertia:.6g} kg m^2", error_text, share, ""))

@@ -21,7 +21,6 @@ Coarse integration may step over the limit of bristles that barely hold, to a sl
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 from typing import Annotated, NamedTuple
 
@@ -29,6 +28,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from leadscrew.friction.lugre import LuGre, friction, steady_bristle
+from leadscrew.identify.axis.record import count_of
+from leadscrew.identify.estimation import identifiable, quantile, white
+from leadscrew.identify.log_player import row_at
 from leadscrew.kernel.block import controller, plant, reference
 from leadscrew.kernel.loop import Loop
 from leadscrew.kernel.parameters import Doc, Gt, Unit
@@ -130,9 +132,7 @@ def checked(time_s: np.ndarray, torque: np.ndarray, angle: np.ndarray, delay: in
             raise DataError(f"{name} is the same, {values[0]:g}, in all samples: nothing was excited")
     if delay:
         u, y = u[: -int(delay)], y[int(delay) :]
-    moves = np.abs(np.diff(y))
-    # rounding errors of a decimal file are no counts
-    count = float(np.min(moves[moves > 1e-9 * float(np.ptp(y))]))
+    count = count_of(y)
     wobble, way = np.abs(y[2:] - 2.0 * y[1:-1] + y[:-2]), np.abs(y[2:] - y[:-2])
     still = wobble[way <= max(2.5 * count, float(np.quantile(way, 0.2)))]
     still = still[still <= np.quantile(still, 0.99)]
@@ -181,10 +181,10 @@ def sliding(record: Record) -> Sliding:
         a, b, left = a[middling], b[middling], left[middling]
     rms = float(np.sqrt(np.mean(left * left)))
     # Neighbours overlap by half: every second window is new.
-    spread = np.sqrt(2.0 * np.diag(np.linalg.pinv(a.T @ a))) * rms * np.sqrt(len(left) / max(1, len(left) - 4))
+    spread = np.sqrt(2.0 * np.diag(white(a, left).covariance))
     names = ("coulomb", "viscous", "inertia", "offset")
     error = dict(zip(names, spread.tolist(), strict=True))
-    if not x[0] > 0.0 or error["coulomb"] > 0.2 * x[0]:
+    if not x[0] > 0.0 or not identifiable(x[0], quantile() * error["coulomb"]):
         raise DataError(
             f"Coulomb friction from the sliding is {x[0]:.3g} with a standard error of {error['coulomb']:.2g}: the log "
             "slides at too few speeds, or its torque is not that of the axis"
@@ -280,7 +280,7 @@ class PieceParams(NamedTuple):
 
 def piece_step(p, t, dt):
     """The sample at ``t``."""
-    row = int(p.first + min(math.floor(t / dt + 0.5), p.length - 1.0))
+    row = int(min(row_at(p.first, t, dt), p.first + p.length - 1.0))
     return Logged(p.torque[row], p.angle[row])
 
 

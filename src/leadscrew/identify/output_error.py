@@ -22,6 +22,7 @@ from typing import TYPE_CHECKING, Literal, NamedTuple
 
 import numpy as np
 
+from leadscrew.identify.estimation import white
 from leadscrew.kernel import validate
 from leadscrew.util.errors import DataError, ValueRefused
 
@@ -146,8 +147,8 @@ def fit_output_error(
         xtol=1e-9, ftol=1e-12, gtol=1e-12, max_nfev=200,
     )  # fmt: skip
     jacobian = problem.jacobian(best.x, step)
-    told = np.linalg.norm(jacobian, axis=0)
-    for key, share in zip(bounds, told, strict=True):
+    effects = np.linalg.norm(jacobian, axis=0)
+    for key, share in zip(bounds, effects, strict=True):
         if share < DEAF:
             raise ValueRefused(f"{key} does not act on {signal} at the best fit: these records say nothing about it")
     _, sizes, directions = np.linalg.svd(jacobian, full_matrices=False)
@@ -158,8 +159,7 @@ def fit_output_error(
             f"the records cannot tell the parameters apart: condition number {sizes[0] / max(sizes[-1], DEAF):.2g}, "
             f"allowed {max_condition:.2g}; hardly anything changes along {parts} (in shares of their bounds)"
         )
-    spare = max(1, jacobian.shape[0] - len(lows))
-    spread = np.sqrt(2.0 * best.cost / spare * np.diag(np.linalg.inv(jacobian.T @ jacobian))) * (highs - lows)
+    spread = np.sqrt(np.diag(white(jacobian, best.fun).covariance)) * (highs - lows)
     values = lows + best.x * (highs - lows)
     simulated = dict(zip(records, problem.simulate(best.x[None]), strict=True))
     return OutputErrorFit(

@@ -12,7 +12,8 @@ import numpy as np
 from leadscrew.analysis.cutting_force import ChipAndEdge, Kienzle, PowerLaw, kienzle, r_squared, specific_force
 from leadscrew.figures.formats import NOTHING
 from leadscrew.figures.style import BLACK, BLUE, GREEN, ORANGE, VERMILION
-from leadscrew.identify.cutting_force import ForceFit, Interval, LawFit
+from leadscrew.identify.cutting_force import ForceFit, LawFit
+from leadscrew.identify.estimation import Interval, Parameter
 from leadscrew.report import page as html
 from leadscrew.util import escape
 from leadscrew.util.atomic import atomic_folder
@@ -114,7 +115,7 @@ def num(value: float | None, digits: int = 4) -> str:
     return NOTHING if value is None or not np.isfinite(value) else f"{value:.{digits}g}"
 
 
-def law_rows(fit: ForceFit, drawn: Mapping[str, Interval] | None = None) -> list[list[str]]:
+def law_rows(fit: ForceFit, drawn: Mapping[str, Parameter] | None = None) -> list[list[str]]:
     """Parameters with their intervals: power law, Kienzle's, chip and edge; ``drawn`` are bootstrap intervals."""
     found, same, law = fit.chosen.parameters, kienzle(fit.law, fit.kappa_deg), "F = Kf a f^P"
     kf, exponent = found["kf"], found.get("exponent")
@@ -238,7 +239,7 @@ def sentences(fit: ForceFit) -> list[str]:
 
 def summary(
     fit: ForceFit, source: str, *, beside: Kienzle | None = None, cuts: Sequence[tuple[float, float]] = (),
-    drawn: Mapping[str, Interval] | None = None,
+    drawn: Mapping[str, Parameter] | None = None,
 ) -> dict[str, Any]:  # fmt: skip
     """The result as the one JSON object that ``leadscrew identify cutting-force --json`` prints."""
     t, same = fit.table, kienzle(fit.law, fit.kappa_deg)
@@ -274,7 +275,7 @@ def experiment(fit: ForceFit, source: str) -> str:
 
 def write(
     fit: ForceFit, source: str, folder: str | Path, *, beside: Kienzle | None = None,
-    cuts: Sequence[tuple[float, float]] = (), drawn: Mapping[str, Interval] | None = None,
+    cuts: Sequence[tuple[float, float]] = (), drawn: Mapping[str, Parameter] | None = None,
 ) -> None:  # fmt: skip
     """Writes ``report.html``, ``cutting_force.json`` and ``.png``, and ``cut.toml`` where a plant takes the law.
 
@@ -295,7 +296,7 @@ def write(
 
 def _page(
     fit: ForceFit, source: str, figure: Figure, beside: Kienzle | None, cuts: Sequence[tuple[float, float]],
-    drawn: Mapping[str, Interval] | None,
+    drawn: Mapping[str, Parameter] | None,
 ) -> str:  # fmt: skip
     title = f"Cutting force: {source}"
     lines = [*sentences(fit), *(f"note: {n}" for n in fit.notes), for_simulation(fit)]
@@ -321,8 +322,8 @@ def _kc11(fit: ForceFit) -> Interval:
     return Interval(value, value / reach, value * reach)
 
 
-def _row(name: str, found: Interval, unit: str, law: str) -> list[str]:
-    return [name, *(num(x) for x in found), unit, law]
+def _row(name: str, found: Interval | Parameter, unit: str, law: str) -> list[str]:
+    return [name, num(found.value), num(found.low), num(found.high), unit, law]
 
 
 def _fit_row(name: str, fit: LawFit) -> list[str]:

@@ -85,7 +85,7 @@ def sentences(proposal: Proposal) -> list[str]:
         + (f" and a force of {belief.force_noise:.3g} {belief.force_unit} that no model explains"
            if belief.force_noise else ""),
     ]  # fmt: skip
-    said += [f"{p.key}: {p.why}" for p in proposal.predicted if p.verdict != "told"]
+    said += [f"{p.key}: {p.why}" for p in proposal.predicted if p.verdict != "identifiable"]
     return said
 
 

@@ -129,10 +129,10 @@ def _model_row(m: ModelFit, among: dict[str, ModelFit], suffix: str) -> list[str
 
 
 def value_rows(model: ModelFit) -> list[list[str]]:
-    """Parameters of a model with their intervals; what is not told says why."""
+    """Parameters of a model with their intervals; what is not identifiable says why."""
     rows = []
     for key, p in model.parameters.items():
-        word = p.note if p.told else f"not told: {p.note}" if p.how == "fitted" else f"{p.how}: {p.note}"
+        word = p.note if p.identifiable else f"{'not identifiable' if p.how == 'fitted' else p.how}: {p.note}"
         rows.append([key, num(p.value, 5), num(p.low, 5), num(p.high, 5), "" if p.unit == "1" else p.unit, word])
     return rows
 

@@ -108,8 +108,8 @@ def force_unit(fit: AxisFit) -> str:
 
 
 def state_of(parameter: Parameter) -> str:
-    """``fitted``, ``not told``, ``fixed`` or ``given``."""
-    return "not told" if parameter.how == "fitted" and not parameter.told else parameter.how
+    """``fitted``, ``not identifiable``, ``fixed`` or ``given``."""
+    return "not identifiable" if parameter.how == "fitted" and not parameter.identifiable else parameter.how
 
 
 def why(parameter: Parameter) -> str:
@@ -129,7 +129,7 @@ def open_loop(fit: AxisFit) -> tuple[Judged | None, Judged | None]:
 
 
 def sentences(fit: AxisFit) -> list[str]:
-    """The result in words, a line each: what was fitted, how good it is on data it has not seen, what is not told."""
+    """The result in words, a line each: what was fitted, how good it is on the hold-out, what is not identifiable."""
     alike = "alike both ways" if fit.symmetric else "by direction"
     said = [*fit.faults, f"{MODELS[fit.model]}, {alike}", fit.method.rstrip("."), *_judged(fit)]
     if fit.condition > TRADES:
@@ -139,7 +139,8 @@ def sentences(fit: AxisFit) -> list[str]:
     if fit.missing:
         rows = merged(fit)
         said.append(
-            f"not told by this log: {', '.join(k for k in fit.missing if k in rows or k not in fit.parameters)}"
+            "not identifiable from this log: "
+            f"{', '.join(k for k in fit.missing if k in rows or k not in fit.parameters)}"
         )
     said.append(
         f"known from {length(fit, fit.travel[0])} to {length(fit, fit.travel[1])}, up to "
@@ -532,8 +533,8 @@ def interval_figure(fit: AxisFit) -> Figure | None:
     for at, (key, p) in enumerate(rows.items()):
         if key in drawn:
             ax.plot([low, drawn[key]], [at, at], color="0.75", linewidth=1.0)
-            ax.plot(drawn[key], at, "o" if p.told else "D", color=BLUE if p.told else VERMILION, markersize=7,
-                    fillstyle="full" if p.told else "none")  # fmt: skip
+            mark, colour, fill = ("o", BLUE, "full") if p.identifiable else ("D", VERMILION, "none")
+            ax.plot(drawn[key], at, mark, color=colour, markersize=7, fillstyle=fill)
         else:
             ax.text(low * 1.1, at, f"{state_of(p)}: no interval", va="center", fontsize="small", color="0.35")
     ax.set(xscale="log", xlim=(low, high), ylim=(len(rows) - 0.4, -0.6),
@@ -541,8 +542,8 @@ def interval_figure(fit: AxisFit) -> Figure | None:
     ax.set_yticks(range(len(rows)), list(rows))
     ax.xaxis.set_major_formatter(StrMethodFormatter("{x:g}"))
     ax.axvline(100.0, color=GREEN, linewidth=1.0, linestyle=":")
-    ax.plot([], [], "o", color=BLUE, label="told by the log")
-    ax.plot([], [], "D", color=VERMILION, fillstyle="none", label="not told")
+    ax.plot([], [], "o", color=BLUE, label="identifiable")
+    ax.plot([], [], "D", color=VERMILION, fillstyle="none", label="not identifiable")
     figure.legend(loc="outside lower center", ncols=2, frameon=False, fontsize="small")
     ax.grid(axis="x", color="0.92", linewidth=0.6)
     ax.set_axisbelow(True)

@@ -11,8 +11,8 @@ import numpy as np
 
 from leadscrew.figures.formats import NOTHING
 from leadscrew.figures.style import BLACK, BLUE, GREEN, ORANGE, VERMILION
+from leadscrew.identify.estimation import Parameter, quantile
 from leadscrew.identify.linear.result import LinearFit
-from leadscrew.identify.linear.uncertainty import NORMAL, Interval
 from leadscrew.report import page as html
 from leadscrew.util import escape
 from leadscrew.util.atomic import atomic_folder
@@ -50,12 +50,12 @@ def _name(fit: LinearFit, key: str) -> str:
     return {"delay_s": "delay"}.get(key, key)
 
 
-def _row(name: str, p: Interval) -> list[str]:
+def _row(name: str, p: Parameter) -> list[str]:
     if p.low == p.high:
         return [name, num(p.value, 5), NOTHING, NOTHING, p.unit, "given"]
-    if not p.told and p.percent > WIDE:
-        return [name, num(p.value, 5), NOTHING, NOTHING, p.unit, "not told"]
-    return [name, num(p.value, 5), num(p.low, 5), num(p.high, 5), p.unit, "" if p.told else "not told"]
+    if not p.identifiable and p.percent > WIDE:
+        return [name, num(p.value, 5), NOTHING, NOTHING, p.unit, "not identifiable"]
+    return [name, num(p.value, 5), num(p.low, 5), num(p.high, 5), p.unit, "" if p.identifiable else "not identifiable"]
 
 
 def candidate_rows(fit: LinearFit) -> list[list[str]]:
@@ -252,7 +252,7 @@ def residual(fit: LinearFit) -> Figure:
     """Autocorrelation of the training residual."""
     figure, (ax,) = _panels((7.5, 2.8), (1,))
     lags = np.arange(1, len(fit.autocorrelation) + 1)
-    bound = NORMAL / np.sqrt(len(fit.stretches[0].time))
+    bound = quantile() / np.sqrt(len(fit.stretches[0].time))
     ax.axhspan(-bound, bound, color=BLUE, alpha=0.15, linewidth=0)
     ax.vlines(lags, 0.0, fit.autocorrelation, color=BLUE, linewidth=1.5)
     ax.plot(lags, fit.autocorrelation, color=BLUE, linestyle="none", marker="o", markersize=3)

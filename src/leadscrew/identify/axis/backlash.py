@@ -28,7 +28,8 @@ from typing import TYPE_CHECKING, Literal, NamedTuple
 
 import numpy as np
 
-from leadscrew.identify.axis.refine import clustered
+from leadscrew.identify.axis.record import count_of
+from leadscrew.identify.estimation import clustered, identifiable, quantile
 from leadscrew.util.errors import DataError
 
 if TYPE_CHECKING:
@@ -45,9 +46,8 @@ LEAST_STROKES = 4
 """Strokes from reversal to reversal that a play is judged by."""
 OBEYS = 5.0
 """Percent of the drive that the law of a cascade may leave."""
-USEFUL = 0.25
-"""Half of an interval, as a share of the value, up to which it is of use; or :data:`FINE` counts where it holds 0."""
 FINE = 50.0
+"""Counts of the encoder: where the interval holds 0, a lost motion known to so many is as good as none."""
 
 LEADS = "The drive obeys the law of a cascade with the position of the motor, which leads the table by half of it."
 DWELL = (
@@ -67,18 +67,18 @@ Method = Literal["two positions", "command and drive", "dwell at reversals", "no
 
 
 class Backlash(NamedTuple):
-    """The play between drive and table, and how well the log tells it."""
+    """The lost motion between drive and table, and how well the log determines it."""
 
     value: float
     """m or rad; both halves together."""
     low: float
     high: float
-    """95 %; NaN where nothing tells it."""
-    told: bool
+    """95 %; NaN where nothing determines it."""
+    identifiable: bool
     method: Method
     strokes: int
     note: str
-    """Where it comes from, or why the log does not tell it, in a sentence."""
+    """Where it comes from, or why it is not identifiable, in a sentence."""
 
 
 def lost_motion(drive_side: np.ndarray, table: np.ndarray, period: float) -> Backlash:
@@ -94,7 +94,7 @@ def lost_motion(drive_side: np.ndarray, table: np.ndarray, period: float) -> Bac
     columns = np.column_stack([-0.5 * side, x - x.mean(), np.ones(len(x))])[rows]
     coefficients, covariance, degrees = _line(columns, (y - x)[rows], stroke[rows])
     return _found(
-        float(coefficients[0]), float(np.sqrt(covariance[0, 0])), float(degrees[0]), _count(y), "two positions",
+        float(coefficients[0]), float(np.sqrt(covariance[0, 0])), float(degrees[0]), count_of(y), "two positions",
         int(stroke[-1]) + 1, "The table's lag behind the drive's side changes by it at each reversal.",
     )  # fmt: skip
 
@@ -105,7 +105,7 @@ def backlash_of(
     delay_s: float = 0.0,
     cascade: Cascade | None = None,
 ) -> Backlash:
-    """The play from a log of one axis whose position is the table's, or why the log does not tell it.
+    """The play from a log of one axis whose position is the table's, or why it is not identifiable from the log.
 
     Args:
         log: with its command, where the loop was closed on the motor; without, the dwell at reversals is tried.
@@ -122,8 +122,8 @@ def backlash_of(
         if values is not None:
             return _by_dwell(log, values, delay_s)
     except DataError as error:
-        return _untold(f"{error}.")
-    return _untold(CLOSED_HERE if by_law is not None else ONE_POSITION)
+        return _unknown(f"{error}.")
+    return _unknown(CLOSED_HERE if by_law is not None else ONE_POSITION)
 
 
 def _by_law(log: AxisLog, cascade: Cascade | None) -> Backlash | None:
@@ -140,11 +140,11 @@ def _by_law(log: AxisLog, cascade: Cascade | None) -> Backlash | None:
     best = min(tried, key=lambda law: law.left)
     if 100.0 * best.left > OBEYS * float(np.std(best.means[:, -2])):
         return None
-    n, count = len(best.means), _count(log.position)
+    n, count = len(best.means), count_of(log.position)
     likely = [law for law in tried if n * np.log(max(law.left, 1e-300) / max(best.left, 1e-300)) < LIKELY]
     found = [_ratio(law, count, int(stroke[-1]) + 1) for law in [best, *likely]]
     low, high = min(f.low for f in found), max(f.high for f in found)
-    return found[0]._replace(low=low, high=high, told=_of_use(found[0].value, low, high, count))
+    return found[0]._replace(low=low, high=high, identifiable=_of_use(found[0].value, low, high, count))
 
 
 class _Law(NamedTuple):
@@ -192,7 +192,7 @@ def _means(columns: np.ndarray, rows: np.ndarray, stroke: np.ndarray, length: in
 def _by_dwell(log: AxisLog, values: Mapping[str, float], delay_s: float) -> Backlash:
     from leadscrew.identify.axis.refine import refine
 
-    count, stroke = _count(log.position), _strokes(log.position, log.period)[2]
+    count, stroke = count_of(log.position), _strokes(log.position, log.period)[2]
     begins = max(20.0 * count, 1e-4 * float(np.ptp(log.position)))
     symmetric = not any(k.startswith("friction.backward.") for k in values)
     tries = [
@@ -202,8 +202,8 @@ def _by_dwell(log: AxisLog, values: Mapping[str, float], delay_s: float) -> Back
     found = min(tries, key=lambda f: f.rms)
     low, high = found.interval["backlash"]
     value = found.values["backlash"] if "backlash" not in found.at_bound else 0.0
-    told = _of_use(value, low, high, count) and found.standard_error["backlash"] > 0.0
-    return Backlash(value, max(low, 0.0), high, told, "dwell at reversals", int(stroke[-1]) + 1, DWELL)
+    known = _of_use(value, low, high, count) and found.standard_error["backlash"] > 0.0
+    return Backlash(value, max(low, 0.0), high, known, "dwell at reversals", int(stroke[-1]) + 1, DWELL)
 
 
 def _strokes(position: np.ndarray, period: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -237,10 +237,8 @@ def _line(columns: np.ndarray, right: np.ndarray, cluster: np.ndarray) -> tuple[
 def _found(
     value: float, error: float, degrees: float, count: float, method: Method, strokes: int, note: str
 ) -> Backlash:
-    from scipy.stats import t
-
     # no play is known to better than a tenth of a count
-    reach = max(float(t.ppf(0.975, degrees)) * error, 0.1 * count)
+    reach = max(quantile(degrees) * error, 0.1 * count)
     return Backlash(
         max(value, 0.0), max(value - reach, 0.0), max(value + reach, 0.0),
         _of_use(value, value - reach, value + reach, count), method, strokes, note,
@@ -248,15 +246,8 @@ def _found(
 
 
 def _of_use(value: float, low: float, high: float, count: float) -> bool:
-    half = 0.5 * (high - low)
-    return bool(half <= USEFUL * abs(value) or (low <= 0.0 and half <= FINE * count))
+    return identifiable(value, 0.5 * (high - low), FINE * count if low <= 0.0 else 0.0)
 
 
-def _count(position: np.ndarray) -> float:
-    moves = np.abs(np.diff(position))
-    real = moves[moves > 1e-9 * float(np.ptp(position))]
-    return float(np.min(real)) if real.size else 0.0
-
-
-def _untold(why: str) -> Backlash:
+def _unknown(why: str) -> Backlash:
     return Backlash(0.0, float("nan"), float("nan"), False, "none", 0, why[0].upper() + why[1:])

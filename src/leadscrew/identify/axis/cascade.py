@@ -12,16 +12,15 @@ authors do not say: with it the law gives the logged drive within 0.24 %, with t
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from leadscrew.identify.axis.replay import LOST, Held, late_axis, lengthened
+from leadscrew.identify.axis.replay import Held, late_axis
+from leadscrew.identify.log_player import Player, played_signal
 from leadscrew.kernel import validate
-from leadscrew.kernel.block import controller, reference
+from leadscrew.kernel.block import controller
 from leadscrew.kernel.loop import Loop
 from leadscrew.kernel.parameters import Doc, Ge, Unit
 from leadscrew.util.errors import DataError, ValueRefused
@@ -75,17 +74,6 @@ class Obeyed(NamedTuple):
     law: Cascade
 
 
-class PlayedCommand(NamedTuple):
-    """The logged command."""
-
-    command: Annotated[NDArray[np.float64], Unit("m")] = np.zeros(1)
-
-
-def command_at(p, t, dt):
-    """The command of the sample at ``t``."""
-    return p.command[int(min(math.floor(t / dt + 0.5), p.command.shape[0] - 1))]
-
-
 class CascadeParams(NamedTuple):
     """The law, its start and its delay."""
 
@@ -135,7 +123,7 @@ def known_cascade(p, s, command, feedback, dt):
     return CascadeState(s.position, s.drive, kept), Held(s.drive[p.late + 1], s.drive[p.late], 0.0, 0.0, 0.0)
 
 
-def closed_loop(log: AxisLog, cascade: Cascade) -> Loop:
+def closed_loop(log: AxisLog, cascade: Cascade) -> Player:
     """The cascade over the axis, under the logged command.
 
     Raises:
@@ -143,39 +131,15 @@ def closed_loop(log: AxisLog, cascade: Cascade) -> Loop:
     """
     if log.command is None:
         raise DataError(f"{log.source}: has no command; a closed loop needs the column of the commanded position")
-    command = PlayedCommand(lengthened(log.command))
     law = CascadeParams(
         kp=float(cascade.kp), kv=float(cascade.kv), ki=float(cascade.ki), max_drive=min(cascade.max_drive, 1e30),
         over=int(cascade.over), start_drive=float(log.drive[0]), period=log.period,
     )  # fmt: skip
-    return Loop(
-        reference=reference(command, name="played command")(command_at), controller=known_cascade(**law._asdict()),
-        plant=late_axis, period=log.period, metrics={}, name="cascade over an identified axis",
+    loop = Loop(
+        reference=played_signal(log.command), controller=known_cascade(**law._asdict()), plant=late_axis,
+        period=log.period, metrics={}, name="cascade over an identified axis",
     )  # fmt: skip
-
-
-def play_closed(
-    loop: Loop,
-    points: Sequence[Mapping[str, float]],
-    start: tuple[float, float],
-    samples: int,
-    delays: Sequence[float],
-) -> np.ndarray:
-    """Positions ``[run, sample]`` of one batch, all from the same start."""
-    periods = np.maximum(np.asarray(delays, dtype=np.float64), 0.0) / loop.period
-    whole = np.floor(periods + 1e-9)
-    if whole.max() >= LONGEST:
-        raise ValueRefused(
-            f"delay_s = {max(delays):g}: a closed loop is simulated with up to {(LONGEST - 1) * loop.period:g} s"
-        )
-    varied = {f"plant.axis.{key}": np.array([p[key] for p in points]) for key in points[0]}
-    n = len(points)
-    varied |= {"controller.late": whole, "plant.part": np.maximum(periods - whole, 0.0)}
-    for slot in ("plant.axis", "controller"):
-        varied |= {f"{slot}.start_{name}": np.full(n, v) for name, v in zip(("position", "speed"), start, strict=True)}
-    batch = loop.batch(samples * loop.period, varied, runs=n, record=("actual.position",))
-    table = np.asarray(batch["actual.position"])
-    return np.clip(np.nan_to_num(table, nan=LOST, posinf=LOST, neginf=-LOST), -LOST, LOST)
+    return Player(loop, "controller.late", ("plant.axis", "controller"), longest=LONGEST - 1)
 
 
 def reproduced(log: AxisLog, cascade: Cascade) -> Obeyed:

@@ -6,7 +6,7 @@ extended by the slope of the force against the delay,
 
     u(tau0) = sum_j theta_j phi_j - (tau - tau0) du/dtau,
 
-and solved again until ``tau`` stands still. Its interval comes from the same jackknife as those of the parameters, so
+and solved again until ``tau`` stands still. Its interval comes from the same covariance as those of the parameters, so
 it knows of what the delay trades with. A delay whose interval holds 0 is taken as 0.
 """
 
@@ -15,10 +15,10 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from scipy.special import stdtrit
 
-from leadscrew.identify.axis.inverse_dynamics import APART, Terms, blocks, huber, jackknife, refuse_few, rows_of
+from leadscrew.identify.axis.inverse_dynamics import APART, Terms, blocks, huber, refuse_few, rows_of, weighted
 from leadscrew.identify.axis.record import Record, held, length_of, smoothed
+from leadscrew.identify.estimation import identifiable, quantile
 
 EARLIEST, LONGEST_S = -6, 0.05
 """Delays that are tried, in periods and in seconds."""
@@ -39,18 +39,18 @@ class Delay(NamedTuple):
     high: float
     """95 % interval."""
     sharp: bool
-    """Whether the interval is narrower than two periods and off the ends of what is tried."""
+    """Whether it is identifiable and off the ends of what is tried."""
 
     @property
     def open(self) -> bool:
-        """Whether the linear stage does not tell it and it may be above 0: a simulation, which knows the drive exactly
-        where least squares takes noise of the sensor for motion, may tell it.
+        """Whether the linear stage does not determine it and it may be above 0: a simulation, which knows the drive
+        exactly where least squares takes noise of the sensor for motion, may.
         """
         return not self.sharp and self.high > 0.0
 
     @property
     def used(self) -> float:
-        """0 where the interval holds it or lies below it, or where the delay is not told."""
+        """0 where the interval holds it or lies below it, or where the delay is not identifiable."""
         return self.value if self.low > 0.0 and self.sharp else 0.0
 
 
@@ -86,14 +86,15 @@ def find_delay(record: Record, terms: Terms, corner_hz: float) -> Delay:
         tau += change
         if abs(change) < 1e-4 or not EARLIEST - 2 < tau < latest + 2:
             break
-    freedom, covariance = jackknife(table, force(tau - change), weights, blocks(rows.at[used], length, table.shape[1]))
-    half = FLOOR + float(stdtrit(freedom, 0.975) * np.sqrt(covariance[-1, -1]) / size)
-    low, high, sharp = tau - half, tau + half, bool(half < 1.0 and EARLIEST < tau < latest)
+    left = force(tau - change) - table @ theta
+    spread = weighted(table, left, weights, blocks(rows.at[used], length, table.shape[1]))
+    half = FLOOR + quantile(float(spread.degrees[-1])) * float(np.sqrt(spread.covariance[-1, -1])) / size
+    low, high, sharp = tau - half, tau + half, identifiable(tau, half, 1.0) and EARLIEST < tau < latest
     if not sharp:
         # a flat minimum: all that the sum of squares does not rule out; rows overlap, so half of them count
         count = max(1.0, 0.5 * float(used.sum()) - z.shape[1])
-        left = tried[sums <= np.min(sums) * (1.0 + NOT_OUT / count)]
-        low, high = min(low, float(left[0])), max(high, float(left[-1]))
+        open_to = tried[sums <= np.min(sums) * (1.0 + NOT_OUT / count)]
+        low, high = min(low, float(open_to[0])), max(high, float(open_to[-1]))
     return Delay(tau, low, high, sharp)
 
 

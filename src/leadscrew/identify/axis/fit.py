@@ -1,10 +1,10 @@
-"""``identify axis``: from a log to a model of the axis, with intervals, and judged on data it has not seen.
+"""``identify axis``: from a log to a model of the axis, with intervals, and judged on validation data.
 
-1. The log is cut in time: the first part trains, the rest (half, unless told) is kept unseen.
+1. The log is cut in time: the first part is estimation data, the rest (half by default) validation data.
 2. Linear stage: delay (:mod:`delay`), then inverse-dynamics least squares (:mod:`inverse_dynamics`) of four models of
    friction; the simplest that cross-validation inside the training part does not speak against (:mod:`linear_stage`).
 3. Refinement by simulation of the plant itself over windows of the training part (:mod:`refine`); where these leave far
-   more than the sensor's noise, by what serves best between halves of the training part (:mod:`refinement`).
+   more than the sensor's noise, by what serves best between halves of the training part (:mod:`simulation_stage`).
 4. Bristles and a play, where the log shows them (:mod:`static_friction`).
 5. The model is simulated over both parts from their measured first state and compared (:mod:`verdict`).
 
@@ -25,12 +25,13 @@ from leadscrew.identify.axis.inverse_dynamics import Terms
 from leadscrew.identify.axis.job import Job, Progress, prepared, ways
 from leadscrew.identify.axis.linear_stage import Candidate, Line, Model, Setting, choose, fitted, gauge_of, models
 from leadscrew.identify.axis.parameters import Estimates, delay_parameter, parameters, terms_known, units
-from leadscrew.identify.axis.parameters import given as given_parameter
 from leadscrew.identify.axis.record import corner_of
-from leadscrew.identify.axis.refinement import refined
-from leadscrew.identify.axis.result import AxisFit, Judged, Parameter
+from leadscrew.identify.axis.result import AxisFit, Judged
+from leadscrew.identify.axis.simulation_stage import refined
 from leadscrew.identify.axis.static_friction import at_rest, bends, play
 from leadscrew.identify.axis.verdict import all_judged, bins, cascade_left, extent, faults, sentence
+from leadscrew.identify.estimation import Parameter
+from leadscrew.identify.estimation import given as given_parameter
 from leadscrew.kernel.one_thread import one_thread
 
 if TYPE_CHECKING:
@@ -39,7 +40,7 @@ if TYPE_CHECKING:
 
 COULOMB = "friction.forward.coulomb"
 Form = Literal["coulomb", "stribeck", "lugre"]
-TRADES = "trades with the delay, which the log does not tell: give one of the two, or let the axis accelerate harder"
+TRADES = "trades with the delay, which is not identifiable: give one of the two, or let the axis accelerate harder"
 LAG = (
     "least squares and simulation contradict one another about it: a delay does not explain how the drive acts; a "
     "current loop with a lag, a filter or a flexible coupling would look like this, and the model has none of them"
@@ -67,7 +68,7 @@ def identify_axis(
         log: drive and position, evenly sampled; is not changed.
         symmetric: friction alike both ways, or by direction; decided by cross-validation unless given.
         model: ``coulomb``, ``stribeck``, ``lugre``, or ``auto``: decided by cross-validation.
-        holdout: share of the log, at its end, that is kept unseen, 0 to 0.8.
+        holdout: share of the log, at its end, that is validation data, 0 to 0.8.
         delay: s, from a logged drive to its act; found unless given.
         given: values that are known, by key of :obj:`leadscrew.plants.servo_axis`; they are not fitted.
         refine: ``none``: the linear stage alone; ``windows`` (``auto``), ``open``, ``closed``: see
@@ -77,7 +78,7 @@ def identify_axis(
 
     Raises:
         ValueRefused, NameUnknown: an option or a given value that cannot be.
-        DataError: the log does not tell a mass, moves too little, or its columns do not belong together.
+        DataError: the mass is not identifiable, the log moves too little, or its columns do not belong together.
     """
     job, known_delay = prepared(log, holdout, delay, dict(given or {}), model, refine, cascade, progress)
     symmetric = ways(job, symmetric)
@@ -97,10 +98,10 @@ def identify_axis(
         line.fit.terms.stribeck_speed is not None, line.fit.terms.known.get("offset", 0.0),
     )  # fmt: skip
     table["delay_s"] = delay_parameter(found_delay, log.period, estimates, known_delay)
-    if found_delay and found_delay.open and not table["delay_s"].told and table["mass"].how == "fitted":
-        table["mass"] = table["mass"]._replace(told=False, note=TRADES)
+    if found_delay and found_delay.open and not table["delay_s"].identifiable and table["mass"].how == "fitted":
+        table["mass"] = table["mass"]._replace(identifiable=False, note=TRADES)
     for key in job.doubtful:
-        table[key] = table[key]._replace(told=False, note=LAG)
+        table[key] = table[key]._replace(identifiable=False, note=LAG)
     if "force_per_drive" in job.given:
         table["force_per_drive"] = given_parameter(job.given["force_per_drive"], log_units["force_per_drive"])
     rest = at_rest(job, model, springs, table, log_units)

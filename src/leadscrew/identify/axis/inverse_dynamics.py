@@ -6,13 +6,9 @@ over rows ``r``: force and terms under one window of :mod:`leadscrew.identify.ax
 apart. Huber's weights (1 up to 1.345 standard deviations, then falling with the distance) keep jolts from deciding.
 
 Covariance: what filters leave is coloured, and what the model lacks (a ripple of the screw) is no noise at all. The
-log is therefore cut into blocks of at least :data:`BLOCK` windows, the fit repeated without each in turn, and the
-scatter of these fits is the covariance,
-
-    cov = (G - 1) / G  sum_g (theta_g - mean) (theta_g - mean)'
-
-(delete-a-group jackknife; P. Huber, *Robust Statistics*, 1981, for the weights; B. Efron, *The Jackknife*, 1982.)
-It asks of the residual only that blocks are nearly independent.
+log is therefore cut into blocks of at least :data:`BLOCK` windows, the clusters of
+:func:`leadscrew.identify.estimation.clustered`: of the residual it asks only that blocks are nearly independent. (P.
+Huber, *Robust Statistics*, 1981, for the weights.)
 
 The terms of an axis that are linear in what is sought, sample by sample.
 
@@ -39,6 +35,7 @@ from typing import NamedTuple
 import numpy as np
 
 from leadscrew.identify.axis.record import Record, Samples, held, length_of, smoothed, touched
+from leadscrew.identify.estimation import Spread, clustered
 from leadscrew.util.errors import DataError
 
 SIDES = ("forward", "backward")
@@ -102,7 +99,7 @@ def _column(s: Samples, terms: Terms, key: str) -> np.ndarray:
 HUBER = 1.345
 ROUNDS = 8
 BLOCK = 6
-"""Length of a block of the jackknife, in windows."""
+"""Length of a block, in windows."""
 BLOCKS = 40
 """At most so many blocks: longer ones where the log is long."""
 APART = 4
@@ -134,8 +131,8 @@ class LinearFit:
     values: dict[str, float]
     covariance: np.ndarray
     """Shape (keys, keys)."""
-    freedom: int
-    """Degrees of freedom of the covariance: blocks less one."""
+    degrees: np.ndarray
+    """Of freedom of Student's t, by key."""
     condition: float
     """Of the matrix with columns of equal length."""
     effect: dict[str, float]
@@ -206,7 +203,7 @@ def inverse_dynamics(record: Record, terms: Terms, corner_hz: float, *, delay: f
 
 
 def fit_rows(rows: Rows, terms: Terms, length: int, delay: float, keys: tuple[str, ...] | None = None) -> LinearFit:
-    """Huber's regression of the used rows with its jackknife; ``keys`` name the columns, else ``terms.sought`` does."""
+    """Huber's regression of the used rows; ``keys`` name the columns, else ``terms.sought`` does."""
     keys = keys or terms.sought
     a, b, at = rows.matrix[rows.used], rows.force[rows.used], rows.at[rows.used]
     refuse_few(rows, len(keys), length)
@@ -214,12 +211,12 @@ def fit_rows(rows: Rows, terms: Terms, length: int, delay: float, keys: tuple[st
     safe = np.where(scale > 0.0, scale, 1.0)
     z = a / safe
     theta, weights = huber(z, b)
-    freedom, covariance = jackknife(z, b, weights, blocks(at, length, len(keys)))
+    spread = weighted(z, b - z @ theta, weights, blocks(at, length, len(keys)))
     left = rows.force - rows.matrix @ (theta / safe)
     whole = b + rows.known[rows.used]
     return LinearFit(
         keys=keys, values=dict(zip(keys, (theta / safe).tolist(), strict=True)),
-        covariance=covariance / np.outer(safe, safe), freedom=freedom,
+        covariance=spread.covariance / np.outer(safe, safe), degrees=spread.degrees,
         condition=float(np.linalg.cond(z)) if keys else 1.0,
         effect=dict(zip(keys, scale.tolist(), strict=True)), rows=rows, residual=left,
         rms=float(np.sqrt(np.mean(left[rows.used] ** 2))), rms_force=float(np.sqrt(np.mean(whole**2))),
@@ -257,27 +254,17 @@ def huber(z: np.ndarray, b: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return theta, weights
 
 
+def weighted(z: np.ndarray, left: np.ndarray, weights: np.ndarray, block: np.ndarray) -> Spread:
+    """Covariance of a weighted fit, by block."""
+    root = np.sqrt(weights)
+    return clustered(z * root[:, None], left * root, block)
+
+
 def blocks(at: np.ndarray, length: int, keys: int) -> np.ndarray:
     """Number of the block that each row is in: of equal duration, at least :data:`BLOCK` windows."""
     span = float(at[-1] - at[0] + 1)
     count = int(np.clip(span // (BLOCK * length), max(4, keys + 2), BLOCKS))
     return np.asarray(np.minimum((at - at[0]) * count // span, count - 1), dtype=np.int64)
-
-
-def jackknife(z: np.ndarray, b: np.ndarray, weights: np.ndarray, block: np.ndarray) -> tuple[int, np.ndarray]:
-    """Degrees of freedom and covariance from fits without each block in turn."""
-    count, p = int(block[-1]) + 1, z.shape[1]
-    wz = z * weights[:, None]
-    whole, side = wz.T @ z, wz.T @ b
-    fits = []
-    for g in np.unique(block):
-        inside = block == g
-        fits.append(np.linalg.lstsq(whole - wz[inside].T @ z[inside], side - wz[inside].T @ b[inside], rcond=None)[0])
-    table = np.array(fits)
-    if len(table) < 2:
-        return 1, np.full((p, p), np.inf)
-    apart = table - table.mean(axis=0)
-    return min(count, len(table)) - 1, (len(table) - 1) / len(table) * apart.T @ apart
 
 
 TRIED = 16

@@ -57,12 +57,6 @@ class Job:
         """What parameters come from."""
         return self.record.part(0, self.cut)
 
-    @cached_property
-    def unseen(self) -> Record | None:
-        """The hold-out; None where everything trains."""
-        n = len(self.record.position)
-        return self.record.part(self.cut, n) if self.cut < n else None
-
     def stretch(self, first: int, last: int) -> AxisLog:
         """The log from sample ``first`` to ``last`` (left out)."""
         time = self.log.time
@@ -112,7 +106,8 @@ def prepared(
     job = Job(log, record, cut, 0, True, known, progress or (lambda what, done: None))
     if share > 0.0 and min(cut, n - cut) < LEAST:
         job.notes.append(
-            f"The log has {n} samples: too short to keep {100.0 * share:.0f} % of it unseen; everything trains."
+            f"The log has {n} samples: too short to keep {100.0 * share:.0f} % of it for validation; all of it is "
+            "estimation data."
         )
         job.cut = n
     job.length = choose_length(job.training)

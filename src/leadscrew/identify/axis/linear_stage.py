@@ -1,6 +1,6 @@
 """Which model: the simplest that no richer one beats by cross-validation inside the training part.
 
-The training part is cut into stretches that fall to :data:`FOLDS` parts in turn; the force of each part is foretold by
+The training part is cut into stretches that fall to :data:`FOLDS` parts in turn; the force of each part is predicted by
 the line of the others, and what that leaves, of all parts together, judges a model; a row to which the other parts do
 not reach counts with what the line of all leaves. The simplest is taken that leaves no more than :data:`NEARLY` of what
 the best leaves: what is needless changes the error by its share of chance, far below that; what is missing shows
@@ -23,11 +23,11 @@ from leadscrew.identify.axis.record import Record
 from leadscrew.util.errors import DataError
 
 MOST = 100.0
-"""Condition number of the columns above which parameters cannot be told apart."""
+"""Condition number of the columns above which parameters cannot be complete apart."""
 SHARE = 0.02
 """Of the moving time that must go the other way for a log to count as one of both directions."""
 GIVEN_UP = ("excess", "viscous", "offset", "coulomb")
-"""What is given up first where terms cannot be told apart."""
+"""What is given up first where terms cannot be complete apart."""
 ACTS = 1e-3
 """Share of the force that acceleration must make, for a mass to be looked for."""
 PENDING = (1.0, 1.0)
@@ -153,7 +153,7 @@ NEARLY = 1.02
 WEIGHT = 0.8
 """Share of Coulomb friction above which an offset counts as a weight."""
 FOLDS, LEAST = 4, 12
-"""Parts that are foretold in turn, and rows in them at least."""
+"""Parts that are predicted in turn, and rows in them at least."""
 FAR = 0.25
 """Leverage of a row beyond which the line of other parts says nothing of it."""
 TURNS, LONG = 8, 10
@@ -187,7 +187,7 @@ class Setting(NamedTuple):
 
 @dataclass
 class Candidate:
-    """A model, its line on the training part, and its errors where each stretch is foretold by the others."""
+    """A model, its line on the training part, and its errors where each stretch is predicted by the others."""
 
     model: Model
     line: Line | None
@@ -245,14 +245,14 @@ def choose(training: Record, candidates: list[Model], setting: Setting) -> list[
     if not usable:
         assert problem is not None
         raise problem
-    told = [c for c in usable if not _reduced(c)] or usable[:1]
-    least = min((c for c in told if np.isfinite(c.rms)), key=lambda c: c.rms, default=told[0])
-    best = next((c for c in told if c.rms <= NEARLY * least.rms), least)
+    complete = [c for c in usable if not _reduced(c)] or usable[:1]
+    least = min((c for c in complete if np.isfinite(c.rms)), key=lambda c: c.rms, default=complete[0])
+    best = next((c for c in complete if c.rms <= NEARLY * least.rms), least)
     for other in usable:
-        if other not in told or (np.isfinite(best.rms) and not np.isfinite(other.rms)):
-            other.verdict = "the log does not tell it from a simpler one"
+        if other not in complete or (np.isfinite(best.rms) and not np.isfinite(other.rms)):
+            other.verdict = "this log does not distinguish it from a simpler one"
         elif other.rms > NEARLY * least.rms:
-            other.verdict = f"leaves {other.rms / best.rms:.3g} times the force where it is foretold"
+            other.verdict = f"its prediction error is {other.rms / best.rms:.3g} times larger"
         else:
             other.verdict = f"no more than {100.0 * (NEARLY - 1.0):.0f} % better than a simpler one"
     best.verdict = "chosen"
@@ -260,7 +260,7 @@ def choose(training: Record, candidates: list[Model], setting: Setting) -> list[
 
 
 def _reduced(candidate: Candidate) -> bool:
-    """Whether what sets a model apart was taken out of it, or its rise is not told in each direction."""
+    """Whether what sets a model apart was taken out of it, or its rise is not complete in each direction."""
     assert candidate.line is not None
     if not candidate.model.stribeck:
         return False
@@ -304,8 +304,8 @@ def _tried(training: Record, model: Model, setting: Setting, judge: bool) -> Can
         r, by_others = _left(part, fit)
         _, by_all = _left(part, all_of_it)
         a = fit.rows.matrix[fit.rows.used][:, : r.matrix.shape[1]]
-        foretold = _leverage(a, r.matrix[r.used]) <= FAR
-        left += float(np.sum(np.where(foretold, by_others, by_all) ** 2))
+        predicted = _leverage(a, r.matrix[r.used]) <= FAR
+        left += float(np.sum(np.where(predicted, by_others, by_all) ** 2))
         whole += float(np.sum((r.force + r.known)[r.used] ** 2))
         rows += int(r.used.sum())
     if rows >= LEAST and left < whole:

@@ -1,11 +1,6 @@
 """Parameters of the plant from a fit: both directions, what is given, and what is fixed and why.
 
-From a fit to what can be said: parameters of the plant with 95 % intervals, and whether they are told.
-
-An interval is ``value +- t(0.975, freedom) standard error``; it belongs to the data that were used for it. A parameter
-counts as told when half of its interval is at most :data:`TOLD` of its value. An offset, Coulomb or viscous friction
-counts as told too when the force that this half can change is at most :data:`LITTLE` of the root mean square of the
-force: then it is known to be small, whatever it is.
+Intervals, and the rule by which a parameter is identifiable, are those of :mod:`leadscrew.identify.estimation`.
 """
 
 from __future__ import annotations
@@ -18,7 +13,7 @@ import numpy as np
 
 from leadscrew.identify.axis.delay import Delay
 from leadscrew.identify.axis.inverse_dynamics import SIDES, LinearFit, friction_key
-from leadscrew.identify.axis.result import Parameter
+from leadscrew.identify.estimation import LITTLE, Parameter, correlations, fitted, fixed, given, quantile
 from leadscrew.kernel import validate
 from leadscrew.kernel.parameters import nearest
 from leadscrew.util.errors import NameUnknown, ValueRefused
@@ -26,9 +21,6 @@ from leadscrew.util.errors import NameUnknown, ValueRefused
 BIAS, BIAS_STRIBECK = 3e-4, 3e-3
 """What the linear stage may be off by on its own, as a share of the value, met on simulated axes of known parameters:
 signs of the speed are timed by a smoothed speed, and the Stribeck term is made of one (static friction, its speed)."""
-TOLD = 0.25
-LITTLE = 0.01
-NAN = math.nan
 
 
 @dataclass(frozen=True)
@@ -38,7 +30,8 @@ class Estimates:
     keys: tuple[str, ...]
     values: dict[str, float]
     covariance: np.ndarray
-    freedom: float
+    degrees: np.ndarray
+    """Of freedom of Student's t, by key."""
     condition: float
     effect: dict[str, float]
     """Root mean square of the force that one unit of each parameter makes."""
@@ -57,17 +50,20 @@ class Estimates:
         """Half of the 95 % interval."""
         if key in self.interval:
             return 0.5 * (self.interval[key][1] - self.interval[key][0])
-        from scipy.special import stdtrit
-
         i = self.keys.index(key)
-        return float(stdtrit(max(self.freedom, 1.0), 0.975) * math.sqrt(max(float(self.covariance[i, i]), 0.0)))
+        return quantile(float(self.degrees[i])) * math.sqrt(max(float(self.covariance[i, i]), 0.0))
 
     def correlation(self) -> dict[str, dict[str, float]]:
         """Between the parameters."""
-        spread = np.sqrt(np.diag(self.covariance))
-        safe = np.where(spread > 0.0, spread, 1.0)
-        table = self.covariance / np.outer(safe, safe)
-        return {a: {b: float(table[i, j]) for j, b in enumerate(self.keys)} for i, a in enumerate(self.keys)}
+        return correlations(self.covariance, self.keys)
+
+    def parameter(self, key: str, unit: str, note: str = "", coulomb: float | None = None) -> Parameter:
+        """A parameter with its interval; ``coulomb``: what static friction counts above."""
+        effect = self.effect.get(key, 0.0) if key.split(".")[-1] in ("offset", "coulomb", "viscous") else 0.0
+        negligible = LITTLE * self.rms_force / effect if effect > 0.0 else 0.0
+        value = self.values[key]
+        counted = None if coulomb is None else value - coulomb
+        return fitted(value, self.ends(key), unit, counted=counted, negligible=negligible, note=note)
 
 
 def estimates_of(fit: LinearFit) -> Estimates:
@@ -85,43 +81,14 @@ def estimates_of(fit: LinearFit) -> Estimates:
     bias = [values[k] * (BIAS_STRIBECK if k.split(".")[-1] in ("static", "stribeck_speed") else BIAS) for k in keys]
     covariance = turn @ fit.covariance @ turn.T + np.diag(np.square(0.5 * np.array(bias)))
     return Estimates(
-        keys, values, covariance, fit.freedom, fit.condition,
+        keys, values, covariance, np.array([float(fit.degrees[row != 0.0].min()) for row in turn]), fit.condition,
         {new: fit.effect[old] for old, new in zip(fit.keys, keys, strict=True)}, fit.rms_force,
     )  # fmt: skip
 
 
 def interval_half(fit: LinearFit, key: str) -> float:
     """Half of the 95 % interval of a term of the line."""
-    from scipy.special import stdtrit
-
-    return float(stdtrit(max(fit.freedom, 1), 0.975) * fit.standard_error[key])
-
-
-def parameter(estimates: Estimates, key: str, unit: str, note: str = "") -> Parameter:
-    """A fitted parameter with its interval."""
-    low, high = estimates.ends(key)
-    return Parameter(estimates.values[key], unit, low, high, "fitted", is_told(estimates, key), note)
-
-
-def is_told(estimates: Estimates, key: str) -> bool:
-    """Whether the interval is narrow enough to be of use."""
-    half = estimates.half(key)
-    if not math.isfinite(half):
-        return False
-    if half <= TOLD * abs(estimates.values[key]):
-        return True
-    of_no_matter = key == "offset" or key.split(".")[-1] in ("coulomb", "viscous")
-    return of_no_matter and half * estimates.effect.get(key, math.inf) <= LITTLE * estimates.rms_force
-
-
-def fixed(value: float, unit: str, note: str) -> Parameter:
-    """A parameter that the log does not tell."""
-    return Parameter(value, unit, NAN, NAN, "fixed", False, note)
-
-
-def given(value: float, unit: str) -> Parameter:
-    """A parameter that the caller knows."""
-    return Parameter(value, unit, NAN, NAN, "given", True)
+    return quantile(float(fit.degrees[fit.keys.index(key)])) * fit.standard_error[key]
 
 
 def units(position_unit: str, drive_unit: str, force_known: bool) -> dict[str, str]:
@@ -156,12 +123,12 @@ ONE_WAY = "the log moves one way only: taken as in the other direction"
 WITH_OFFSET = "with the offset in it: while the axis moves one way the two act alike"
 NO_OFFSET = (
     "fixed at 0: a constant force acts like Coulomb friction that differs by direction, and no log of drive and motion "
-    "tells them apart; give the offset where it is known (a weight)"
+    "separates them; give the offset where it is known (a weight)"
 )
 WEIGHT = (
     "fixed at the offset that friction alike both ways has, since it is larger than friction (a weight): no log of "
-    "drive and motion tells a constant force from Coulomb friction that differs by direction; give the offset where it "
-    "is known"
+    "drive and motion separates a constant force from Coulomb friction that differs by direction; give the offset "
+    "where it is known"
 )
 NO_OFFSET_ONE_WAY = "fixed at 0: while the axis moves one way a constant force and Coulomb friction act alike"
 NO_RISE = "equal to Coulomb friction: the log shows no rise towards rest"
@@ -204,8 +171,10 @@ def _one(
     if key in known:
         return given(known[key], units[key])
     if key in estimates.values:
-        return parameter(estimates, key, units[key], note)
-    return fixed(0.0, units[key], why.get(key, "the log does not tell it: fixed at 0"))
+        below = key.replace(".static", ".coulomb")
+        coulomb = None if below == key else estimates.values.get(below, known.get(below))
+        return estimates.parameter(key, units[key], note, coulomb)
+    return fixed(0.0, units[key], why.get(key, "not identifiable from the log: fixed at 0"))
 
 
 def _friction(
@@ -219,7 +188,7 @@ def _friction(
     if side == "backward":
         return fixed(found.value, found.unit, ONE_WAY)
     if name in ("coulomb", "static") and "offset" not in known:
-        return found._replace(told=False, note=WITH_OFFSET)
+        return found._replace(identifiable=False, note=WITH_OFFSET)
     return found
 
 
@@ -242,7 +211,7 @@ def delay_parameter(found: Delay | None, period: float, estimates: Estimates, gi
         low, high = estimates.ends("delay_s")
         low, value = max(low, 0.0), estimates.values["delay_s"]
         value = value if value > CLOCK * period else 0.0
-        return Parameter(value, "s", low, high, "fitted", high - low <= 2.0 * period)
+        return fitted(value, (low, high), "s", negligible=period)
     assert found is not None
     low, high = found.low * period, found.high * period
     if found.used > 0.0:
@@ -252,7 +221,7 @@ def delay_parameter(found: Delay | None, period: float, estimates: Estimates, gi
             0.0, "s", f"the motion leads the drive by {-found.value:.2g} periods, which no axis does: taken as 0"
         )
     if not found.sharp:
-        return fixed(0.0, "s", f"the log does not tell it, {low:.3g} to {high:.3g} s: taken as 0")
+        return fixed(0.0, "s", f"not identifiable from the log, {low:.3g} to {high:.3g} s: taken as 0")
     note = "its 95 % interval holds 0: taken as 0"
     return Parameter(0.0, "s", min(low, 0.0), max(high, 0.0), "fitted", True, note)
 

@@ -96,12 +96,12 @@ def record(
         raise DataError(f"{source}: {y.size} samples; a model of an axis needs at least {LEAST}")
     if not np.ptp(y) > 0.0:
         raise DataError(f"{source}: the position stands still at {y[0]:g}: let the axis move")
-    count = _count(y)
+    count = count_of(y)
     return Record(float(period), y, u, count, _noise(y, count), start)
 
 
-def _count(y: np.ndarray) -> float:
-    """The smallest change from sample to sample; rounding errors of a decimal file are no counts."""
+def count_of(y: np.ndarray) -> float:
+    """The smallest change from sample to sample, 0 for none; rounding errors of a decimal file are no counts."""
     moves = np.abs(np.diff(y))
     real = moves[moves > 1e-9 * float(np.ptp(y))]
     return float(np.min(real)) if real.size else 0.0

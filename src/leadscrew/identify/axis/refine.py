@@ -12,7 +12,7 @@ by trust-region least squares (SciPy) in scaled variables; all simulations of an
 - ``closed``: the known cascade closes the loop on the model under the logged command. What is left is small, and tells
   of the parameters only as much as the controller lets them show.
 
-Covariances hold where residuals are correlated, :func:`clustered`; ``at_bound`` names a parameter on its bound.
+Covariances are those of :func:`leadscrew.identify.estimation.clustered`; ``at_bound`` names a parameter on its bound.
 H. G. Bock, *Recent advances in parameter identification techniques for ODE*, 1983, for multiple shooting; L. Ljung,
 *System Identification* (2nd ed., 1999), section 7.4 for the output-error method.
 
@@ -26,18 +26,6 @@ The start position shifts the whole window, so it takes the mean out. In sliding
 of Gauss and Newton finds it; where the axis stops within the window a second step is taken from there. A window that
 begins at rest begins with speed 0. Windows begin where the axis moves fastest nearby, since there a start speed is what
 it seems; the derivative is that of L. Kaufman, *A variable projection method*, BIT 15 (1975) 49.
-
-Covariance of a least-squares fit whose residuals are correlated within windows, with small-sample corrections.
-
-With the rows ``X_g, r_g`` of window ``g``, ``M = (X'X)^-1`` and ``A_g = (I - X_g M X_g')^(-1/2)``
-
-    V = M sum_g (X_g' A_g r_g)(X_g' A_g r_g)' M        ("CR2")
-
-It is unbiased where the residuals are white, and consistent whatever their correlation within a window and their size
-from window to window. The interval takes the quantile of Student's t with the degrees of freedom of Bell and McCaffrey,
-by parameter: few where few windows tell it. R. Bell, D. McCaffrey, *Bias reduction in standard errors for linear
-regression with multi-stage samples*, Survey Methodology 28 (2002) 169; J. Pustejovsky, E. Tipton, J. Business &
-Economic Statistics 36 (2018) 672.
 """
 
 from __future__ import annotations
@@ -49,10 +37,12 @@ from typing import TYPE_CHECKING, Literal, NamedTuple
 
 import numpy as np
 
-from leadscrew.identify.axis.cascade import closed_loop, play_closed
+from leadscrew.identify.axis.cascade import closed_loop
 from leadscrew.identify.axis.record import Record, record_of
-from leadscrew.identify.axis.replay import LOST, Starts, play, played
+from leadscrew.identify.axis.replay import played
 from leadscrew.identify.axis.simulation import NO_STRIBECK, START_S, plant_values, start_state
+from leadscrew.identify.estimation import Spread, clustered, correlations, inverse, quantile
+from leadscrew.identify.log_player import LOST, Starts
 from leadscrew.kernel import validate
 from leadscrew.util.errors import DataError, NameUnknown, ValueRefused
 
@@ -251,13 +241,25 @@ def _growth(point: Mapping[str, float], speed: np.ndarray) -> np.ndarray:
     return rate
 
 
+def differences(
+    simulate: Callable[[list[np.ndarray]], np.ndarray], x: np.ndarray, low: np.ndarray, central: bool
+) -> list[np.ndarray]:
+    """Change of what is simulated by each variable; one-sided, or to both sides where bounds leave room."""
+    steps = STEP * np.eye(len(x))
+    ups = [x + step for step in steps]
+    downs = [np.maximum(x - step, low) for step in steps] if central else [x] * len(x)
+    found = simulate([*ups, *(downs if central else [x])])
+    below = found[len(x) :] if central else [found[-1]] * len(x)
+    return [(found[i] - below[i]) / (ups[i] - downs[i])[i] for i in range(len(x))]
+
+
 class Windows:
     """Residuals of all windows at once; ``x`` are the variables of :class:`Scales`."""
 
     def __init__(self, log: AxisLog, scale: Scales, pieces: Cut, held: bool = False) -> None:
         self.held = held
         """Start positions are the measured ones."""
-        self.log, self.scale, self.loop = log, scale, played(log)
+        self.log, self.scale, self.player = log, scale, played(log)
         self.pieces, self.first, self.length = pieces, pieces.first, pieces.length
         self.longest = int(self.length.max())
         rows = np.minimum(self.first[:, None] + np.arange(self.longest), len(log.position) - 1)
@@ -290,7 +292,7 @@ class Windows:
             )  # fmt: skip
             runs = [p for p in values for _ in range(w)]
             self.runs += len(runs)
-            rows = play(self.loop, runs, starts, most, np.repeat(delays, w).tolist())
+            rows = self.player.play(runs, starts, most, np.repeat(delays, w).tolist())
             table[:, group, :most] = rows.reshape(len(points), w, most)
         return np.where(self.inside, table - self.measured, 0.0)
 
@@ -352,15 +354,8 @@ class Windows:
     def jacobian(self, x: np.ndarray, central: bool = False) -> np.ndarray:
         """``[sample, variable]``; one-sided differences, or to both sides."""
         _, by_speed, speed = self.solve(x)
-        ups = [x + STEP * row for row in np.eye(len(x))]
-        downs = [np.maximum(x - STEP * row, self.scale.low) for row in np.eye(len(x))] if central else [x]
-        found = self.simulate([*ups, *downs], [speed] * (len(ups) + len(downs)))
-        columns = []
-        for i, up in enumerate(ups):
-            down = downs[i if central else 0]
-            change = (found[i] - found[len(ups) + (i if central else 0)]) / (up[i] - down[i])
-            columns.append(self._without(change, by_speed)[self.counted])
-        return np.column_stack(columns)
+        changes = differences(lambda at: self.simulate(at, [speed] * len(at)), x, self.scale.low, central)
+        return np.column_stack([self._without(change, by_speed)[self.counted] for change in changes])
 
     @property
     def cluster(self) -> np.ndarray:
@@ -394,14 +389,15 @@ class Closed:
     """The log's whole command played on the closed loop."""
 
     def __init__(self, log: AxisLog, scale: Scales, cascade: Cascade) -> None:
-        self.log, self.scale, self.loop, self.runs = log, scale, closed_loop(log, cascade), 0
+        self.log, self.scale, self.player, self.runs = log, scale, closed_loop(log, cascade), 0
         self.start = start_state(log)
 
     def simulate(self, points: list[np.ndarray]) -> np.ndarray:
         """``[point, sample]``, model less measured."""
         self.runs += len(points)
         values, delays = [self.scale.point(x) for x in points], [self.scale.delay(x) for x in points]
-        return play_closed(self.loop, values, self.start, len(self.log.time), delays) - self.log.position
+        starts = Starts.together(self.start, len(points))
+        return self.player.play(values, starts, len(self.log.time), delays) - self.log.position
 
     def residuals(self, x: np.ndarray) -> np.ndarray:
         """All samples."""
@@ -409,12 +405,7 @@ class Closed:
 
     def jacobian(self, x: np.ndarray, central: bool = False) -> np.ndarray:
         """``[sample, variable]``; one-sided differences, or to both sides."""
-        ups = [x + STEP * row for row in np.eye(len(x))]
-        downs = [np.maximum(x - STEP * row, self.scale.low) for row in np.eye(len(x))] if central else [x]
-        found = self.simulate([*ups, *downs])
-        other = [len(ups) + (i if central else 0) for i in range(len(ups))]
-        apart = [(up - downs[i if central else 0])[i] for i, up in enumerate(ups)]
-        return np.column_stack([(found[i] - found[other[i]]) / apart[i] for i in range(len(ups))])
+        return np.column_stack(differences(self.simulate, x, self.scale.low, central))
 
     @property
     def cluster(self) -> np.ndarray:
@@ -426,52 +417,8 @@ class Closed:
         return self.start
 
 
-WEAK = 1e-12
-"""Share of the largest singular value below which a direction counts as not told at all."""
 SHORT_S = 0.02
 """Over which a force is averaged for a look at what disturbs."""
-LEVERAGE = 1e-3
-"""A window's own weight in its fit is taken to be at most one less this."""
-
-
-class Spread(NamedTuple):
-    """How far to trust the variables of a fit."""
-
-    covariance: np.ndarray
-    degrees: np.ndarray
-    """Of freedom of Student's t, by variable."""
-    condition: float
-    """Largest over smallest singular value, columns scaled to the same length."""
-
-
-def clustered(jacobian: np.ndarray, left: np.ndarray, cluster: np.ndarray) -> Spread:
-    """CR2 covariance by window; a direction that is not told has infinite variance."""
-    inverse, condition = _inverse(jacobian)
-    values, vectors = np.linalg.eigh(inverse)
-    root = vectors * np.sqrt(np.maximum(values, 0.0))
-    edges = np.flatnonzero(np.diff(cluster)) + 1
-    scores, sizes, crosses = [], [], []
-    for rows, r in zip(np.split(jacobian, edges), np.split(left, edges), strict=True):
-        u, s, _ = np.linalg.svd(rows @ root, full_matrices=False)
-        gain = 1.0 / np.sqrt(np.maximum(1.0 - s * s, LEVERAGE)) - 1.0
-        scores.append(rows.T @ (r + u @ (gain * (u.T @ r))))
-        own = rows @ inverse
-        own = own + u @ (gain[:, None] * (u.T @ own))
-        sizes.append(np.sum(own * own, axis=0))
-        crosses.append(rows.T @ own)
-    score = np.array(scores)
-    covariance = inverse @ (score.T @ score) @ inverse
-    return Spread(covariance, _degrees(np.array(sizes), np.array(crosses), inverse), condition)
-
-
-def _degrees(sizes: np.ndarray, crosses: np.ndarray, inverse: np.ndarray) -> np.ndarray:
-    """Bell and McCaffrey's, for white residuals."""
-    found = []
-    for i in range(sizes.shape[1]):
-        b = crosses[:, :, i]
-        gram = np.diag(sizes[:, i]) - b @ inverse @ b.T
-        found.append(float(np.trace(gram)) ** 2 / max(float(np.sum(gram * gram)), 1e-300))
-    return np.maximum(np.array(found), 1.0)
 
 
 def by_force(jacobian: np.ndarray, left: np.ndarray, period: float, rate: float, block_s: float) -> Spread:
@@ -483,7 +430,7 @@ def by_force(jacobian: np.ndarray, left: np.ndarray, period: float, rate: float,
     """
     from scipy.signal import lfilter
 
-    inverse, condition = _inverse(jacobian)
+    middle, condition = inverse(jacobian)
     kept = float(np.exp(-rate * period))
     a = np.array([1.0, -1.0 - kept, kept])
     force, turned = lfilter(a, [1.0], left), lfilter(a, [1.0], jacobian, axis=0)
@@ -495,18 +442,8 @@ def by_force(jacobian: np.ndarray, left: np.ndarray, period: float, rate: float,
     block = max(1, round(block_s / period))
     score = np.add.reduceat(adjoint * force[:, None], np.arange(0, len(left), block), axis=0)
     spare = max(1.0, len(score) - jacobian.shape[1] - 2.0)
-    covariance = inverse @ (score.T @ score) @ inverse * len(score) / spare
+    covariance = middle @ (score.T @ score) @ middle * len(score) / spare
     return Spread(covariance, np.full(jacobian.shape[1], spare), condition)
-
-
-def _inverse(jacobian: np.ndarray) -> tuple[np.ndarray, float]:
-    size = np.linalg.norm(jacobian, axis=0)
-    safe = np.where(size > 0.0, size, 1.0)
-    _, s, v = np.linalg.svd(jacobian / safe, full_matrices=False)
-    usable = np.maximum(s, WEAK * s[0])
-    inverse = (v.T / usable**2) @ v / np.outer(safe, safe)
-    condition = float(s[0] / s[-1]) if s[-1] > 0.0 else float("inf")
-    return inverse, condition
 
 
 Mode = Literal["open", "windows", "closed"]
@@ -671,14 +608,12 @@ def _result(
     values = scale.values(x)
     full = scale.point(x) | {k: v for k, v in values.items() if k not in scale.point(x)}
     cluster = problem.cluster
-    safe = np.where(error > 0.0, error, 1.0)
-    related = covariance / np.outer(safe, safe)
     return Refined(
         mode=mode, keys=scale.keys, values=full | {"delay_s": scale.delay(x)}, covariance=covariance,
         standard_error=dict(zip(scale.keys, error.tolist(), strict=True)),
         degrees=dict(zip(scale.keys, spread.degrees.tolist(), strict=True)),
         interval=_intervals(scale, x, spread), condition=spread.condition,
-        correlation={a: {b: float(related[i, j]) for j, b in enumerate(scale.keys)} for i, a in enumerate(scale.keys)},
+        correlation=correlations(covariance, scale.keys),
         rms=float(np.sqrt(np.mean(left * left))), residual=left, window=cluster, windows=int(np.unique(cluster).size),
         left_out=int(np.sum(~problem.used)) if isinstance(problem, Windows) else 0,
         start_state=problem.begin(x), at_bound=at_bound, runs=problem.runs, converged=converged, message=message,
@@ -701,9 +636,7 @@ def _spread(
 
 def _intervals(scale: Scales, x: np.ndarray, spread: Spread) -> dict[str, tuple[float, float]]:
     """95 %, in the variable that was fitted: a logarithm's interval does not reach zero."""
-    from scipy.stats import t
-
-    reach = t.ppf(0.975, spread.degrees) * np.sqrt(np.maximum(np.diag(spread.covariance), 0.0))
+    reach = np.array([quantile(d) for d in spread.degrees]) * np.sqrt(np.maximum(np.diag(spread.covariance), 0.0))
     found = {}
     for i, key in enumerate(scale.keys):
         ends = [x[i] - reach[i], x[i] + reach[i]]

@@ -1,25 +1,21 @@
-"""The blocks that play a log on its model, and the batch that does so for many points and windows at once.
+"""The axis under a drive that acts late by any part of a period, and a log's drive played on it.
 
-A run starts at any sample of the log with a position and a speed of its own, so windows and points of a fit are runs of
-one ``Loop.batch``. With a delay ``d`` between the logged drive and its act, the drive over the period after sample
-``k`` is
+With a delay ``d`` between the logged drive and its act, the drive over the period after sample ``k`` is
 
     u[k - n - 1] for f dt, then u[k - n] for (1 - f) dt        d = (n + f) dt
 
-and both parts are steps of :obj:`leadscrew.plants.servo_axis`, exact as one is. Before the first sample the drive is
-that of the first sample.
+and both parts are steps of :obj:`leadscrew.plants.servo_axis`, exact as one is.
 """
 
 from __future__ import annotations
 
-import math
-from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Annotated, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from leadscrew.kernel.block import controller, plant, reference
+from leadscrew.identify.log_player import Player, as_logged, lengthened, row_at
+from leadscrew.kernel.block import plant, reference
 from leadscrew.kernel.loop import Loop
 from leadscrew.kernel.parameters import Doc, Unit
 from leadscrew.plants._servo_axis import (
@@ -34,10 +30,6 @@ from leadscrew.plants._servo_axis import (
 
 if TYPE_CHECKING:
     from leadscrew.logs import AxisLog
-
-
-LOST = 1e6
-"""m; stands for a run that diverged."""
 
 
 class Held(NamedTuple):
@@ -64,16 +56,10 @@ class PlayedDrive(NamedTuple):
 def drive_at(p, t, dt):
     """The drive's two values of the period that begins at ``t``."""
     last = p.drive.shape[0] - 1
-    row = p.first - p.late + math.floor(t / dt + 0.5)
+    row = row_at(p.first - p.late, t, dt)
     now = int(min(max(row, 0.0), last))
     before = int(min(max(row - 1.0, 0.0), last))
     return Held(p.drive[before], p.drive[now], 1.0 if t <= 0.0 else 0.0, p.start_position, p.start_speed)
-
-
-@controller()
-def as_logged(command):
-    """Hands the logged drive on."""
-    return command
 
 
 class LateAxis(NamedTuple):
@@ -123,52 +109,11 @@ def late_axis(p, s, u, load, dt):
     return servo_axis(p.now, middle, u.now, load, p.now_s)
 
 
-def lengthened(values: np.ndarray) -> np.ndarray:
-    """The signal with its last value repeated, to a length that other logs have too.
-
-    Compiled code knows the lengths of its arrays. Lengths of four steps in each octave let logs of all lengths share
-    it, for at most a quarter more memory; a block that plays a signal holds its last value anyway.
-    """
-    step = 2 ** max(0, (len(values) - 1).bit_length() - 3)
-    return np.pad(np.asarray(values, dtype=np.float64), (0, -len(values) % step), mode="edge")
-
-
-def played(log: AxisLog) -> Loop:
-    """The loop that plays a log's drive back on the axis."""
+def played(log: AxisLog) -> Player:
+    """A log's drive played on the axis."""
     drive = PlayedDrive(drive=lengthened(log.drive))
-    return Loop(
+    loop = Loop(
         reference=reference(drive, name="played drive")(drive_at), controller=as_logged, plant=late_axis,
         period=log.period, metrics={}, name="replay of an axis log",
     )  # fmt: skip
-
-
-class Starts(NamedTuple):
-    """Where runs start: sample, position and speed."""
-
-    first: np.ndarray
-    position: np.ndarray
-    speed: np.ndarray
-
-
-def play(
-    loop: Loop, points: Sequence[Mapping[str, float]], starts: Starts, samples: int, delays: Sequence[float]
-) -> np.ndarray:
-    """Positions ``[run, sample]`` of one batch: run ``i`` has the plant's values ``points[i]``, its start and delay.
-
-    A run that diverges has :data:`LOST` in it.
-    """
-    periods = np.maximum(np.asarray(delays, dtype=np.float64), 0.0) / loop.period
-    whole = np.floor(periods + 1e-9)
-    varied = {f"plant.axis.{key}": np.array([p[key] for p in points]) for key in points[0]}
-    varied |= {
-        "reference.first": np.asarray(starts.first, dtype=np.float64),
-        "reference.late": whole,
-        "plant.part": np.maximum(periods - whole, 0.0),
-        "reference.start_position": starts.position,
-        "reference.start_speed": starts.speed,
-    }
-    batch = loop.batch(samples * loop.period, varied, runs=len(points), record=("actual.position",))
-    table = np.asarray(batch["actual.position"])
-    # the start is given to the plant in its first step, after its first output was read
-    table[:, 0] = starts.position
-    return np.clip(np.nan_to_num(table, nan=LOST, posinf=LOST, neginf=-LOST), -LOST, LOST)
+    return Player(loop, "reference.late", ("reference",), "reference.first")

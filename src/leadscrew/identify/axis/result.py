@@ -7,34 +7,12 @@ of the drive is not known, the drive's own unit stands for the newton.
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Any, Literal, NamedTuple
+from typing import Any, Literal
 
 import numpy as np
 
+from leadscrew.identify.estimation import Parameter
 from leadscrew.logs.measure import beyond_step
-
-How = Literal["fitted", "fixed", "given"]
-"""Fitted to the log; fixed at a value that says nothing (the log cannot tell); given by the caller."""
-
-
-class Parameter(NamedTuple):
-    """One number, and how well the log tells it."""
-
-    value: float
-    unit: str
-    low: float
-    """Lower end of the 95 % interval; NaN where ``how`` is not fitted."""
-    high: float
-    how: How
-    told: bool
-    """Whether the log determines it: the interval is narrow enough to be of use."""
-    note: str = ""
-    """Why it is fixed, where it is."""
-
-    @property
-    def percent(self) -> float:
-        """Half of the interval as a share of the value, in percent."""
-        return abs(50.0 * (self.high - self.low) / self.value) if self.value else float("inf")
 
 
 @dataclass(frozen=True)
@@ -98,7 +76,7 @@ class AxisFit:
     advice: list[str] = field(default_factory=list)
     """What to measure next, in sentences, most useful first."""
     missing: tuple[str, ...] = ()
-    """Keys that the log does not tell; ``leadscrew excite`` proposes a move for them."""
+    """Keys that are not identifiable from the log; ``leadscrew excite`` proposes a move for them."""
     cascade_left_percent: float | None = None
     """Of the logged drive, what the cascade leaves; None where none was given, or the log has no command."""
     compared: list[dict[str, Any]] = field(default_factory=list)

@@ -18,11 +18,11 @@ from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from leadscrew.identify.axis.replay import LOST, Starts, as_logged, lengthened, play, played
+from leadscrew.identify.axis.replay import played
+from leadscrew.identify.log_player import LOST, Player, Starts, as_logged, played_signal
 from leadscrew.kernel import validate
-from leadscrew.kernel.block import plant, reference
+from leadscrew.kernel.block import plant
 from leadscrew.kernel.loop import Loop
 from leadscrew.kernel.parameters import Doc, Unit
 from leadscrew.plants._mass_lugre import MassLuGreState, mass_lugre_jacobian
@@ -36,7 +36,7 @@ if TYPE_CHECKING:
 
 
 __all__ = [
-    "LOST", "NO_STRIBECK", "SIDES", "START_S", "as_logged", "plant_values", "rms", "simulate_closed", "simulate_open",
+    "LOST", "NO_STRIBECK", "SIDES", "START_S", "plant_values", "rms", "simulate_closed", "simulate_open",
     "start_state",
 ]  # fmt: skip
 
@@ -124,9 +124,9 @@ def simulate_open(
             f"delay_s = {validate.number('delay_s', delay_s, 's'):g}: a drive cannot act before it is given"
         )
     position, speed = start_state if start_state is not None else _start(log)
-    starts = Starts(np.zeros(1), np.array([position]), np.array([speed]))
     point = plant_values(values, log.force_per_drive)
-    return _sound(log, play(played(log), [point], starts, len(log.time), [delay_s])[0])
+    starts = Starts.together((position, speed), 1)
+    return _sound(log, played(log).play([point], starts, len(log.time), [delay_s])[0])
 
 
 def simulate_closed(log: AxisLog, values: Mapping[str, float], cascade: Cascade, delay_s: float = 0.0) -> np.ndarray:
@@ -136,10 +136,11 @@ def simulate_closed(log: AxisLog, values: Mapping[str, float], cascade: Cascade,
         DataError: the log has no command, or the loop diverges.
         NameUnknown, ValueRefused: as :func:`simulate_open`.
     """
-    from leadscrew.identify.axis.cascade import closed_loop, play_closed
+    from leadscrew.identify.axis.cascade import closed_loop
 
     point = plant_values(values, log.force_per_drive)
-    return _sound(log, play_closed(closed_loop(log, cascade), [point], _start(log), len(log.time), [delay_s])[0])
+    starts = Starts.together(_start(log), 1)
+    return _sound(log, closed_loop(log, cascade).play([point], starts, len(log.time), [delay_s])[0])
 
 
 _start = start_state
@@ -154,19 +155,6 @@ def _sound(log: AxisLog, position: np.ndarray) -> np.ndarray:
 def rms(measured: Any, simulated: Any) -> float:
     """Root mean square of the difference."""
     return float(np.sqrt(np.mean(np.square(np.asarray(measured) - np.asarray(simulated)))))
-
-
-class PlayedForce(NamedTuple):
-    """The logged drive, and where a run begins."""
-
-    first: Annotated[float, Doc("sample that the run starts at, less whole periods of delay")] = 0.0
-    drive: Annotated[NDArray[np.float64], Doc("held from each sample to the next")] = np.zeros(1)
-
-
-def force_at(p, t, dt):
-    """The drive of the period that begins at ``t``."""
-    row = p.first + math.floor(t / dt + 0.5)
-    return p.drive[int(min(max(row, 0.0), p.drive.shape[0] - 1))]
 
 
 class Prestressed(NamedTuple):
@@ -219,9 +207,8 @@ def play_lugre(
     """
     point = {k: v for k, v in plant_values(values, log.force_per_drive).items() if k != "backlash"}
     point |= {key: values[key] for key in ("friction.stiffness", "friction.damping")}
-    drive = PlayedForce(drive=lengthened(log.drive))
     loop = Loop(
-        reference=reference(drive, name="played force")(force_at), controller=as_logged, plant=prestressed_axis,
+        reference=played_signal(log.drive), controller=as_logged, plant=prestressed_axis,
         period=log.period, method="rodas", rtol=1e-6, atol=1e-12, metrics={}, name="replay on bristles",
     ).using({f"plant.axis.{key}": value for key, value in point.items()})  # fmt: skip
     found: list[np.ndarray | None] = []
@@ -244,13 +231,13 @@ STEP = 1e-3
 
 
 def by_model(
-    log: AxisLog, loop: Loop, point: Mapping[str, float], firsts: Sequence[int], delay_s: float = 0.0
+    log: AxisLog, player: Player, point: Mapping[str, float], firsts: Sequence[int], delay_s: float = 0.0
 ) -> list[tuple[float, float]]:
     """Position and speed at each of the samples ``firsts``; those of a parabola where the model comes no nearer.
 
     Args:
         log: what was measured.
-        loop: that plays it, :func:`leadscrew.identify.axis.replay.played`.
+        player: of it, :func:`leadscrew.identify.axis.replay.played`.
         point: all values of the plant.
         firsts: samples that stretches begin at.
         delay_s: of the drive.
@@ -268,7 +255,7 @@ def by_model(
 
     def tried(v: np.ndarray) -> np.ndarray:
         runs = Starts(np.tile(at, 2), np.tile(position, 2), np.concatenate([v, v + step]))
-        return play(loop, [point] * (2 * n), runs, count, [delay_s] * (2 * n)).reshape(2, n, count) - measured
+        return player.play([point] * (2 * n), runs, count, [delay_s] * (2 * n)).reshape(2, n, count) - measured
 
     # from the parabola's speed, and from rest: where the model sticks one of them has no slope
     for begin in (speed, np.zeros(n)):

@@ -20,9 +20,9 @@ import numpy as np
 
 from leadscrew.identify.axis.inverse_dynamics import SIDES, stretches
 from leadscrew.identify.axis.job import Job
-from leadscrew.identify.axis.parameters import Estimates, fixed, given, parameter
+from leadscrew.identify.axis.parameters import Estimates
 from leadscrew.identify.axis.record import Record
-from leadscrew.identify.axis.result import Parameter
+from leadscrew.identify.estimation import Parameter, fixed, given, quantile
 from leadscrew.util.errors import DataError
 
 if TYPE_CHECKING:
@@ -38,7 +38,7 @@ ALONG = 0.9
 """Correlation of that motion with the drive."""
 OFF = 0.01
 """Share of a value that half of its interval is not below: standard errors of that fit are lower bounds."""
-NO_CREEP = "equal to Coulomb friction: the log does not tell it; it takes slips under a drive that creeps up"
+NO_CREEP = "equal to Coulomb friction: not identifiable from the log; it takes slips under a drive that creeps up"
 FOLLOWS = "the simulated axis follows its reversals as well without it"
 MOTORS = "; if the position is the motor's, that says nothing of the table: taken as 0"
 CLEARLY = 0.25
@@ -73,22 +73,24 @@ def at_rest(job: Job, model: str, springs: bool, table: Mapping[str, Parameter],
         return AtRest({}, [], False)
 
     values = {key: table[key].value for key in ("mass", "force_per_drive") if key in table}
-    told = presliding(job.stretch(0, job.cut), values, table["delay_s"].value, lambda what, done: job.say(what, 0.9))
-    if not told.found:
-        return AtRest({}, [told.why_not], False)
+    bristles = presliding(
+        job.stretch(0, job.cut), values, table["delay_s"].value, lambda what, done: job.say(what, 0.9)
+    )
+    if bristles.why_not:
+        return AtRest({}, [bristles.why_not], False)
     found = {}
-    for key, value in told.values.items():
+    for key, p in bristles.parameters.items():
         if key in ("mass", "offset") or key in job.given:
             continue
-        half = float(np.hypot(value - told.interval[key][0], OFF * value))
+        half = float(np.hypot(p.half, OFF * p.value))
         for side in SIDES if ".forward." in key else ("",):
             name = key.replace("forward", side) if side else key
-            if told.told[key]:
-                found[name] = Parameter(value, units[name], value - half, value + half, "fitted", True)
+            if p.identifiable:
+                found[name] = p._replace(unit=units[name], low=p.value - half, high=p.value + half)
             elif key.endswith(".static"):
-                found[name] = fixed(told.values["friction.forward.coulomb"], units[name], NO_CREEP)
+                found[name] = fixed(bristles.parameters["friction.forward.coulomb"].value, units[name], NO_CREEP)
     notes = ["Bristles are fitted alike both ways, and so is the friction beside them."]
-    if not told.consistent:
+    if not bristles.consistent:
         notes.append("Around stand-stills the residuals are not the noise of the log: this is not quite LuGre.")
     return AtRest(found, notes, True)
 
@@ -102,10 +104,10 @@ def play(
     if "backlash" in job.given:
         return given(job.given["backlash"], unit)
     if "backlash" in estimates.values:
-        return parameter(estimates, "backlash", unit, DWELL)
+        return estimates.parameter("backlash", unit, DWELL)
     values = {key: p.value for key, p in table.items() if key != "delay_s"}
     found = backlash_of(job.stretch(0, job.cut), cascade=cascade)
-    if found.told and found.low > 0.0:
+    if found.identifiable and found.low > 0.0:
         if _borne_out(job, values, table["delay_s"].value, found.value):
             return Parameter(found.value, unit, found.low, found.high, "fitted", True, found.note)
         return fixed(
@@ -132,29 +134,19 @@ def _borne_out(job: Job, values: Mapping[str, float], late: float, value: float)
 
 TURN = 1e-3
 """m of a linear axis that count as a radian."""
-NORMAL = 1.96
-"""Standard errors to each side of a 95 % interval."""
 
 
 class Presliding(NamedTuple):
-    """LuGre by key of the plant, or why the log does not tell it."""
+    """LuGre by key of the plant, or why it is not identifiable."""
 
-    values: dict[str, float]
+    parameters: dict[str, Parameter]
     """``mass``, ``offset``, ``friction.stiffness``, ``friction.damping``, ``friction.forward.*``: alike both ways."""
-    interval: dict[str, tuple[float, float]]
-    """95 %; infinite where the log does not tell it. Standard errors are lower bounds, as the friction fit says."""
-    told: dict[str, bool]
     consistent: bool
     """Whether the residuals are white and no larger than the noise: if not, this is no LuGre axis."""
     rms: float
     """Of position around stand-stills, m or rad."""
     why_not: str = ""
-    """A sentence; empty where stiffness and damping are told."""
-
-    @property
-    def found(self) -> bool:
-        """Whether there is a model of pre-sliding."""
-        return not self.why_not
+    """A sentence; empty where stiffness and damping are identifiable."""
 
 
 def presliding(
@@ -183,17 +175,19 @@ def presliding(
         )  # fmt: skip
     except DataError as error:
         text = str(error)
-        return Presliding({}, {}, {}, False, math.nan, f"Pre-sliding is not told: {text}.")
+        return Presliding({}, False, math.nan, f"Pre-sliding is not identifiable: {text}.")
     scale = {"stiffness": turn**-2, "damping": turn**-2, "viscous": turn**-2, "inertia": turn**-2,
              "coulomb": 1 / turn, "static": 1 / turn, "offset": 1 / turn, "stribeck_speed": turn}  # fmt: skip
-    found = fit.friction._asdict() | {"inertia": fit.inertia, "offset": fit.offset}
-    known = fit.identifiable | {"inertia": True, "offset": True}
-    named = {_key(n): found[n] * scale[n] for n in found}
-    reach = {_key(n): NORMAL * fit.standard_error[n] * scale[n] for n in found}
-    return Presliding(
-        values=named, interval={k: (v - reach[k], v + reach[k]) for k, v in named.items()},
-        told={_key(n): known[n] for n in found}, consistent=fit.consistent, rms=fit.rms * turn,
-    )  # fmt: skip
+    found = {}
+    for name, p in fit.parameters.items():
+        value, low, high = (scale[name] * x for x in (p.value, p.low, p.high))
+        found[_key(name)] = p._replace(value=value, low=low, high=high)
+    for name, value in (("inertia", fit.inertia), ("offset", fit.offset)):
+        half = quantile() * fit.standard_error[name]
+        found[_key(name)] = Parameter(
+            scale[name] * value, "", scale[name] * (value - half), scale[name] * (value + half)
+        )
+    return Presliding(found, fit.consistent, fit.rms * turn)
 
 
 def _key(name: str) -> str:

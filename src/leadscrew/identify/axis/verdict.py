@@ -1,9 +1,7 @@
 """Measured against simulated over a stretch of the log, and what inverse dynamics leaves of its force.
 
-Whether a residual is noise: the share of its autocorrelations that lie within their 95 % bounds.
-
-Of white noise about 95 of 100 lie within ``+- 1.96 / sqrt(n)`` (G. Box and G. Jenkins, 1970). A filtered residual is
-looked at once in a window's length, so that the filter itself does not colour it.
+The whiteness of a filtered residual (:func:`leadscrew.identify.estimation.whiteness`) is that of one sample in each
+window's length, so that the filter itself does not colour it.
 
 Whether the form of friction fits: what inverse dynamics leaves of the force, by speed and direction.
 
@@ -29,35 +27,12 @@ from leadscrew.identify.axis.inverse_dynamics import SIDES, Terms, friction_key,
 from leadscrew.identify.axis.job import Job
 from leadscrew.identify.axis.record import Record, window
 from leadscrew.identify.axis.result import Judged, Parameter
+from leadscrew.identify.estimation import whiteness
+from leadscrew.identify.log_player import LOST, Starts
 from leadscrew.util.errors import DataError
 
 if TYPE_CHECKING:
     from leadscrew.identify.axis.cascade import Cascade
-
-
-LAGS = 40
-LEAST = 10
-"""Pairs that an autocorrelation is taken of at least."""
-
-
-def whiteness(residual: np.ndarray, lags: int = LAGS) -> float:
-    """Percent of the first ``lags`` autocorrelations within their bounds; NaN in the residual marks what is left out.
-
-    NaN where fewer than :data:`LEAST` pairs are there for every lag.
-    """
-    known = np.isfinite(residual)
-    if known.sum() < LEAST:
-        return float("nan")
-    r = np.where(known, residual - np.mean(residual[known]), 0.0)
-    power = float(np.mean(r[known] ** 2))
-    if not power > 0.0:
-        return float("nan")
-    inside = []
-    for lag in range(1, min(lags, len(r) - 1) + 1):
-        pairs = int(np.sum(known[lag:] & known[:-lag]))
-        if pairs >= LEAST:
-            inside.append(abs(float(r[lag:] @ r[:-lag]) / pairs / power) <= 1.96 / np.sqrt(pairs))
-    return 100.0 * float(np.mean(inside)) if inside else float("nan")
 
 
 def terms_of(values: Mapping[str, float]) -> Terms:
@@ -108,7 +83,7 @@ def judged(
         what=what, start_s=float(time[0]), end_s=float(time[-1]), rms=rms, worst=float(np.max(np.abs(error))),
         nrmse_percent=100.0 * rms / float(np.ptp(record.position)) if np.ptp(record.position) > 0.0 else float("nan"),
         rms_force=rms_left, force_percent=100.0 * rms_left / rms_force if rms_force > 0.0 else float("nan"),
-        whiteness=whiteness(left[length // 2 :: length]), time=np.asarray(time),
+        whiteness=whiteness(left[length // 2 :: length]).percent, time=np.asarray(time),
         measured=np.asarray(record.position), simulated=simulated, speed=speed_of(record), force_left=left,
     )  # fmt: skip
 
@@ -134,10 +109,10 @@ HALF = 50.0
 
 
 def faults(judged: Sequence[Judged]) -> list[str]:
-    """Why the model is worthless, in sentences; judged on unseen data where there are any."""
+    """Why the model is worthless, in sentences; judged on validation data where there are any."""
     open_loop = {j.what: j for j in judged if "closed" not in j.what}
     j = open_loop.get("hold-out", open_loop.get("training"))
-    where = "data that the fit has not seen" if "hold-out" in open_loop else "the data of the fit itself"
+    where = "the validation data" if "hold-out" in open_loop else "the data of the fit itself"
     if j is None:
         return ["worthless as a model: simulated from the drive alone it diverges"]
     if j.force_percent > HALF:
@@ -183,23 +158,19 @@ def simulated(
     job: Job, values: Mapping[str, float], late: float, parts: list[tuple[str, int, int]], cascade: Cascade | None
 ) -> list[np.ndarray | None]:
     """Positions of each stretch from its own start (``by_model``); None where it diverges."""
-    from leadscrew.identify.axis import replay as plant
-    from leadscrew.identify.axis.simulation import by_model, plant_values, simulate_closed
+    from leadscrew.identify.axis.replay import played
+    from leadscrew.identify.axis.simulation import by_model, plant_values, play_lugre, simulate_closed
 
     if cascade is None and "friction.stiffness" in values:
-        from leadscrew.identify.axis.simulation import play_lugre
-
         return play_lugre(job.log, values, late, [p[1:] for p in parts], job.record.samples.slow_speed)
     if cascade is None:
-        point, loop = plant_values(values, job.log.force_per_drive), plant.played(job.log)
-        starts = by_model(job.log, loop, point, [first for _, first, _ in parts], late)
-        begins = plant.Starts(
-            np.array([p[1] for p in parts]), *(np.array(column) for column in zip(*starts, strict=True))
-        )
+        point, player = plant_values(values, job.log.force_per_drive), played(job.log)
+        begun = by_model(job.log, player, point, [first for _, first, _ in parts], late)
+        starts = Starts(np.array([p[1] for p in parts]), *(np.array(column) for column in zip(*begun, strict=True)))
         longest = max(last - first for _, first, last in parts)
-        rows = plant.play(loop, [point] * len(parts), begins, longest, [late] * len(parts))
+        rows = player.play([point] * len(parts), starts, longest, [late] * len(parts))
         found = [row[: last - first] for row, (_, first, last) in zip(rows, parts, strict=True)]
-        return [None if np.max(np.abs(row)) >= plant.LOST else row for row in found]
+        return [None if np.max(np.abs(row)) >= LOST else row for row in found]
     closed: list[np.ndarray | None] = []
     for _, first, last in parts:
         try:

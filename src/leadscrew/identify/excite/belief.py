@@ -1,4 +1,4 @@
-"""What is believed of an axis before the test: its parameters, its sensor, and what its log still has to tell.
+"""What is believed of an axis before the test: its parameters, its sensor, and what its log has to make identifiable.
 
 From the machine file where there is one (:func:`of_machine`), else guessed.
 """
@@ -11,6 +11,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
+from leadscrew.identify.estimation import LITTLE, identifiable, quantile
 from leadscrew.identify.excite.move import Limits
 from leadscrew.kernel.parameters import nearest
 from leadscrew.machine.file import MachineFile
@@ -44,8 +45,8 @@ class Belief:
     unit: str = "m"
     force_unit: str = "N"
     wanted: tuple[str, ...] = USUAL
-    told: dict[str, float] = field(default_factory=dict)
-    """Standard deviations that an earlier log has told, by key."""
+    known: dict[str, float] = field(default_factory=dict)
+    """Standard deviations that an earlier log gave, by key, of what was identifiable from it."""
     drive_unit: str = ""
     """Of the drive in that log."""
 
@@ -101,7 +102,7 @@ def checked(belief: Belief) -> Belief:
         name = key.rsplit(".", 1)[-1]
         if (name in needs or key in ("friction.stiffness", "backlash")) and not belief.of(key) > 0.0:
             short = name if name in SHORT else key
-            raise ValueRefused(f"{key} is to be told, and a test for it needs a guess of it: --guess {short}=VALUE")
+            raise ValueRefused(f"{key} is wanted, and a test for it needs a guess of it: --guess {short}=VALUE")
     if any(k in belief.wanted for k in SHORT["presliding"]) and not level(belief) > 0.0:
         raise ValueRefused(
             "Coulomb friction is 0, and a test for pre-sliding must stay below it: --guess coulomb=VALUE"
@@ -133,7 +134,7 @@ def belief_of(
         belief, limits = _of_fit(path, guess or {})
     names = keys_of(wanted) if wanted is not None else belief.wanted
     if not names:
-        raise ValueRefused(f"{path}: nothing is missing; say what is to be told better, as in --tell friction")
+        raise ValueRefused(f"{path}: nothing is missing; say what is to be determined better, as in --tell friction")
     return guessed(replace(belief, wanted=names), limits.speed), limits
 
 
@@ -142,8 +143,10 @@ def _of_fit(path: str | Path, guess: Mapping[str, float]) -> tuple[Belief, Limit
     try:
         parameters = {k: p for k, p in seen["parameters"].items() if k in KEYS}
         values = {k: float(p["value"]) for k, p in parameters.items() if p["value"] is not None}
-        told = {k: (p["high"] - p["low"]) / 3.92 for k, p in parameters.items()
-                if p.get("how") == "fitted" and p.get("told") and None not in (p["low"], p["high"])}  # fmt: skip
+        # Version 0.1.0 wrote "told" for "identifiable".
+        known = {k: (p["high"] - p["low"]) / (2.0 * quantile()) for k, p in parameters.items()
+                 if p.get("how") == "fitted" and p.get("identifiable", p.get("told"))
+                 and None not in (p["low"], p["high"])}  # fmt: skip
         low, high = map(float, seen["travel"])
         limits = Limits(low, high, float(seen["top_speed"]), float(seen["top_acceleration"]))
         missing = tuple(k for k in seen["missing"] if k in KEYS)
@@ -151,7 +154,7 @@ def _of_fit(path: str | Path, guess: Mapping[str, float]) -> tuple[Belief, Limit
         belief = Belief(
             {**values, **values_of(guess)}, max(float(seen["noise"] or 0.0), step / math.sqrt(12.0)),
             float(seen["period_s"]), bool(seen["symmetric"]), _force_noise(seen), str(seen["position_unit"]),
-            _force_unit(seen), missing, told, str(seen.get("drive_unit") or ""),
+            _force_unit(seen), missing, known, str(seen.get("drive_unit") or ""),
         )  # fmt: skip
     except (KeyError, TypeError, ValueError, AttributeError) as problem:
         raise DataError(
@@ -201,12 +204,8 @@ def _read(path: Path) -> dict[str, Any]:
     return seen["fit"] if isinstance(seen.get("fit"), dict) else seen
 
 
-TOLD, LITTLE = 0.25, 0.01
-"""Half of an interval as a share of the value, and of the sliding force, up to which a parameter counts as told."""
-
-
 def of_machine(path: str | Path) -> tuple[Belief, Limits]:
-    """The belief, its ``wanted`` being what the log of the machine did not tell, and the limits of that log.
+    """The belief, its ``wanted`` being what is not identifiable from the log of the machine, and the log's limits.
 
     Raises:
         DataError: no machine file, one without mass and friction, or a value that is no number.
@@ -229,7 +228,7 @@ def of_machine(path: str | Path) -> tuple[Belief, Limits]:
         values, math.hypot(machine.noise, machine.resolution / math.sqrt(12.0)) / scale, machine.period,
         bool(symmetric), _machine_force_noise(machine), "rad" if rotary else "m",
         _machine_force_unit(machine, rotary), _missing(machine, values, bool(symmetric), limits.speed),
-        _told(machine, limits.speed), machine.drive_unit,
+        _known(machine, limits.speed), machine.drive_unit,
     )  # fmt: skip
     return belief, limits
 
@@ -267,35 +266,39 @@ def _machine_force_noise(machine: MachineFile) -> float:
 
 
 def _missing(machine: MachineFile, values: dict[str, float], symmetric: bool, speed: float) -> tuple[str, ...]:
-    """Keys that its log fixed or told too widely, in the order of :data:`KEYS`; not those that no motion tells."""
+    """Keys that its log fixed or that are not identifiable, in the order of :data:`KEYS`; not those that no motion
+    determines.
+    """
     from leadscrew.toml_file import flat
 
     fixed = machine.identified.get("fixed", {})
     reasons = dict(flat(fixed)) if isinstance(fixed, dict) else {}
     beyond = {"backlash"} | (set() if symmetric else {"offset"})
-    wide = {k for k in machine.intervals if not _narrow(machine, k, speed)}
+    wide = {k for k in machine.intervals if not _identifiable(machine, k, speed)}
     open_to = ({k for k, why in reasons.items() if why != "given"} | wide) - beyond
     return tuple(k for k in KEYS if k in open_to and (k in values or k.startswith("friction.")))
 
 
-def _told(machine: MachineFile, speed: float) -> dict[str, float]:
-    """Standard deviations of what its log has told."""
-    return {k: (high - low) / 3.92 for k, (low, high) in machine.intervals.items()
-            if k in KEYS and high > low and _narrow(machine, k, speed)}  # fmt: skip
+def _known(machine: MachineFile, speed: float) -> dict[str, float]:
+    """Standard deviations of what was identifiable from its log."""
+    return {k: (high - low) / (2.0 * quantile()) for k, (low, high) in machine.intervals.items()
+            if k in KEYS and high > low and _identifiable(machine, k, speed)}  # fmt: skip
 
 
-def _narrow(machine: MachineFile, key: str, speed: float) -> bool:
-    """Whether an interval is of use: narrow beside its value, or of little force beside that of sliding."""
+def _identifiable(machine: MachineFile, key: str, speed: float) -> bool:
+    """By the rule of :mod:`leadscrew.identify.estimation`, the force of sliding at ``speed`` being that of the log."""
     low, high = machine.intervals[key]
     half, value = 0.5 * (high - low), float(machine.parameters.get(key, machine.delay_s if key == "delay_s" else 0.0))
-    if half <= TOLD * abs(value) or (key == "delay_s" and half <= TOLD * machine.period):
-        return True
-    name = key.rsplit(".", 1)[-1]
-    if name not in ("offset", "coulomb", "viscous"):
-        return False
-    sliding = max(
-        float(machine.parameters.get(f"friction.{s}.coulomb", 0.0))
-        + speed * float(machine.parameters.get(f"friction.{s}.viscous", 0.0))
-        for s in SIDES
-    )
-    return half * (speed if name == "viscous" else 1.0) <= LITTLE * sliding
+    name, negligible = key.rsplit(".", 1)[-1], 0.0
+    if key == "delay_s":
+        negligible = machine.period
+    elif name == "static":
+        value -= float(machine.parameters.get(key.replace(".static", ".coulomb"), 0.0))
+    elif name in ("offset", "coulomb", "viscous"):
+        sliding = max(
+            float(machine.parameters.get(f"friction.{s}.coulomb", 0.0))
+            + speed * float(machine.parameters.get(f"friction.{s}.viscous", 0.0))
+            for s in SIDES
+        )
+        negligible = LITTLE * sliding / (speed if name == "viscous" else 1.0)
+    return identifiable(value, half, negligible)

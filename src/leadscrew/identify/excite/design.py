@@ -4,7 +4,7 @@ The information of parts adds up (each starts and ends at rest), so the choice i
 experiments with a cost in seconds (V. V. Fedorov, *Theory of Optimal Experiments*, Academic Press 1972): the next part
 is the one that lowers the sum of ``ln(interval / target)`` over all intervals not yet met the most, by second. A part
 of each kind is run whatever the numbers say. The whole is run twice: a fitter that keeps the second half of a log
-unseen then meets in both halves the same motions. Predictions are for the first.
+for validation then meets in both halves the same motions. Predictions are for the first.
 
 Parts that a test move is made of; each starts and ends at rest in the middle of the travel.
 
@@ -25,10 +25,11 @@ from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
+from leadscrew.identify.estimation import identifiable, quantile
 from leadscrew.identify.excite import belief as beliefs
 from leadscrew.identify.excite import move as bounds
 from leadscrew.identify.excite.belief import Belief, level
-from leadscrew.identify.excite.information import Z95, Information, columns_of, information, nothing
+from leadscrew.identify.excite.information import Information, columns_of, information, nothing
 from leadscrew.identify.excite.move import (
     SHARE,
     START_REST,
@@ -195,8 +196,8 @@ def _reverse(limits: Limits, belief: Belief) -> Part:
     return _part(limits, "reverse", "lost motion", half, min(2.0 * half / 0.5, 0.2 * limits.speed), 0.3, 3)
 
 
-TARGETS = {"mass": 5.0, "coulomb": 5.0, "viscous": 10.0, "static": 10.0, "stribeck_speed": 30.0, "stiffness": 10.0,
-           "damping": 30.0, "backlash": 20.0}  # fmt: skip
+TARGETS = {"mass": 5.0, "coulomb": 5.0, "viscous": 10.0, "static": 10.0, "stribeck_speed": 25.0, "stiffness": 10.0,
+           "damping": 25.0, "backlash": 20.0}  # fmt: skip
 """Half of a 95 % interval in percent of the value, where no target is given; offset: of Coulomb friction."""
 END_REST = 0.5
 SINGULAR = 1e-11
@@ -222,7 +223,7 @@ class Predicted(NamedTuple):
     value: float
     half: float
     target: float
-    verdict: Literal["told", "wide", "not told"]
+    verdict: Literal["identifiable", "wide", "not identifiable"]
     why: str = ""
 
     @property
@@ -277,16 +278,16 @@ def propose(
         raise ValueRefused(f"target = {target_percent!r} %: allowed range is (0, 100]")
     room = (limits.duration - START_REST - END_REST) / PASSES
     parts = _fitting(candidates(limits, belief), limits, room)
-    told = []
+    by_part = []
     for k, part in enumerate(parts):
         progress(part.name, k / len(parts))
-        told.append(information(part.move, belief)._replace(seconds=part.move.duration - START_REST))
+        by_part.append(information(part.move, belief)._replace(seconds=part.move.duration - START_REST))
     targets = {key: _target(key, belief, target_percent) for key in belief.wanted}
-    chosen = _chosen(told, _first(parts), belief, targets, room)
+    chosen = _chosen(by_part, _first(parts), belief, targets, room)
     counts = Counter(chosen)
     total = nothing(belief)
     for k, times in counts.items():
-        total = total.plus(told[k], times)
+        total = total.plus(by_part[k], times)
     move = _move(limits, [(parts[k], counts[k]) for k in sorted(counts)])
     seen = sampled(move, belief.period)
     check(seen, limits)
@@ -325,7 +326,7 @@ def half_intervals(total: Information, belief: Belief) -> dict[str, float]:
     columns = columns_of(belief)
     prior = np.zeros(len(columns))
     for k, keys in enumerate(columns.values()):
-        known = [belief.told[key] for key in keys if belief.told.get(key, 0.0) > 0.0]
+        known = [belief.known[key] for key in keys if belief.known.get(key, 0.0) > 0.0]
         prior[k] = 1.0 / min(known) ** 2 if known else 0.0
     covariance = _inverse(total.sensor + np.diag(prior))
     if belief.force_noise > 0.0:
@@ -334,13 +335,15 @@ def half_intervals(total: Information, belief: Belief) -> dict[str, float]:
     for k, keys in enumerate(columns.values()):
         spread = math.sqrt(covariance[k, k]) if np.isfinite(covariance[k, k]) else math.inf
         found.update(
-            dict.fromkeys(keys, Z95 * REACHED * spread + (DELAY_FLOOR * belief.period if keys[0] == "delay_s" else 0.0))
+            dict.fromkeys(
+                keys, quantile() * REACHED * spread + (DELAY_FLOOR * belief.period if keys[0] == "delay_s" else 0.0)
+            )
         )
     bristles = _inverse(total.bristles)
     for k, key in enumerate(("friction.stiffness", "friction.damping")):
-        found[key] = Z95 * REACHED * math.sqrt(bristles[k, k]) if np.isfinite(bristles[k, k]) else math.inf
+        found[key] = quantile() * REACHED * math.sqrt(bristles[k, k]) if np.isfinite(bristles[k, k]) else math.inf
     found.update({k: math.hypot(half, LEAST_SHARE * abs(belief.of(k))) for k, half in found.items()})
-    found["backlash"] = Z95 * belief.noise * math.sqrt(2.0 / total.reversals) if total.reversals else math.inf
+    found["backlash"] = quantile() * belief.noise * math.sqrt(2.0 / total.reversals) if total.reversals else math.inf
     return found
 
 
@@ -375,22 +378,22 @@ def _target(key: str, belief: Belief, percent: float | None) -> float:
 
 
 def _chosen(
-    told: list[Information], always: list[int], belief: Belief, targets: Mapping[str, float], room: float
+    by_part: list[Information], always: list[int], belief: Belief, targets: Mapping[str, float], room: float
 ) -> list[int]:
     """Numbers of parts, in the order in which they were chosen."""
     total, chosen, used = nothing(belief), [], 0.0
     for k in always:
-        if used + told[k].seconds <= room:
-            total, used = total.plus(told[k]), used + told[k].seconds
+        if used + by_part[k].seconds <= room:
+            total, used = total.plus(by_part[k]), used + by_part[k].seconds
             chosen.append(k)
     here = _missing(total, belief, targets)
     while here > 0.0 and len(chosen) < LONGEST:
-        open_to = [k for k, part in enumerate(told) if used + part.seconds <= room]
-        after = {k: _missing(total.plus(told[k]), belief, targets) for k in open_to}
-        best = max(open_to, key=lambda k: (here - after[k]) / told[k].seconds, default=-1)
+        open_to = [k for k, part in enumerate(by_part) if used + part.seconds <= room]
+        after = {k: _missing(total.plus(by_part[k]), belief, targets) for k in open_to}
+        best = max(open_to, key=lambda k: (here - after[k]) / by_part[k].seconds, default=-1)
         if best < 0 or after[best] >= here:
             break
-        total, used, here = total.plus(told[best]), used + told[best].seconds, after[best]
+        total, used, here = total.plus(by_part[best]), used + by_part[best].seconds, after[best]
         chosen.append(best)
     return chosen
 
@@ -419,10 +422,16 @@ def _move(limits: Limits, chosen: list[tuple[Part, int]]) -> Move:
 
 def _predicted(key: str, belief: Belief, half: float, target: float, limits: Limits, duration: float) -> Predicted:
     if half <= 1.0001 * target:
-        return Predicted(key, belief.of(key), half, target, "told")
+        return Predicted(key, belief.of(key), half, target, "identifiable")
     if key == "offset" and not belief.symmetric:
-        why = "with friction by direction an offset is a part of Coulomb friction: no motion tells them apart"
-        return Predicted(key, belief.of(key), math.inf, target, "not told", why)
-    size = abs(belief.of(key)) or 20.0 * target
-    verdict: Literal["wide", "not told"] = "wide" if half < 0.5 * size else "not told"
+        why = "with friction by direction an offset is a part of Coulomb friction: no motion separates them"
+        return Predicted(key, belief.of(key), math.inf, target, "not identifiable", why)
+    size = abs(belief.of(key) - _below(key, belief)) or 20.0 * target
+    known = identifiable(size, half, belief.period if key == "delay_s" else 0.0)
+    verdict: Literal["wide", "not identifiable"] = "wide" if known else "not identifiable"
     return Predicted(key, belief.of(key), half, target, verdict, why_not(key, belief, half, target, limits, duration))
+
+
+def _below(key: str, belief: Belief) -> float:
+    """What a value is counted from: static friction from Coulomb friction."""
+    return belief.of(key.replace(".static", ".coulomb")) if key.endswith(".static") else 0.0

@@ -29,7 +29,6 @@ from leadscrew.identify.excite.move import Move, Sampled, sampled
 WINDOW_S = 0.5
 ALIKE_S = 0.025
 """Seconds over which what a model leaves of the force is alike."""
-Z95 = 1.959963984540054
 
 
 class Information(NamedTuple):
@@ -140,9 +139,9 @@ def _windows(forces: np.ndarray, moving: np.ndarray, belief: Belief) -> np.ndarr
         speed = after
     seen[-1, length - (count * length - len(forces)) :] = 0.0  # what was padded is not measured
     free, _ = np.linalg.qr(seen[:, :, :2])
-    told = seen[:, :, 2:]
-    told = told - free @ (np.swapaxes(free, 1, 2) @ told)
-    return np.einsum("wki,wkj->ij", told, told)
+    response = seen[:, :, 2:]
+    response = response - free @ (np.swapaxes(free, 1, 2) @ response)
+    return np.einsum("wki,wkj->ij", response, response)
 
 
 def _short(move: Move, seen: Sampled, belief: Belief) -> np.ndarray:

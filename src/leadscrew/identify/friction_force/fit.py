@@ -18,8 +18,8 @@ LuGre from a measured friction force: stiffness, damping, friction of each direc
 
 The start of the search is Coulomb friction of each direction and the best of several stiffnesses. Viscous friction
 needs sliding speeds that differ, a Stribeck fall needs them to differ more; where they do not, the value is fixed and
-said to be. A Stribeck fall is kept only where it lowers the error of strokes that the fit has not seen: the last third
-of the training part judges it, and then all of the training part fits it.
+said to be. A Stribeck fall is kept only where it lowers the error on validation strokes: the last third of the
+training part judges it, and then all of the training part fits it.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ from leadscrew.friction.asymmetric import TwoSidedLuGre
 from leadscrew.friction.dahl import Dahl
 from leadscrew.friction.maxwell_slip import MaxwellSlip
 from leadscrew.friction.static_map import Sliding, TwoSided
-from leadscrew.identify.axis.result import Parameter
+from leadscrew.identify.estimation import Parameter, quantile
 from leadscrew.identify.friction_force.models import dahl_force, levels, lugre_force, map_force, one_sided, stops
 from leadscrew.identify.friction_force.record import LEAST, ForceRecord
 from leadscrew.identify.friction_force.result import (
@@ -56,8 +56,8 @@ from leadscrew.identify.friction_force.task import (
     clusters_of,
     judged,
     parameters,
-    robust,
     search,
+    spread_of,
     task_of,
     without_rise,
 )
@@ -83,10 +83,8 @@ def fit_coulomb(task: Task, amplitude: float) -> ModelFit:
     matrix = np.column_stack([way > 0.0, -(way < 0.0).astype(float), r.speed]) * task.weight[:, None]
     values, *_ = np.linalg.lstsq(matrix[:n], r.force[:n], rcond=None)
     simulated = matrix @ values
-    covariance, condition, quantile = robust(
-        matrix[:n], simulated[:n] - r.force[:n], clusters_of(r.strokes[:n]), np.ones(3, bool)
-    )
-    found = Found(values, covariance, condition, 0.0, quantile, True)
+    spread = spread_of(matrix[:n], simulated[:n] - r.force[:n], clusters_of(r.strokes[:n]), np.ones(3, bool))
+    found = Found(values, spread, 0.0, True)
     keys = {
         "friction.forward.coulomb": ("force", np.array([1.0, 0.0, 0.0])),
         "friction.backward.coulomb": ("force", np.array([0.0, 1.0, 0.0])),
@@ -95,7 +93,9 @@ def fit_coulomb(task: Task, amplitude: float) -> ModelFit:
     }
     ahead, back, viscous = values.tolist()
     f = TwoSided(Sliding(ahead, ahead, 1.0, viscous), Sliding(back, back, 1.0, viscous))
-    return judged(task, MAP, f, simulated, parameters(keys, found, task, {}), amplitude=amplitude, condition=condition)
+    return judged(
+        task, MAP, f, simulated, parameters(keys, found, task, {}), amplitude=amplitude, condition=spread.condition
+    )
 
 
 def sliding_rows(task: Task, share: np.ndarray) -> np.ndarray:
@@ -109,8 +109,6 @@ def sliding_rows(task: Task, share: np.ndarray) -> np.ndarray:
 
 def bins_of(task: Task, rows: np.ndarray) -> list[Bin]:
     """Force against speed in bins of equal ratios of speed, each direction."""
-    from scipy.stats import t as student
-
     r, found = task.record, []
     y = r.force / np.where(task.weight != 0.0, task.weight, 1.0)
     for way in (-1.0, 1.0):
@@ -125,7 +123,7 @@ def bins_of(task: Task, rows: np.ndarray) -> list[Bin]:
                 continue
             means = np.array([y[part[r.strokes[part] == k]].mean() for k in np.unique(r.strokes[part])])
             few = len(means) < 3
-            reach = np.nan if few else float(student.ppf(0.975, len(means) - 1) * means.std(ddof=1) / len(means) ** 0.5)
+            reach = np.nan if few else quantile(len(means) - 1) * float(means.std(ddof=1)) / len(means) ** 0.5
             middle = float(means.mean())
             found.append(Bin(float(r.speed[part].mean()), middle, middle - reach, middle + reach, len(means)))
     return sorted(found)
@@ -174,12 +172,14 @@ def fit_map(task: Task, rows: np.ndarray, amplitude: float) -> ModelFit:
         ))  # fmt: skip
     done = min(tried, key=lambda x: x.cost)
     free = done.x - np.array(low) > 1e-6 * np.maximum(np.abs(done.x), 1e-3 * np.abs(q0))
-    covariance, condition, quantile = robust(done.jac, done.fun, clusters_of(r.strokes[some]), free)
+    doubt = spread_of(done.jac, done.fun, clusters_of(r.strokes[some]), free)
     values = np.where(free, done.x, np.array(low))
-    found = Found(values, covariance, condition, 0.0, quantile, done.status > 0)
+    found = Found(values, doubt, 0.0, done.status > 0)
     f = friction_of(values)
     given = _map_parameters(task, found, f, viscous, fall)
-    return judged(task, STRIBECK, f, task.weight * map_force(f, r), given, amplitude=amplitude, condition=condition)
+    return judged(
+        task, STRIBECK, f, task.weight * map_force(f, r), given, amplitude=amplitude, condition=doubt.condition
+    )
 
 
 def _map_parameters(task: Task, found: Found, f: TwoSided, viscous: bool, fall: bool) -> dict:
@@ -255,7 +255,7 @@ def fit_dahl(task: Task, like: ModelFit, amplitude: float) -> ModelFit:
     dahl = friction_of(found.values)
     force = task.weight * (dahl_force(dahl, task.record) + found.values[3])
     return judged(task, DAHL, dahl, force, parameters(keys, found, task, {}), amplitude=amplitude,
-                  offset=float(found.values[3]), condition=found.condition)  # fmt: skip
+                  offset=float(found.values[3]), condition=found.spread.condition)  # fmt: skip
 
 
 def fit_slip(task: Task, amplitude: float) -> tuple[ModelFit, np.ndarray]:
@@ -285,10 +285,10 @@ def fit_slip(task: Task, amplitude: float) -> tuple[ModelFit, np.ndarray]:
     )  # fmt: skip
     simulated = matrix @ weights
     kept = np.flatnonzero(weights > 0.0)
-    covariance, condition, quantile = robust(
+    spread = spread_of(
         matrix[:n][:, kept], simulated[:n] - record.force[:n], clusters_of(record.strokes[:n]), np.ones(len(kept), bool)
     )
-    found = Found(weights[kept], covariance, condition, 0.0, quantile, True)
+    found = Found(weights[kept], spread, 0.0, True)
     unit = {int(k): row for k, row in zip(kept, np.eye(len(kept)), strict=True)}
     keys = {"friction.coulomb": ("force", np.sum([unit[int(k)] for k in used], axis=0))}
     keys |= {f"friction.share[{i}]": ("force", unit[int(k)]) for i, k in enumerate(used)}
@@ -296,7 +296,8 @@ def fit_slip(task: Task, amplitude: float) -> tuple[ModelFit, np.ndarray]:
     for i, k in enumerate(used):
         given[f"friction.share[{i}]"] = _share(given[f"friction.share[{i}]"], level, float(yields[k]), record.unit)
     bent = matrix[:, :m] @ weights[:m] / (level * np.where(task.weight != 0.0, task.weight, 1.0))
-    return judged(task, SLIP, slip, simulated, given, amplitude=amplitude, offset=offset, condition=condition), bent
+    fit = judged(task, SLIP, slip, simulated, given, amplitude=amplitude, offset=offset, condition=spread.condition)
+    return fit, bent
 
 
 def _weights(task: Task, yields: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -331,8 +332,8 @@ def _merged(yields: np.ndarray, forces: np.ndarray) -> np.ndarray:
 
 
 def _share(p: Parameter, level: float, yields: float, unit: str) -> Parameter:
-    note = f"yields after {yields:.3g} {unit}" + ("" if p.told else "; its interval is too wide to be of use")
-    return Parameter(p.value / level, "1", p.low / level, p.high / level, p.how, p.told, note)
+    note = f"yields after {yields:.3g} {unit}" + ("" if p.identifiable else "; its interval is too wide to be of use")
+    return Parameter(p.value / level, "1", p.low / level, p.high / level, p.how, p.identifiable, note)
 
 
 SHARES = (1e-3, 3e-3, 1e-2, 3e-2, 0.1, 0.3)
@@ -340,7 +341,7 @@ SHARES = (1e-3, 3e-3, 1e-2, 3e-2, 0.1, 0.3)
 FALLS = (0.05, 0.2, 0.5)
 """Of the fastest sliding: Stribeck speeds to start from."""
 KEEP = 0.98
-"""A Stribeck fall must lower the error of unseen strokes to this share."""
+"""A Stribeck fall must lower the error on validation strokes to this share."""
 FAR_SPEED = 1e3
 """Times the fastest sliding: a Stribeck speed that does not matter because there is no fall."""
 
@@ -378,14 +379,14 @@ def fit_lugre(task: Task, amplitude: float) -> ModelFit:
         if fuller is not None:
             shape, found = with_fall, fuller
         else:
-            notes.append("a Stribeck fall does not lower the error of strokes that the fit has not seen")
+            notes.append("a Stribeck fall does not lower the error on validation strokes")
     if not found.converged:
         notes.append("the search ended before it had converged")
     fast = task.speeds[1]
     f = friction_of(found.values, shape, fast)
     force = lugre_force(f, task.record, float(found.values[4]))
     given = _parameters(task, shape, found, f)
-    return judged(task, LUGRE, f, task.weight * force, given, amplitude=amplitude, condition=found.condition,
+    return judged(task, LUGRE, f, task.weight * force, given, amplitude=amplitude, condition=found.spread.condition,
                   notes=tuple(notes))  # fmt: skip
 
 
@@ -458,7 +459,7 @@ def _with_stribeck(task: Task, plain: Shape, found: Found) -> tuple[Found | None
     simple = _search(part, plain, found.values)
     tried = [_search(part, shape, _with_fall(found.values, shape, share, task.speeds[1])) for share in FALLS]
     best = min(tried, key=lambda x: x.rms)
-    if _unseen(task, inner, best, shape) > KEEP * _unseen(task, inner, simple, plain):
+    if _validation_error(task, inner, best, shape) > KEEP * _validation_error(task, inner, simple, plain):
         return None, plain
     return _search(task, shape, best.values), shape
 
@@ -474,7 +475,7 @@ def _with_fall(values: np.ndarray, shape: Shape, share: float, fast: float) -> n
     return start
 
 
-def _unseen(task: Task, inner: int, found: Found, shape: Shape) -> float:
+def _validation_error(task: Task, inner: int, found: Found, shape: Shape) -> float:
     record, n = _first(task)
     force = lugre_force(friction_of(found.values, shape, task.speeds[1]), record, float(found.values[4]))
     left = (task.weight[:n] * force - task.record.force[:n])[inner:]
@@ -633,6 +634,6 @@ def _advice(fit: FrictionForceFit, task: Task) -> list[str]:
     if task.ratio < STRIBECK_RATIO:
         said.append("slow strokes, down to a hundredth of the fastest, tell static friction and Stribeck speed")
     damping = fit.chosen.parameters["friction.damping"]
-    if not damping.told:
+    if not damping.identifiable:
         said.append("quick reversals inside the travel before sliding tell the damping of the bristles")
     return said

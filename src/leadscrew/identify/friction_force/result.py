@@ -11,7 +11,7 @@ from leadscrew.friction.asymmetric import TwoSidedLuGre
 from leadscrew.friction.dahl import Dahl
 from leadscrew.friction.maxwell_slip import MaxwellSlip
 from leadscrew.friction.static_map import Sliding, TwoSided
-from leadscrew.identify.axis.result import Parameter
+from leadscrew.identify.estimation import Parameter
 from leadscrew.identify.friction_force.record import ForceRecord
 from leadscrew.util.errors import ValueRefused
 from leadscrew.util.escape import one_line
@@ -62,9 +62,9 @@ class ModelFit:
     notes: tuple[str, ...] = ()
 
     @property
-    def told(self) -> tuple[str, ...]:
-        """Keys that the log tells."""
-        return tuple(key for key, p in self.parameters.items() if p.told)
+    def identifiable(self) -> tuple[str, ...]:
+        """Keys of the identifiable parameters."""
+        return tuple(key for key, p in self.parameters.items() if p.identifiable)
 
 
 @dataclass(frozen=True)

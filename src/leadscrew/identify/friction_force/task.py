@@ -3,15 +3,10 @@
 Least squares of a simulated friction force, with intervals that allow for residuals that are not white.
 
 What a model misses comes again in every stroke and lasts for many samples, so neighbouring residuals are alike and the
-usual intervals are far too narrow. The covariance here is that of the jackknife over ``c`` clusters of samples (cycles
-of two strokes, or strokes where there are few): how much the values would move if one of them were left out,
-
-    C = (c - 1) / c  sum_k d_k d_k'        d_k = (J'J - J_k'J_k)^-1 J_k' e_k
-
-Source: A. C. Cameron, D. L. Miller, *A practitioner's guide to cluster-robust inference*, Journal of Human Resources 50
-(2015) 317, section VI (CR3). Intervals use Student's ``t`` with ``c - 1`` degrees of freedom. They say how well the
-parameters repeat from cycle to cycle; a shape that the model cannot take is missed the same way in each of them and
-does not widen an interval, nor does the bias of samples that are far apart.
+usual intervals are far too narrow. The covariance is that of :func:`leadscrew.identify.estimation.clustered`, its
+clusters being cycles of two strokes, or strokes where there are few; a sum of values has the fewest degrees of freedom
+of its parts. Intervals say how well the parameters repeat from cycle to cycle; a shape that the model cannot take is
+missed the same way in each of them and does not widen an interval, nor does the bias of samples that are far apart.
 """
 
 from __future__ import annotations
@@ -22,7 +17,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from leadscrew.friction.static_map import Sliding
-from leadscrew.identify.axis.result import How, Parameter
+from leadscrew.identify.estimation import Parameter, Spread, clustered, fitted, quantile, whiteness
+from leadscrew.identify.estimation import fixed as fixed_parameter
 from leadscrew.identify.friction_force.record import ForceRecord
 from leadscrew.identify.friction_force.result import Load, ModelFit
 
@@ -38,12 +34,9 @@ class Found(NamedTuple):
     """The best values."""
 
     values: np.ndarray
-    covariance: np.ndarray
-    """NaN in rows and columns of a parameter on its bound, or without effect."""
-    condition: float
+    spread: Spread
+    """NaN where a parameter is on its bound, or without effect."""
     rms: float
-    quantile: float
-    """Student's, for the intervals."""
     converged: bool
 
 
@@ -79,53 +72,24 @@ def search(
         lambda q: model(q) - target, begin, bounds=(low, high), x_scale=size, max_nfev=most, ftol=1e-9, xtol=1e-9
     )
     free = (done.x - low > AT_BOUND * size) & (high - done.x > AT_BOUND * size)
-    covariance, condition, quantile = robust(done.jac, done.fun, clusters_of(strokes), free)
+    spread = spread_of(done.jac, done.fun, clusters_of(strokes), free)
     rms = float(np.sqrt(np.mean(done.fun**2)))
     values = np.where(free, done.x, np.where(done.x - low < high - done.x, low, high))
-    return Found(values, covariance, condition, rms, quantile, bool(done.status > 0))
+    return Found(values, spread, rms, bool(done.status > 0))
 
 
-def robust(
-    jacobian: np.ndarray, residual: np.ndarray, clusters: np.ndarray, free: np.ndarray
-) -> tuple[np.ndarray, float, float]:
-    """Covariance of the jackknife over clusters; condition number, columns at unit length; Student's 0.975 quantile."""
-    from scipy.stats import t as student
-
+def spread_of(jacobian: np.ndarray, residual: np.ndarray, clusters: np.ndarray, free: np.ndarray) -> Spread:
+    """Covariance and degrees of freedom of the ``free`` values; NaN for the others, and for those without effect."""
     p = jacobian.shape[1]
-    covariance = np.full((p, p), np.nan)
-    length = np.linalg.norm(jacobian, axis=0)
-    use = np.flatnonzero(free & (length > 0.0))
+    use = np.flatnonzero(free & (np.linalg.norm(jacobian, axis=0) > 0.0))
+    covariance, degrees = np.full((p, p), np.nan), np.full(p, np.nan)
     if not len(use):
-        return covariance, float("nan"), float("nan")
-    unit = jacobian[:, use] / length[use]
-    sizes = np.linalg.svd(unit, compute_uv=False)
-    condition = float(sizes[0] / sizes[-1]) if sizes[-1] > 0.0 else float("inf")
-    whole, count = unit.T @ unit, int(clusters.max()) + 1
-    order = np.argsort(clusters, kind="stable")
-    edges = np.searchsorted(clusters[order], np.arange(count + 1))
-    found = np.zeros_like(whole)
-    for first, last in zip(edges[:-1].tolist(), edges[1:].tolist(), strict=True):
-        part = unit[order[first:last]]
-        moved = np.linalg.pinv(whole - part.T @ part, hermitian=True) @ (part.T @ residual[order[first:last]])
-        found += np.outer(moved, moved)
-    found *= (count - 1.0) / count
-    covariance[np.ix_(use, use)] = found / np.outer(length[use], length[use])
-    return covariance, condition, float(student.ppf(0.975, count - 1))
+        return Spread(covariance, degrees, float("nan"))
+    found = clustered(jacobian[:, use], residual, clusters)
+    covariance[np.ix_(use, use)], degrees[use] = found.covariance, found.degrees
+    return Spread(covariance, degrees, found.condition)
 
 
-def whiteness(residual: np.ndarray) -> float:
-    """Share of the first 50 autocorrelations of a residual that lie within their 95 % bounds, in percent."""
-    e = residual - residual.mean()
-    lags = min(50, len(e) // 4)
-    power = float(e @ e)
-    if power == 0.0 or lags < 1:
-        return 100.0
-    found = np.array([float(e[k:] @ e[:-k]) for k in range(1, lags + 1)]) / power
-    return 100.0 * float(np.mean(np.abs(found) < 1.96 / np.sqrt(len(e))))
-
-
-USEFUL = 0.5
-"""Half of an interval over the value, beyond which the log is said not to tell the parameter."""
 VISCOUS_RATIO = 2.0
 """Fast over slow sliding below which a viscous part cannot be told from Coulomb friction."""
 STRIBECK_RATIO = 3.0
@@ -193,17 +157,17 @@ def parameters(
     for key, (kind, weights) in keys.items():
         used = weights != 0.0
         value = float(weights @ found.values)
-        variance = float(weights[used] @ found.covariance[np.ix_(used, used)] @ weights[used])
+        variance = float(weights[used] @ found.spread.covariance[np.ix_(used, used)] @ weights[used])
         if not np.isfinite(variance):
             out[key] = Parameter(value, units[kind], np.nan, np.nan, "fitted", False, "on its bound, or without effect")
             continue
-        reach = found.quantile * float(np.sqrt(variance))
-        told = reach <= USEFUL * abs(value)
-        note = "" if told else "its interval is too wide to be of use"
-        out[key] = Parameter(value, units[kind], value - reach, value + reach, "fitted", told, note)
+        reach = quantile(float(found.spread.degrees[used].min())) * float(np.sqrt(variance))
+        coulomb = out.get(key.replace(".static", ".coulomb")) if key.endswith(".static") else None
+        counted = value if coulomb is None else value - coulomb.value
+        p = fitted(value, (value - reach, value + reach), units[kind], counted=counted)
+        out[key] = p if p.identifiable else p._replace(note="its interval is too wide to be of use")
     for key, (value, kind, why) in fixed.items():
-        how: How = "fixed"
-        out[key] = Parameter(value, units[kind], np.nan, np.nan, how, False, why)
+        out[key] = fixed_parameter(value, units[kind], why)
     return out
 
 
@@ -220,5 +184,5 @@ def judged(
     percent = 100.0 / amplitude
     return ModelFit(
         name, task.load, friction, given, offset, simulated, rms, held, worst, percent * rms, percent * held, condition,
-        whiteness(seen), notes,
+        whiteness(seen).percent, notes,
     )  # fmt: skip

@@ -1,4 +1,4 @@
-"""Linear models from logs: a transfer function with delay, its order chosen by simulation of what it has not seen.
+"""Linear models from logs: a transfer function with delay, its order chosen by simulation of validation data.
 
 :func:`identify_linear` takes arrays, :func:`read_linear` makes them from two columns of a log.
 """

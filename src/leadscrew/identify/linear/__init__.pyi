@@ -3,8 +3,8 @@ from .record import LinearRecord as LinearRecord
 from .record import linear_record as linear_record
 from .record import read_linear as read_linear
 from .result import Candidate as Candidate
-from .result import Interval as Interval
 from .result import LinearFit as LinearFit
+from .result import Parameter as Parameter
 from .result import Stretch as Stretch
 from .result import block as block
 from .result import machine as machine

@@ -1,4 +1,4 @@
-"""What a linear fit says of itself in words: what the log does not tell, what is odd, what to measure next."""
+"""What a linear fit says of itself in words: what is not identifiable, what is odd, what to measure next."""
 
 from __future__ import annotations
 
@@ -6,10 +6,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from leadscrew.identify.estimation import LAGS, SHARE, autoregression
 from leadscrew.identify.linear.choose import Task
 from leadscrew.identify.linear.record import LinearRecord
 from leadscrew.identify.linear.result import LinearFit
-from leadscrew.identify.linear.uncertainty import LAGS, TOLD, autoregression, beyond, hertz
+from leadscrew.identify.linear.uncertainty import beyond, hertz
 
 if TYPE_CHECKING:
     from leadscrew.analysis.frequency_response import FrequencyResponse
@@ -96,9 +97,9 @@ POOR = 50.0
 """Fit in percent below which the model explains little."""
 
 
-def untold(fit: LinearFit) -> list[str]:
+def not_identifiable(fit: LinearFit) -> list[str]:
     """Quantities whose interval is too wide to be of use, or whose frequency the log does not excite."""
-    return [name for name, p in fit.parameters.items() if not p.told or _beyond(fit, name)]
+    return [name for name, p in fit.parameters.items() if not p.identifiable or _beyond(fit, name)]
 
 
 def _beyond(fit: LinearFit, name: str) -> bool:
@@ -125,12 +126,16 @@ def notes(fit: LinearFit, record: LinearRecord, task: Task, asked: bool) -> list
         if _beyond(fit, name):
             said.append(
                 f"{name} lies at {_hertz(fit, name):.3g} Hz, above the {high:.3g} Hz up to which the input moves the "
-                "output by more than what is left: the log does not tell it, nor the coefficients, nor the delay"
+                "output by more than what is left: neither it nor the coefficients nor the delay are identifiable"
             )
-        elif not fit.parameters[name].told:
-            wide = fit.parameters[name].percent >= TOLD
-            why = "its 95 % interval is as wide as the value" if wide else "others stand in for it within its interval"
-            said.append(f"{name} is not told by this log: {why}")
+        elif not fit.parameters[name].identifiable:
+            wide = fit.parameters[name].percent > 100.0 * SHARE
+            why = (
+                f"half of its 95 % interval is more than {100.0 * SHARE:.0f} % of its value"
+                if wide
+                else "others stand in for it within its interval"
+            )
+            said.append(f"{name} is not identifiable from this log: {why}")
     if fit.numerator[-1] < 0.0:
         said.append(
             f"the gain is negative: a positive {fit.input_name} moves {fit.output_name} backwards; a machine file has "
@@ -189,14 +194,12 @@ def notes(fit: LinearFit, record: LinearRecord, task: Task, asked: bool) -> list
 def next_steps(fit: LinearFit, record: LinearRecord) -> list[str]:
     """What to measure next, most useful first."""
     said = []
-    fast = [
-        _hertz(fit, n) for n in fit.parameters if _hertz(fit, n) and (_beyond(fit, n) or not fit.parameters[n].told)
-    ]
+    fast = [_hertz(fit, n) for n in not_identifiable(fit) if _hertz(fit, n)]
     if fast:
         said.append(
             f"excite {min(fast):.3g} to {2.0 * max(fast):.3g} Hz as well: a chirp, or steps of the input itself"
         )
-    if not fit.parameters["delay_s"].told:
+    if not fit.parameters["delay_s"].identifiable:
         said.append("for the delay: steep changes of the input, and a faster clock")
     if fit.feedback > SIGNIFICANT and record.command is None:
         said.append("log the command too, with some steps or a chirp in it")

@@ -4,7 +4,7 @@ The simulation of the hold-out runs from the logged input alone. Its start is fr
 begins is not measured); coefficients, delay and offset are those of the training. One-step prediction is not used: it
 favours models that copy the last sample.
 
-Two kinds of candidates are never chosen while there is another: one of which the log tells no number, and one whose
+Two kinds of candidates are never chosen while there is another: one of which no number is identifiable, and one whose
 delay ended at the longest that is tried. Both follow a move by what they are not.
 """
 
@@ -154,7 +154,7 @@ def choose(
             more = len(out) + 1 < len(found) and len(sure) < MOST_TRIED
             if not more or tells(chosen):
                 break
-            out[chosen.structure] = "the log tells none of its numbers"
+            out[chosen.structure] = "none of its numbers is identifiable"
             continue
         # The table is of quick searches: what is to be chosen is searched to the end first.
         progress(f"fitting {chosen.structure.text}", 0.9)

@@ -27,12 +27,13 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from leadscrew.identify.estimation import coloured, condition, whiteness
 from leadscrew.identify.linear import advice
 from leadscrew.identify.linear.choose import Fitted, Task, alone, choose, fitted, held_out
 from leadscrew.identify.linear.model import Model, Problem, Solved, Structure, candidates
 from leadscrew.identify.linear.record import LEAST, LinearRecord
 from leadscrew.identify.linear.result import Candidate, LinearFit, Stretch
-from leadscrew.identify.linear.uncertainty import Sure, condition, covariance, sure, whiteness, within
+from leadscrew.identify.linear.uncertainty import Quantities, quantities, within
 from leadscrew.kernel.one_thread import one_thread
 from leadscrew.kernel.validate import number, whole
 from leadscrew.util.errors import DataError, ValueRefused
@@ -74,13 +75,13 @@ class Estimate(NamedTuple):
     closed: bool
     """Whether the command was the instrument."""
     condition: float
-    found: Sure
+    found: Quantities
     excited_hz: tuple[float, float]
 
     @property
     def tells(self) -> bool:
         """Whether the log tells one of its numbers; a delay that was given is none."""
-        return any(p.told and p.low < p.high for p in self.found.parameters.values())
+        return any(p.identifiable and p.low < p.high for p in self.found.parameters.values())
 
 
 def estimate(task: Task, best: Fitted) -> Estimate:
@@ -102,7 +103,7 @@ def estimate(task: Task, best: Fitted) -> Estimate:
     residual = problem.y[problem.rows] - model.simulate(phi, problem.u)
     change = model.jacobian(phi, problem.u)
     hz = np.geomspace(0.5 / (r.period * len(r.time)), 0.499 / r.period, BAND)
-    found = sure(model, phi, covariance(change, residual, tools), (r.input_unit, r.output_unit), hz)
+    found = quantities(model, phi, coloured(change, residual, tools), (r.input_unit, r.output_unit), hz)
     spoken = advice.excited(problem.u[problem.rows], residual, r.period, (hz, found.bode.response))
     b, theta = model.split(phi)
     denominator, delay_s, _ = problem.system(theta)
@@ -159,10 +160,10 @@ def identify_linear(
         progress(f"fitting {structures[0].text}", 0.1)
         best = fitted(task, structures[0], [], thorough=True, start=alone(task, structures[0]).theta)
         table = [Candidate(best.structure, best.solved.delay_s, best.train_rms, best.holdout_rms, "chosen")]
-    return _told(task, best, estimate(task, best), table, margin, asked=structure is not None)
+    return _result(task, best, estimate(task, best), table, margin, asked=structure is not None)
 
 
-def _told(task: Task, best: Fitted, its: Estimate, table: list[Candidate], margin: float, asked: bool) -> LinearFit:
+def _result(task: Task, best: Fitted, its: Estimate, table: list[Candidate], margin: float, asked: bool) -> LinearFit:
     r, problem = task.record, task.problem(best.structure)
     solved, found = its.solved, its.found
     white, rho = whiteness(solved.residual)

@@ -142,17 +142,17 @@ def _asked(sentence: str, names: Names, axis: bool) -> str:
     return said if axis else said.replace("the drive", "the input")
 
 
-def columns_of(table: Table, told: Mapping[str, str | None], timed: bool) -> dict[str, str]:
-    """Columns of drive, position and time: as told, or by their names; no time where the file needs none.
+def columns_of(table: Table, chosen: Mapping[str, str | None], timed: bool) -> dict[str, str]:
+    """Columns of drive, position and time: as chosen, or by their names; no time where the file needs none.
 
     Raises:
         NameUnknown: no such column.
         ValueRefused: one column for two signals.
-        DataError: one cannot be told; the options of ``identify linear`` are named.
+        DataError: one is not recognised; the options of ``identify linear`` are named.
     """
     from leadscrew.logs.roles import candidates, roles
 
-    named = {role: table.name(name) for role, name in told.items() if name is not None}
+    named = {role: table.name(name) for role, name in chosen.items() if name is not None}
     if len(named) == 3 or len(set(named.values())) < len(named):
         return named
     clocked = "time" in named or "time" in table.guess or bool(candidates(list(table.columns), "time"))
@@ -189,7 +189,7 @@ class LinearRecord:
     """Held from sample to sample."""
     output: np.ndarray
     command: np.ndarray | None
-    """What the loop was told to do, where the log is from a closed loop and has it."""
+    """The command of the loop, where the log is from a closed loop and has it."""
     period: float
     input_name: str = "input"
     output_name: str = "output"

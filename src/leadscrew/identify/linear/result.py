@@ -1,4 +1,4 @@
-"""What ``identify linear`` found: a transfer function with delay, intervals, and its errors on data it has not seen."""
+"""What ``identify linear`` found: a transfer function with delay, intervals, and its errors on validation data."""
 
 from __future__ import annotations
 
@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from leadscrew.identify.estimation import Parameter
 from leadscrew.identify.linear.model import Structure
-from leadscrew.identify.linear.uncertainty import Bode, Interval
+from leadscrew.identify.linear.uncertainty import Bode
 from leadscrew.util.errors import DataError
 
 if TYPE_CHECKING:
@@ -17,7 +18,7 @@ if TYPE_CHECKING:
     from leadscrew.machine.file import MachineFile
 
 
-__all__ = ["Candidate", "Interval", "LinearFit", "Stretch", "Structure"]
+__all__ = ["Candidate", "LinearFit", "Parameter", "Stretch", "Structure"]
 
 
 class Candidate(NamedTuple):
@@ -63,16 +64,16 @@ class LinearFit:
     """Highest power first, monic; the poles at zero are its zeros at the end."""
     delay_s: float
     """From the sample of an input to the moment at which it acts."""
-    offset: Interval
+    offset: Parameter
     """Added to the output; with poles at zero, taken from the input."""
     input_name: str
     output_name: str
     input_unit: str
     output_unit: str
     period: float
-    coefficients: dict[str, Interval]
+    coefficients: dict[str, Parameter]
     """``b0``, ``b1`` of the numerator and ``a0``, ``a1``, ... of the denominator, by power of ``s``."""
-    parameters: dict[str, Interval]
+    parameters: dict[str, Parameter]
     """``gain``, ``pole 1`` (1/s), ``frequency 1`` (Hz) and ``damping 1`` of pairs, ``zero 1``, ``delay_s``."""
     covariance: np.ndarray
     """Of ``b0 ..., a0 ..., delay_s``, in the order of ``coefficients``."""
@@ -190,16 +191,18 @@ def machine(fit: LinearFit, name: str) -> MachineFile:
             f"{fit.source}: {fit.input_name} moves {fit.output_name} by less than what the model leaves, at every "
             "frequency: there is no model of it, and so no machine; log a move that the input makes"
         )
-    told = machine_values(fit)
-    made = from_linear(told, name, limits(fit), fit.source)
+    made = from_linear(machine_values(fit), name, limits(fit), fit.source)
     errors = {
         s.what.replace("-", "_"): {"rms": s.rms, "nrmse_percent": s.nrmse_percent, "fit_percent": s.fit_percent}
         for s in fit.stretches
     }
-    untold = [name for name, p in fit.parameters.items() if not p.told]
-    more = {**errors, "not_told": untold, "notes": list(fit.notes), "seconds": max(s.end_s for s in fit.stretches)} | (
-        {"drive_turned": True} if turns(fit) else {}
-    )
+    unknown = [name for name, p in fit.parameters.items() if not p.identifiable]
+    more = {
+        **errors,
+        "not_identifiable": unknown,
+        "notes": list(fit.notes),
+        "seconds": max(s.end_s for s in fit.stretches),
+    } | ({"drive_turned": True} if turns(fit) else {})
     return replace(made, identified={**made.identified, "structure": fit.structure.text, **more})
 
 

@@ -1,16 +1,7 @@
 """Intervals of what a user reads (gain, poles, zeros, delay, coefficients) from the covariance of what was fitted.
 
-How sure a linear model is: covariance of its coefficients under noise of any colour.
-
-With ``J`` the change of the simulated output by every coefficient, start and offset, and ``r`` the autocovariance of
-what is left,
-
-    Cov = (Z' J)^-1  Z' R Z  (J' Z)^-1,     R[i, j] = r(abs(i - j))
-
-``Z = J`` for output error, or the instruments inside a closed loop (Soderstrom and Stoica, *System Identification*,
-1989, complement C7.5 and section 8.2). ``r`` is that of an autoregression fitted to the residual, its order chosen by
-BIC: quantisation and white noise need order 0, play of disturbances some. Quantities such as a pole follow to first
-order.
+The covariance of coefficients, start and offset is :func:`leadscrew.identify.estimation.coloured`; quantities such as a
+pole follow to first order.
 """
 
 from __future__ import annotations
@@ -20,88 +11,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from leadscrew.identify.estimation import LITTLE, Parameter, fitted, identifiable, quantile
 from leadscrew.identify.linear.model import NUDGE, Model, sampled_response
-
-ORDERS = (0, 1, 2, 3, 4, 6, 8, 12, 16, 24, 32)
-"""Of the autoregression of the residual."""
-FLAT = 1e-12
-"""Share of the largest singular value below which a direction counts as this flat: its variance is huge, not none."""
-LAGS = 25
-"""Of the whiteness test."""
-NORMAL = 1.959963984540054
-"""Half of a 95 % interval, in standard deviations."""
-
-
-class Interval(NamedTuple):
-    """A quantity and its 95 % interval."""
-
-    value: float
-    low: float
-    high: float
-    unit: str = ""
-    told: bool = True
-    """Whether the half width is below half of the value."""
-
-    @property
-    def percent(self) -> float:
-        """Half of the interval as a share of the value, in percent."""
-        return abs(50.0 * (self.high - self.low) / self.value) if self.value else float("inf")
-
-
-def autocovariance(values: np.ndarray, lags: int) -> np.ndarray:
-    """Of a residual, about zero, biased (divided by the number of samples), for 0 to ``lags``."""
-    n = len(values)
-    size = 1 << int(2 * n - 1).bit_length()
-    power = np.abs(np.fft.rfft(values, size)) ** 2
-    return np.asarray(np.fft.irfft(power, size)[: lags + 1] / n)
-
-
-def autoregression(residual: np.ndarray) -> tuple[np.ndarray, float]:
-    """Coefficients ``1, a_1, ...`` and variance of the driving noise, by Yule and Walker, order by BIC."""
-    from scipy.linalg import solve_toeplitz
-
-    n = len(residual)
-    r = autocovariance(residual, min(ORDERS[-1], n // 10))
-    best = (np.inf, np.array([1.0]), float(r[0]))
-    for order in ORDERS:
-        if order >= len(r) or r[0] <= 0.0:
-            break
-        firm = r[:order] * (1.0 + 1e-9 * (np.arange(order) == 0))
-        a = -solve_toeplitz(firm, r[1 : order + 1]) if order else np.array([])
-        left = float(r[0] + a @ r[1 : order + 1])
-        if left <= 0.0:
-            break
-        score = n * np.log(left) + order * np.log(n)
-        if score < best[0]:
-            best = (score, np.concatenate([[1.0], a]), left)
-    return best[1], best[2]
-
-
-def covariance(jacobian: np.ndarray, residual: np.ndarray, instruments: np.ndarray | None = None) -> np.ndarray:
-    """Of all columns of ``jacobian`` (change of the simulated output), at consecutive samples."""
-    z = jacobian if instruments is None else instruments
-    scale = np.linalg.norm(jacobian, axis=0)
-    scale[scale == 0.0] = 1.0
-    j, z = jacobian / scale, z / scale
-    spare = max(1, len(residual) - j.shape[1])
-    a, variance = autoregression(residual * np.sqrt(len(residual) / spare))
-    size = 1 << int(2 * len(residual) - 1).bit_length()
-    spectrum = variance / np.abs(np.fft.rfft(a, size)) ** 2
-    basis = np.linalg.qr(z)[0]
-    seen = np.fft.rfft(basis, size, axis=0)
-    weight = np.full(len(spectrum), 2.0)
-    weight[0] = weight[-1] = 1.0
-    middle = (seen.conj().T @ (seen * (weight * spectrum)[:, None])).real / size
-    left, values, right = np.linalg.svd(basis.T @ j)
-    bread = (right.T / np.maximum(values, FLAT * values[0])) @ left.T
-    return np.asarray(bread @ middle @ bread.T / np.outer(scale, scale))
-
-
-def condition(jacobian: np.ndarray) -> float:
-    """Of the columns, each scaled to length one."""
-    size = np.linalg.norm(jacobian, axis=0)
-    values = np.linalg.svd(np.linalg.qr(jacobian[:, size > 0.0] / size[size > 0.0])[1], compute_uv=False)
-    return float(values[0] / values[-1]) if len(values) and values[-1] > 0.0 else float("inf")
 
 
 def slopes(quantity: Callable[[np.ndarray], np.ndarray], at: np.ndarray, spread: np.ndarray) -> np.ndarray:
@@ -116,17 +27,6 @@ def slopes(quantity: Callable[[np.ndarray], np.ndarray], at: np.ndarray, spread:
     return np.array(rows).T
 
 
-def whiteness(residual: np.ndarray, lags: int = LAGS) -> tuple[float, np.ndarray]:
-    """Share in percent of autocorrelations within the 95 % bounds of white noise, and the autocorrelations from 1."""
-    r = autocovariance(residual - residual.mean(), min(lags, len(residual) // 4))
-    if r[0] <= 0.0:
-        return 100.0, np.zeros(len(r) - 1)
-    rho = r[1:] / r[0]
-    return float(100.0 * np.mean(np.abs(rho) < NORMAL / np.sqrt(len(residual)))), rho
-
-
-TOLD = 50.0
-"""Percent of the value that half an interval may be wide, for the value to count as told."""
 BENT = 0.5
 """Share by which the simulated output may leave a straight line between the ends of an interval. Beyond it a zero, a
 fast pole and the delay stand for one another, and the interval does not hold (Bates and Watts, *Nonlinear Regression
@@ -136,7 +36,7 @@ FAR = 2.0
 ANYTHING = float(np.log(1e6))
 """Logarithm of the largest factor that an interval states: one that is wider says nothing."""
 
-Row = tuple[Interval, np.ndarray]
+Row = tuple[Parameter, np.ndarray]
 """A quantity and its change by each unknown of the system."""
 
 
@@ -152,17 +52,19 @@ class Bode(NamedTuple):
     """rad."""
 
 
-class Sure(NamedTuple):
+class Quantities(NamedTuple):
     """Quantities with intervals."""
 
-    coefficients: dict[str, Interval]
-    parameters: dict[str, Interval]
-    offset: Interval
+    coefficients: dict[str, Parameter]
+    parameters: dict[str, Parameter]
+    offset: Parameter
     covariance: np.ndarray
     bode: Bode
 
 
-def sure(model: Model, phi: np.ndarray, covariance: np.ndarray, units: tuple[str, str], hz: np.ndarray) -> Sure:
+def quantities(
+    model: Model, phi: np.ndarray, covariance: np.ndarray, units: tuple[str, str], hz: np.ndarray
+) -> Quantities:
     """From ``phi`` and its covariance; ``units`` are those of input and output, ``hz`` the frequencies of the band."""
     kept = model.kept
     at, spread = phi[:kept], np.sqrt(np.maximum(np.diag(covariance), 0.0))
@@ -174,10 +76,8 @@ def sure(model: Model, phi: np.ndarray, covariance: np.ndarray, units: tuple[str
     rows: dict[str, Row] = {n: (_plain(v, d), g) for n, v, d, g in zip(names, values, deviations, by, strict=True)}
     delay, way = rows.pop("delay_s")
     period, fixed = model.problem.period, model.problem.delay is not None
-    wide = 0.5 * (delay.high - delay.low)
-    delay = delay._replace(
-        low=max(delay.low, 0.0), unit="s", told=fixed or wide < max(period, 0.5 * delay.value)
-    )  # fmt: skip
+    known = fixed or identifiable(delay.value, delay.half, period)
+    delay = delay._replace(low=max(delay.low, 0.0), unit="s", identifiable=known)
     straight = _straightness(model, phi, covariance)
     coefficients = {name: straight(*row) for name, row in rows.items()}
     more = {
@@ -185,24 +85,24 @@ def sure(model: Model, phi: np.ndarray, covariance: np.ndarray, units: tuple[str
         "delay_s": (delay, way),
     }  # fmt: skip
     parameters = {name: straight(*row) for name, row in more.items()}
-    return Sure(coefficients, parameters, _offset(model, phi, spread, covariance, units), cov,
+    return Quantities(coefficients, parameters, _offset(model, phi, spread, covariance, units), cov,
                 _band(model, at, spread, inner, hz))  # fmt: skip
 
 
-def hertz(name: str, found: Interval) -> float:
+def hertz(name: str, found: Parameter) -> float:
     """Where a pole, a pair or a zero lies; 0 for another quantity."""
     if name.startswith(("pole", "zero ")) and found.unit == "1/s":
         return abs(found.value) / (2.0 * np.pi)
     return found.value if found.unit == "Hz" else 0.0
 
 
-def beyond(name: str, found: Interval, high_hz: float) -> bool:
+def beyond(name: str, found: Parameter, high_hz: float) -> bool:
     """Whether it lies where the input does not move the output by more than what is left."""
     return hertz(name, found) > FAR * high_hz
 
 
-def within(found: Sure, high_hz: float) -> Sure:
-    """Only what the log speaks of is told.
+def within(found: Quantities, high_hz: float) -> Quantities:
+    """Only what the log speaks of is identifiable.
 
     A pole beyond the last excited frequency stands for many others there, far from the found one too, where no interval
     reaches. Coefficients and delay change with it; gain and what lies in the band do not.
@@ -213,8 +113,8 @@ def within(found: Sure, high_hz: float) -> Sure:
     kept = [n for n in found.parameters if n == "gain" or (hertz(n, found.parameters[n]) and n not in unseen)]
     kept += [n.replace("frequency", "damping") for n in kept if "frequency" in n]
 
-    def judged(name: str, p: Interval) -> Interval:
-        return p if (high_hz > 0.0 and name in kept) or p.low == p.high else p._replace(told=False)
+    def judged(name: str, p: Parameter) -> Parameter:
+        return p if (high_hz > 0.0 and name in kept) or p.low == p.high else p._replace(identifiable=False)
 
     return found._replace(
         coefficients={n: judged(n, p) for n, p in found.coefficients.items()},
@@ -222,8 +122,8 @@ def within(found: Sure, high_hz: float) -> Sure:
     )
 
 
-def _straightness(model: Model, phi: np.ndarray, cov: np.ndarray) -> Callable[[Interval, np.ndarray], Interval]:
-    """A judge of quantities: told only where what the best numerator leaves is straight enough."""
+def _straightness(model: Model, phi: np.ndarray, cov: np.ndarray) -> Callable[[Parameter, np.ndarray], Parameter]:
+    """A judge of quantities: identifiable only where what the best numerator leaves is straight enough."""
     p, at = model.problem, slice(model.m + 1, model.kept)
     theta = phi[at]
     here = p.residual(theta)
@@ -232,21 +132,21 @@ def _straightness(model: Model, phi: np.ndarray, cov: np.ndarray) -> Callable[[I
         change[:, k] = (p.residual(theta + nudge) - here) / NUDGE
     late, (low, high) = p.delay is None, p.bounds()
 
-    def judge(found: Interval, slope: np.ndarray) -> Interval:
+    def judge(found: Parameter, slope: np.ndarray) -> Parameter:
         way = cov[:, : model.kept] @ slope
         size = float(slope @ way[: model.kept])
-        if not found.told or size <= 0.0:
+        if not found.identifiable or size <= 0.0:
             return found
-        for sign in (-NORMAL, NORMAL):
+        for sign in (-quantile(), quantile()):
             step = sign * way[at] / np.sqrt(size)
             if late and theta[-1] + step[-1] < 0.0:
                 step = step * (theta[-1] / -step[-1])
             if np.any(theta + step > high + 1e-9) or np.any(theta + step < low - 1e-9):
-                return found._replace(told=False)
+                return found._replace(identifiable=False)
             line = change @ step
             off = np.linalg.norm(p.residual(theta + step) - here - line)
             if not off <= BENT * np.linalg.norm(line) + 0.1 * np.linalg.norm(here) / np.sqrt(len(here)):
-                return found._replace(told=False)
+                return found._replace(identifiable=False)
         return found
 
     return judge
@@ -263,18 +163,16 @@ def _coefficients(model: Model, at: np.ndarray) -> np.ndarray:
     return np.concatenate([b, denominator[1 : model.problem.structure.free + 1][::-1], [delay_s]])
 
 
-def _plain(value: float, deviation: float, unit: str = "") -> Interval:
-    found = Interval(float(value), float(value - NORMAL * deviation), float(value + NORMAL * deviation), unit)
-    return found._replace(told=found.percent < TOLD or value == 0.0)
+def _plain(value: float, deviation: float, unit: str = "", negligible: float = 0.0) -> Parameter:
+    half = quantile() * deviation
+    return fitted(value, (value - half, value + half), unit, negligible=negligible)
 
 
-def _ratio(logarithm: float, deviation: float, unit: str, sign: float = 1.0) -> Interval:
+def _ratio(logarithm: float, deviation: float, unit: str, sign: float = 1.0) -> Parameter:
     """Of a quantity of which the logarithm is known."""
-    reach = min(NORMAL * deviation, ANYTHING)
+    reach = min(quantile() * deviation, ANYTHING)
     ends = sorted(sign * np.exp(logarithm + np.array([-reach, reach])))
-    return Interval(
-        float(sign * np.exp(logarithm)), float(ends[0]), float(ends[1]), unit, bool(np.expm1(reach) < TOLD / 100.0)
-    )
+    return fitted(float(sign * np.exp(logarithm)), (ends[0], ends[1]), unit)
 
 
 def _gain(model: Model, at: np.ndarray, spread: np.ndarray, cov: np.ndarray, units: tuple[str, str]) -> Row:
@@ -342,7 +240,7 @@ def _zeros(model: Model, at: np.ndarray, spread: np.ndarray, cov: np.ndarray) ->
     return {n: (_plain(v, d, u), g) for (n, u), v, d, g in zip(names, said(at), deviation, by, strict=True)}
 
 
-def _offset(model: Model, phi: np.ndarray, spread: np.ndarray, cov: np.ndarray, units: tuple[str, str]) -> Interval:
+def _offset(model: Model, phi: np.ndarray, spread: np.ndarray, cov: np.ndarray, units: tuple[str, str]) -> Parameter:
     s = model.problem.structure
 
     def offset(x: np.ndarray) -> np.ndarray:
@@ -352,8 +250,9 @@ def _offset(model: Model, phi: np.ndarray, spread: np.ndarray, cov: np.ndarray, 
         return np.array([-x[-1] * s.integrators * s.denominator(theta)[s.free] / b[0]])
 
     by = slopes(offset, phi, spread)
-    found = _plain(offset(phi)[0], float(np.sqrt(max((by @ cov @ by.T)[0, 0], 0.0))), units[0 if s.integrators else 1])
-    return found._replace(told=True)
+    deviation = float(np.sqrt(max((by @ cov @ by.T)[0, 0], 0.0)))
+    signal, unit = (model.problem.u, units[0]) if s.integrators else (model.problem.y, units[1])
+    return _plain(offset(phi)[0], deviation, unit, LITTLE * float(np.sqrt(np.mean(signal**2))))
 
 
 def _band(model: Model, at: np.ndarray, spread: np.ndarray, cov: np.ndarray, hz: np.ndarray) -> Bode:
@@ -367,4 +266,4 @@ def _band(model: Model, at: np.ndarray, spread: np.ndarray, cov: np.ndarray, hz:
     here = response(at)
     share = slopes(response, at, spread[: len(at)]) / here[:, None]
     wide = [np.sqrt(np.maximum(np.einsum("ki,ij,kj->k", part, cov, part), 0.0)) for part in (share.real, share.imag)]
-    return Bode(hz, here, NORMAL * wide[0], NORMAL * wide[1])
+    return Bode(hz, here, quantile() * wide[0], quantile() * wide[1])

@@ -1,4 +1,4 @@
-"""The second step of a fit: refinement by simulation, and whether it is to be believed.
+"""The second stage of a fit: refinement by simulation, and whether it is better than the linear stage.
 
 Which refinement, where the windows leave more than the sensor's noise: by halves of the training part, in turn.
 
@@ -39,7 +39,7 @@ class Way(NamedTuple):
     mode: Literal["windows", "open", "none"]
     window_s: float | None
     error: float = float("nan")
-    """Root mean square of the simulated position's error where it was foretold, m or rad."""
+    """Root mean square of the simulated position's prediction error, m or rad."""
 
     @property
     def name(self) -> str:
@@ -175,8 +175,8 @@ def refined(
         )
     effect = estimates.effect | {"delay_s": 0.0}
     better = Estimates(
-        found.keys, {k: found.values[k] for k in found.keys}, found.covariance, float(min(found.degrees.values())),
-        found.condition, effect, estimates.rms_force,
+        found.keys, {k: found.values[k] for k in found.keys}, found.covariance,
+        np.array([found.degrees[k] for k in found.keys]), found.condition, effect, estimates.rms_force,
         {k: _widened(found.values[k], *ends) for k, ends in found.interval.items()},
     )  # fmt: skip
     if not job.follows:
