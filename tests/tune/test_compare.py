@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from leadscrew.experiment import Experiment
-from leadscrew.figures.formats import NOTHING
+from leadscrew.figures.table import NOTHING
 from leadscrew.tune.checkpoints import Journal
 from leadscrew.tune.compare import compare, confidence, contest, judged, metric_rows, ranking_rows, worse_than_seen
 from leadscrew.tune.executors import crew

@@ -7,20 +7,22 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from leadscrew.figures.style import BLUE, GREEN, VERMILION
+from leadscrew.figures.table import fixed, number
+from leadscrew.report.report import Report, TextTable, head
 from leadscrew.util import escape
 
 if TYPE_CHECKING:
+    from pathlib import Path
+
     from leadscrew.analysis.frequency_response import FrequencyResponse
     from leadscrew.figures.figure import Figure
 
-SCHEMA_VERSION = 1
-COLUMNS = ("Hz", "gain", "dB", "from dB", "to dB", "phase deg", "+- deg", "coherence")
 ROWS = 24
 """Of the printed table, evenly on a logarithmic scale; files and JSON have all."""
 
 
-def rows(found: FrequencyResponse, level: float = 0.95, most: int | None = ROWS) -> list[tuple[str, ...]]:
-    """Rows of the table: all, or about ``most`` evenly over the logarithm of the frequency."""
+def table(found: FrequencyResponse, level: float = 0.95, most: int | None = ROWS) -> TextTable:
+    """All frequencies, or about ``most`` evenly over their logarithm."""
     places = np.arange(len(found.frequencies))
     if most is not None and len(places) > most:
         wanted = np.geomspace(found.frequencies[0], found.frequencies[-1], most)
@@ -29,11 +31,13 @@ def rows(found: FrequencyResponse, level: float = 0.95, most: int | None = ROWS)
     with np.errstate(divide="ignore"):
         ends = 20.0 * np.log10(np.stack([low, high]))
     phase, wide = np.degrees(found.phase), np.degrees(found.phase_confidence(level))
-    return [
-        (f"{found.frequencies[k]:.5g}", f"{found.gain[k]:.4g}", f"{found.gain_db[k]:.2f}", f"{ends[0, k]:.2f}",
-         f"{ends[1, k]:.2f}", f"{phase[k]:.1f}", f"{wide[k]:.2g}", f"{found.coherence[k]:.4f}")
+    heads = ("f (Hz)", "gain", "gain (dB)", "from (dB)", "to (dB)", "phase (°)", "± (°)", "coherence")
+    rows = [
+        [number(found.frequencies[k], 5), number(found.gain[k]), fixed(found.gain_db[k], 2), fixed(ends[0, k], 2),
+         fixed(ends[1, k], 2), fixed(phase[k], 1), number(wide[k], 2), fixed(found.coherence[k], 4)]
         for k in places
     ]  # fmt: skip
+    return TextTable(heads, rows, [True] * 8)
 
 
 def sentences(found: FrequencyResponse, loop: bool = False) -> list[str]:
@@ -56,7 +60,7 @@ def sentences(found: FrequencyResponse, loop: bool = False) -> list[str]:
         if m.sensitivity is not None:
             said.append(f"largest sensitivity Ms = {m.sensitivity:.3f} at {m.sensitivity_hz:.4g} Hz")
         if len(said) == 1:
-            said.append("no crossover where the coherence is high enough: no margin told by this log")
+            said.append("no crossover where the coherence is high enough: this log cannot determine a margin")
     return said
 
 
@@ -65,9 +69,24 @@ def summary(found: FrequencyResponse, source: str, loop: bool, level: float = 0.
     from leadscrew.analysis.frequency_response import measured_margins
 
     return {
-        "schema_version": SCHEMA_VERSION, "kind": "leadscrew frequency-response", "log": source, "loop_gain": loop,
+        **head("frequency-response"), "log": source, "loop_gain": loop,
         "margins": measured_margins(found)._asdict() if loop else None, **found.as_dict(level),
     }  # fmt: skip
+
+
+def report_of(
+    found: FrequencyResponse, log: Path, names: tuple[str, str], excitation: str | None, loop: bool, level: float
+) -> Report:
+    """The report of ``leadscrew frequency-response``; ``names`` are the input and the output."""
+    of = {"input": names[0], "output": names[1], "excitation": excitation}
+    title = f"{log.name}: loop gain" if loop else f"{log.name}: {names[0]} to {names[1]}"
+    return Report(
+        {**summary(found, str(log), loop, level), **of},
+        parts=[table(found, level), *sentences(found, loop)],
+        notes=found.notes,
+        figure=lambda: picture(found, title, level),
+        csv=lambda: csv(found, level),
+    )
 
 
 def csv(found: FrequencyResponse, level: float = 0.95) -> str:
