@@ -104,6 +104,12 @@ def test_a_table_that_is_too_wide_is_printed_in_blocks_and_no_word_is_cut():
     assert sum("x" * 90 in line for line in wide) >= 2, "a word that is wider than the terminal stays whole"
 
 
+def test_a_column_that_holds_nothing_is_left_out():
+    lines = [line.plain for line in text.table_lines(TextTable(["a", "", "b"], [["1", "", "2"]]), 40)]
+    assert [line.split() for line in lines] == [["a", "b"], ["─", "─"], ["1", "2"]]
+    assert text.table_lines(TextTable(["", ""], []), 40) == []
+
+
 def test_numbers_stand_to_the_right_and_their_column_is_known_by_its_cells():
     rows = [["a", "1.5", "3 of 7", "20.1 µm", "yes", "–"], ["b c", "−22,222", "12 of 7", "–", "x", "–"]]
     assert list(TextTable(["name", "value", "of", "with unit", "word", "none"], rows).numeric) == [

@@ -72,6 +72,11 @@ def number(value: Any, digits: int = 4) -> str:
     return text.replace("-", "−", 1) if text.startswith("-") else text
 
 
+def finite(value: float | None, digits: int = 4) -> str:
+    """A value of which infinity says nothing, as of an interval that has no end: a dash for it."""
+    return number(value if value is not None and math.isfinite(value) else None, digits)
+
+
 def as_typed(value: Any) -> str:
     """The value of a parameter as one types it, ``--set KEY=-1.5e+06``: six digits, ASCII; as :func:`number` else."""
     if value is None or isinstance(value, bool | str) or _shape(value):

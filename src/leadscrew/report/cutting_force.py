@@ -11,7 +11,7 @@ import numpy as np
 
 from leadscrew.analysis.cutting_force import ChipAndEdge, Kienzle, PowerLaw, kienzle, r_squared, specific_force
 from leadscrew.figures.style import BLACK, BLUE, GREEN, ORANGE, VERMILION
-from leadscrew.figures.table import NOTHING, fixed, number
+from leadscrew.figures.table import NOTHING, finite, fixed
 from leadscrew.figures.table import unit as shown_unit
 from leadscrew.identify.cutting_force import ForceFit, Interval, LawFit
 from leadscrew.report import page as html
@@ -108,7 +108,7 @@ def law_table(fit: ForceFit, drawn: Mapping[str, Interval] | None = None) -> Tex
     kf, exponent = found["kf"], found.get("exponent")
     rows = [_row("Kf", kf, "N/mm^(1+P)", law)]
     if exponent is None:
-        rows.append(["P", number(fit.law.exponent), NOTHING, NOTHING, "given", law])
+        rows.append(["P", finite(fit.law.exponent), NOTHING, NOTHING, "given", law])
     else:
         rows.append(_row("P", exponent, "", law))
     for name, interval in (drawn or {}).items():
@@ -117,7 +117,7 @@ def law_table(fit: ForceFit, drawn: Mapping[str, Interval] | None = None) -> Tex
     rows.append(_row("kc11", _kc11(fit), "N/mm^2", chip))
     if exponent is not None:
         rows.append(_row("mc", Interval(same.mc, 1.0 - exponent.high, 1.0 - exponent.low), "", chip))
-    middle = f"at {number(_middle(fit.table.feed), 3)} mm/rev, {number(_middle(fit.table.depth), 3)} mm"
+    middle = f"at {finite(_middle(fit.table.feed), 3)} mm/rev, {finite(_middle(fit.table.depth), 3)} mm"
     rows.append(_row("kc", fit.chosen.middle, "N/mm^2", middle))
     for name, other in fit.others.items():
         if isinstance(other.law, ChipAndEdge):
@@ -137,8 +137,8 @@ def fit_table(fit: ForceFit, beside: Kienzle | None = None) -> TextTable:
         said = errors(fit, beside)
         name = f"given: kc11 {beside.kc11:g}, mc {beside.mc:g}"
         r2 = said["r2"]
-        rows.append([name, number(said["rms_percent"], 3), number(said["worst_percent"], 3), NOTHING,
-                     number(said["rms_n"], 3), *_r2(r2), NOTHING])  # fmt: skip
+        rows.append([name, finite(said["rms_percent"], 3), finite(said["worst_percent"], 3), NOTHING,
+                     finite(said["rms_n"], 3), *_r2(r2), NOTHING])  # fmt: skip
     heads = ("fit", "rms (%)", "worst (%)", "left out (%)", "rms (N)", "R² of F", "R² of ln F", "R² of ln kc",
              "condition")  # fmt: skip
     return TextTable(heads, rows, [False, *[True] * 8], title="Fits")
@@ -166,7 +166,7 @@ def cut_table(fit: ForceFit) -> TextTable:
     t = fit.table
     kc, modelled = specific_force(t.force, t.feed, t.depth), fit.law.force(t.feed, t.depth)
     rows = [
-        [str(t.rows[i]), number(t.feed[i]), number(t.depth[i]), fixed(t.force[i], 1), fixed(kc[i], 0),
+        [str(t.rows[i]), finite(t.feed[i]), finite(t.depth[i]), fixed(t.force[i], 1), fixed(kc[i], 0),
          fixed(modelled[i], 1), fixed(fit.chosen.residual_percent[i], 1), fixed(fit.chosen.left_out_percent[i], 1)]
         for i in range(len(t.force))
     ]  # fmt: skip
@@ -179,7 +179,7 @@ def at_table(fit: ForceFit, cuts: Sequence[tuple[float, float]]) -> TextTable:
     rows = []
     for feed, depth in cuts:
         found, inside = fit.force(feed, depth)
-        rows.append([number(feed), number(depth), *(number(x) for x in found), "" if inside else "outside the table"])
+        rows.append([finite(feed), finite(depth), *(finite(x) for x in found), "" if inside else "outside the table"])
     heads = ("feed (mm/rev)", "depth (mm)", "force (N)", "95 % from", "to", "")
     return TextTable(heads, rows, [True] * 5 + [False], title="Forces asked for")
 
@@ -214,10 +214,10 @@ def sentences(fit: ForceFit) -> list[str]:
     """The result in words, a line each."""
     t, chosen = fit.table, fit.chosen
     said = [
-        f"{len(t.force)} cuts, feed {number(t.feed.min())} to {number(t.feed.max())} mm/rev, depth "
-        f"{number(t.depth.min())} to {number(t.depth.max())} mm, main force {number(t.force.min())} to "
-        f"{number(t.force.max())} N",
-        f"a cut that the fit has not seen is off by {number(chosen.left_out_rms_percent, 3)} % (root mean square)",
+        f"{len(t.force)} cuts, feed {finite(t.feed.min())} to {finite(t.feed.max())} mm/rev, depth "
+        f"{finite(t.depth.min())} to {finite(t.depth.max())} mm, main force {finite(t.force.min())} to "
+        f"{finite(t.force.max())} N",
+        f"a cut that the fit has not seen is off by {finite(chosen.left_out_rms_percent, 3)} % (root mean square)",
     ]
     if fit.depth is not None and fit.depth.p_value >= 0.05:
         q = fit.depth.exponent
@@ -332,13 +332,13 @@ def _kc11(fit: ForceFit) -> Interval:
 
 
 def _row(name: str, found: Interval, unit: str, law: str) -> list[str]:
-    return [name, *(number(x) for x in found), shown_unit(unit), law]
+    return [name, *(finite(x) for x in found), shown_unit(unit), law]
 
 
 def _fit_row(name: str, fit: LawFit) -> list[str]:
-    return [name, number(fit.rms_percent, 3), number(fit.worst_percent, 3), number(fit.left_out_rms_percent, 3),
-            number(fit.rms_n, 3), *_r2(fit.r2),
-            number(fit.condition, 2)]  # fmt: skip
+    return [name, finite(fit.rms_percent, 3), finite(fit.worst_percent, 3), finite(fit.left_out_rms_percent, 3),
+            finite(fit.rms_n, 3), *_r2(fit.r2),
+            finite(fit.condition, 2)]  # fmt: skip
 
 
 def _r2(found: Mapping[str, float]) -> list[str]:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from leadscrew.figures.style import BLUE, GREEN, ORANGE, PURPLE, SKY, VERMILION
-from leadscrew.figures.table import fixed, number, unit
+from leadscrew.figures.table import finite, fixed, unit
 from leadscrew.identify.excite.design import PASSES, Proposal
 from leadscrew.identify.excite.files import SHOWN
 from leadscrew.report.report import File, Report, TextTable, head
@@ -41,8 +41,8 @@ def unit_of(key: str, proposal: Proposal) -> str:
 def table(proposal: Proposal) -> TextTable:
     """A row for each parameter that is wanted."""
     rows = [
-        [p.key, number(p.value, 3), unit(unit_of(p.key, proposal)), number(p.half, 3), number(p.percent, 3),
-         number(p.target, 3), VERDICTS.get(p.verdict, p.verdict)]
+        [p.key, finite(p.value, 3), unit(unit_of(p.key, proposal)), finite(p.half, 3), finite(p.percent, 3),
+         finite(p.target, 3), VERDICTS.get(p.verdict, p.verdict)]
         for p in proposal.predicted
     ]  # fmt: skip
     heads = ("parameter", "believed", "unit", "95 % ±", "%", "target (%)", "verdict")
@@ -65,7 +65,7 @@ def part_table(proposal: Proposal) -> TextTable:
         travel = scale * float(np.ptp(seen.position[part]))
         speed = scale * float(np.abs(seen.velocity[part]).max())
         found.append(
-            [purpose, fixed(seconds[purpose], 1), f"{number(speed, 3)} {length}/s", f"{number(travel)} {length}",
+            [purpose, fixed(seconds[purpose], 1), f"{finite(speed, 3)} {length}/s", f"{finite(travel)} {length}",
              str(len(mine))]
         )  # fmt: skip
     return TextTable(("part", "time (s)", "speed up to", "travel", "strokes"), found)

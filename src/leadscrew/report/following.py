@@ -10,7 +10,7 @@ import numpy as np
 
 from leadscrew.analysis.following import ALL, Followed, Following, Told
 from leadscrew.figures.style import BLUE, GREEN, ORANGE, PURPLE, SKY, VERMILION
-from leadscrew.figures.table import NOTHING, fixed, number, unit
+from leadscrew.figures.table import NOTHING, finite, fixed, unit
 from leadscrew.report import page as html
 from leadscrew.report.report import Report, TextTable, head
 from leadscrew.util import escape
@@ -48,9 +48,9 @@ def _values(row: Followed) -> list[str]:
     lag, half = _told(row.lag, 1e3)
     shift, wide = _told(row.shift, 1e3)
     return [
-        number(row.rows), number(row.moving), number(row.worst, 3), number(row.rms, 3), number(row.mean_forward, 3),
-        number(row.mean_backward, 3), number(row.step, 3), lag, half, _told(row.gain, 1.0)[0], shift, wide,
-        number(row.shift.rows or None),
+        finite(row.rows), finite(row.moving), finite(row.worst, 3), finite(row.rms, 3), finite(row.mean_forward, 3),
+        finite(row.mean_backward, 3), finite(row.step, 3), lag, half, _told(row.gain, 1.0)[0], shift, wide,
+        finite(row.shift.rows or None),
     ]  # fmt: skip
 
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from leadscrew.figures.style import BLUE, GREEN, VERMILION
-from leadscrew.figures.table import fixed, number
+from leadscrew.figures.table import finite, fixed
 from leadscrew.report.report import Report, TextTable, head
 from leadscrew.util import escape
 
@@ -33,8 +33,8 @@ def table(found: FrequencyResponse, level: float = 0.95, most: int | None = ROWS
     phase, wide = np.degrees(found.phase), np.degrees(found.phase_confidence(level))
     heads = ("f (Hz)", "gain", "gain (dB)", "from (dB)", "to (dB)", "phase (°)", "± (°)", "coherence")
     rows = [
-        [number(found.frequencies[k], 5), number(found.gain[k]), fixed(found.gain_db[k], 2), fixed(ends[0, k], 2),
-         fixed(ends[1, k], 2), fixed(phase[k], 1), number(wide[k], 2), fixed(found.coherence[k], 4)]
+        [finite(found.frequencies[k], 5), finite(found.gain[k]), fixed(found.gain_db[k], 2), fixed(ends[0, k], 2),
+         fixed(ends[1, k], 2), fixed(phase[k], 1), finite(wide[k], 2), fixed(found.coherence[k], 4)]
         for k in places
     ]  # fmt: skip
     return TextTable(heads, rows, [True] * 8)

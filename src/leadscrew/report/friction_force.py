@@ -10,7 +10,7 @@ import numpy as np
 
 from leadscrew.analysis.friction import friction_velocity
 from leadscrew.figures.style import BLACK, BLUE, GREEN, ORANGE, SKY, VERMILION
-from leadscrew.figures.table import fixed, number, unit
+from leadscrew.figures.table import finite, fixed, unit
 from leadscrew.friction.static_map import TwoSided
 from leadscrew.identify.friction_force.result import (
     DAHL,
@@ -113,8 +113,8 @@ def model_table(fit: FrictionForceFit) -> TextTable:
 def _model_row(m: ModelFit, among: dict[str, ModelFit], suffix: str) -> list[str]:
     percent = m.training_percent if np.isnan(m.holdout_percent) else m.holdout_percent
     better = fixed(None if m.name == MAP else better_percent(among, m.name), 1)
-    return [m.name + suffix, number(m.training_rms), number(m.holdout_rms), number(percent, 3),
-            number(m.holdout_worst, 3), better, number(m.condition, 2)]  # fmt: skip
+    return [m.name + suffix, finite(m.training_rms), finite(m.holdout_rms), finite(percent, 3),
+            finite(m.holdout_worst, 3), better, finite(m.condition, 2)]  # fmt: skip
 
 
 def value_table(model: ModelFit) -> TextTable:
@@ -122,14 +122,14 @@ def value_table(model: ModelFit) -> TextTable:
     rows = []
     for key, p in model.parameters.items():
         word = p.note if p.told else f"not identifiable: {p.note}" if p.how == "fitted" else f"{p.how}: {p.note}"
-        rows.append([key, number(p.value, 5), number(p.low, 5), number(p.high, 5), unit(p.unit), word])
+        rows.append([key, finite(p.value, 5), finite(p.low, 5), finite(p.high, 5), unit(p.unit), word])
     heads = ("parameter", "value", "95 % from", "to", "unit", "")
     return TextTable(heads, rows, [False, *[True] * 3, False, False], title=model.name)
 
 
 def bin_table(fit: FrictionForceFit) -> TextTable:
     """Binned force against speed."""
-    rows = [[number(b.speed), number(b.force), number(b.low), number(b.high), str(b.strokes)] for b in fit.bins]
+    rows = [[finite(b.speed), finite(b.force), finite(b.low), finite(b.high), str(b.strokes)] for b in fit.bins]
     title = f"Sliding friction against speed ({fit.record.unit}/s)"
     return TextTable(("speed", "friction", "95 % from", "to", "strokes"), rows, [True] * 5, title=title)
 

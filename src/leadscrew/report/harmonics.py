@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from leadscrew.figures.style import BLUE, VERMILION
-from leadscrew.figures.table import fixed, number
+from leadscrew.figures.table import finite, fixed
 from leadscrew.figures.table import unit as shown_unit
 from leadscrew.report.report import Report, TextTable, head
 from leadscrew.util import escape
@@ -27,7 +27,7 @@ def table(found: Measured, unit: str = "", level: float = 0.95) -> TextTable:
         "phase (°)", f"FFT, {found.spectrum.window}",
     )  # fmt: skip
     rows = [
-        [name, number(f, 5), number(a), number(lo), number(hi), fixed(float(np.degrees(p)), 1), number(fft)]
+        [name, finite(f, 5), finite(a), finite(lo), finite(hi), fixed(float(np.degrees(p)), 1), finite(fft)]
         for name, f, a, lo, hi, p, fft in _rows(found, level)
     ]
     return TextTable(heads, rows, [False, *[True] * 6])

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from leadscrew.figures.style import BLACK, BLUE, GREEN, ORANGE, VERMILION
-from leadscrew.figures.table import NOTHING, fixed, number
+from leadscrew.figures.table import NOTHING, finite, fixed
 from leadscrew.figures.table import unit as shown_unit
 from leadscrew.friction.static_map import Sliding, TwoSided
 from leadscrew.identify.axis.cascade import OBEYS
@@ -61,7 +61,7 @@ def digits_of(parameter: Parameter) -> int:
 def shown(value: float, digits: int) -> str:
     """A value of a parameter; of more than four digits, zeros at the end count."""
     if digits <= 4 or not math.isfinite(value) or not value:
-        return number(value, 4) if math.isfinite(value) else NOTHING
+        return finite(value)
     return fixed(value, max(0, digits - 1 - math.floor(math.log10(abs(value)))))
 
 
@@ -70,7 +70,7 @@ def scaled(value: float, unit: str, digits: int = 4) -> str:
     if not math.isfinite(value):
         return NOTHING
     factor, prefix = next(((f, p) for f, p in PREFIXES if abs(value) >= f), PREFIXES[-1] if value else PREFIXES[0])
-    return f"{number(value / factor, digits)} {shown_unit(prefix + unit)}"
+    return f"{finite(value / factor, digits)} {shown_unit(prefix + unit)}"
 
 
 def display(largest: float, unit: str) -> tuple[float, str]:
@@ -137,7 +137,7 @@ def sentences(fit: AxisFit) -> list[str]:
     said = [*fit.faults, f"{MODELS[fit.model]}, {alike}", fit.method.rstrip("."), *_judged(fit)]
     if fit.condition > TRADES:
         said.append(
-            f"condition number {number(fit.condition, 3)}: parameters trade with one another, so their intervals are "
+            f"condition number {finite(fit.condition, 3)}: parameters trade with one another, so their intervals are "
             "wide"
         )
     if fit.missing:
@@ -146,7 +146,7 @@ def sentences(fit: AxisFit) -> list[str]:
         said.append(f"not identifiable from this log: {', '.join(keys)}")
     said.append(
         f"known from {length(fit, fit.travel[0])} to {length(fit, fit.travel[1])}, up to "
-        f"{scaled(fit.top_speed, f'{fit.position_unit}/s')} and {number(fit.top_acceleration)} "
+        f"{scaled(fit.top_speed, f'{fit.position_unit}/s')} and {finite(fit.top_acceleration)} "
         f"{fit.position_unit}/s^2; what the model says beyond that is a guess"
     )
     return said
@@ -159,7 +159,7 @@ def _judged(fit: AxisFit) -> list[str]:
     else:
         said = [
             f"on data that the fit has not seen ({unseen.start_s:g} to {unseen.end_s:g} s) the simulated position is "
-            f"off by {length(fit, unseen.rms)} rms, {number(unseen.nrmse_percent, 3)} % of its range"
+            f"off by {length(fit, unseen.rms)} rms, {finite(unseen.nrmse_percent, 3)} % of its range"
         ]
         if seen is not None and seen.rms > 0.0:
             said.append(_beside(seen, unseen))
@@ -172,7 +172,7 @@ def _judged(fit: AxisFit) -> list[str]:
         left = fit.cascade_left_percent
         if left is not None and left > OBEYS:
             said.append(
-                f"the known controller leaves {number(left, 3)} % of the logged drive (allowed are {OBEYS:g} %): it "
+                f"the known controller leaves {finite(left, 3)} % of the logged drive (allowed are {OBEYS:g} %): it "
                 "did not make this log, so its score says nothing; check kp, kv, ki, over and the unit of the command"
             )
     return said
@@ -181,10 +181,10 @@ def _judged(fit: AxisFit) -> list[str]:
 def _beside(seen: Judged, unseen: Judged) -> str:
     """The error on unseen data beside that on the data of the fit; the force left tells what a larger one means."""
     ratio = unseen.rms / seen.rms
-    said = f"that is {f'{number(ratio, 3)} times' if ratio >= 1.0 else 'no more than'} the error on the data of the fit"
+    said = f"that is {f'{finite(ratio, 3)} times' if ratio >= 1.0 else 'no more than'} the error on the data of the fit"
     if ratio <= ENDS_WELL or unseen.nrmse_percent <= NEGLIGIBLE:
         return said
-    forces = f"{number(unseen.force_percent, 3)} % of the force is left there, {number(seen.force_percent, 3)} % here"
+    forces = f"{finite(unseen.force_percent, 3)} % of the force is left there, {finite(seen.force_percent, 3)} % here"
     if unseen.force_percent > FORCE_ENDS_WELL * seen.force_percent:
         return f"{said}; {forces}{TOO_GOOD}"
     return f"{said}; {forces}, so small forces add up in the position"
@@ -229,9 +229,9 @@ def score_table(fit: AxisFit) -> TextTable:
     """Errors by stretch of the log: of the simulated position, and of the drive's force by inverse dynamics."""
     force = force_unit(fit)
     rows = [
-        [j.what, number(j.start_s), number(j.end_s), length(fit, j.rms), length(fit, j.worst),
-         number(j.nrmse_percent, 3), f"{number(j.rms_force, 3)} {force}", number(j.force_percent, 3),
-         number(j.whiteness, 3)]
+        [j.what, finite(j.start_s), finite(j.end_s), length(fit, j.rms), length(fit, j.worst),
+         finite(j.nrmse_percent, 3), f"{finite(j.rms_force, 3)} {force}", finite(j.force_percent, 3),
+         finite(j.whiteness, 3)]
         for j in fit.judged
     ]  # fmt: skip
     heads = ("part", "from (s)", "to (s)", "rms", "worst", "% of range", "force rms", "% of force", "white (%)")
@@ -248,7 +248,7 @@ def compared_table(fit: AxisFit) -> TextTable:
 def correlation_table(fit: AxisFit) -> TextTable:
     """Correlations of the estimates, below the diagonal."""
     keys = [k for k in fit.parameters if k in fit.correlation]
-    rows = [[row, *(number(fit.correlation[row].get(column), 2) if j < i else "" for j, column in enumerate(keys[:-1]))]
+    rows = [[row, *(finite(fit.correlation[row].get(column), 2) if j < i else "" for j, column in enumerate(keys[:-1]))]
             for i, row in enumerate(keys) if i]  # fmt: skip
     return TextTable(["", *keys[:-1]], rows, [False, *[True] * len(keys[:-1])], title="Correlation of the estimates")
 
@@ -262,9 +262,9 @@ def record_table(fit: AxisFit) -> TextTable:
         ["noise of the position, rms", length(fit, fit.noise) + _rounding(fit)],
         ["travel", f"{length(fit, fit.travel[0])} to {length(fit, fit.travel[1])}"],
         ["largest speed", scaled(fit.top_speed, f"{unit}/s")],
-        ["largest acceleration", f"{number(fit.top_acceleration)} {unit}/s^2"],
-        ["largest drive", f"{number(fit.top_drive, 4)} {fit.drive_unit}"],
-        ["condition number of the fit", number(fit.condition, 3)],
+        ["largest acceleration", f"{finite(fit.top_acceleration)} {unit}/s^2"],
+        ["largest drive", f"{finite(fit.top_drive, 4)} {fit.drive_unit}"],
+        ["condition number of the fit", finite(fit.condition, 3)],
     ]
     return TextTable.words(("of the log", "value"), rows, title="The log")
 
@@ -293,7 +293,7 @@ def _cell(fit: AxisFit, key: str, value: Any) -> str:
     if isinstance(value, bool):
         return "yes" if value else "no"
     if isinstance(value, float):
-        return length(fit, value) if "rms" in key and "force" not in key else number(value, 3)
+        return length(fit, value) if "rms" in key and "force" not in key else finite(value, 3)
     return "" if value is None else str(value)
 
 
@@ -453,7 +453,7 @@ def residual_figure(fit: AxisFit) -> Figure | None:
     left.axhline(0.0, color=BLACK, linewidth=0.6)
     unit = force_unit(fit)
     left.set(xlabel="time (s)", ylabel=f"residual force ({unit})")
-    left.set_title(f"{j.what}: {number(j.rms_force, 3)} {unit} rms, {number(j.force_percent, 3)} % of the force")
+    left.set_title(f"{j.what}: {finite(j.rms_force, 3)} {unit} rms, {finite(j.force_percent, 3)} % of the force")
     lags = autocorrelation(j.force_left)
     bound = 1.96 / np.sqrt(np.count_nonzero(np.isfinite(j.force_left)))
     times = np.arange(len(lags)) * (j.time[-1] - j.time[0]) / (len(j.time) - 1)

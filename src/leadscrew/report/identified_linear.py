@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from leadscrew.figures.style import BLACK, BLUE, GREEN, ORANGE, VERMILION
-from leadscrew.figures.table import NOTHING, fixed, number, unit
+from leadscrew.figures.table import NOTHING, finite, fixed, unit
 from leadscrew.identify.linear.result import LinearFit
 from leadscrew.identify.linear.uncertainty import NORMAL, Interval
 from leadscrew.report import page as html
@@ -44,14 +44,14 @@ def _name(fit: LinearFit, key: str) -> str:
 
 def _row(name: str, p: Interval) -> list[str]:
     if p.low == p.high:
-        return [name, number(p.value, 5), NOTHING, NOTHING, unit(p.unit), "given"]
+        return [name, finite(p.value, 5), NOTHING, NOTHING, unit(p.unit), "given"]
     if not p.told and p.percent > WIDE:
-        return [name, number(p.value, 5), NOTHING, NOTHING, unit(p.unit), "not identifiable"]
+        return [name, finite(p.value, 5), NOTHING, NOTHING, unit(p.unit), "not identifiable"]
     return [
         name,
-        number(p.value, 5),
-        number(p.low, 5),
-        number(p.high, 5),
+        finite(p.value, 5),
+        finite(p.low, 5),
+        finite(p.high, 5),
         unit(p.unit),
         "" if p.told else "not identifiable",
     ]
@@ -60,7 +60,7 @@ def _row(name: str, p: Interval) -> list[str]:
 def candidate_table(fit: LinearFit) -> TextTable:
     """All structures that were tried, simplest first."""
     rows = [
-        [c.structure.text, number(_delay(fit, c.delay_s), 3), number(c.train_rms), number(c.holdout_rms), c.against]
+        [c.structure.text, finite(_delay(fit, c.delay_s), 3), finite(c.train_rms), finite(c.holdout_rms), c.against]
         for c in fit.candidates
     ]
     of = _of(fit)
@@ -81,7 +81,7 @@ def _of(fit: LinearFit) -> str:
 def stretch_table(fit: LinearFit) -> TextTable:
     """Errors of simulation on training and hold-out."""
     rows = [
-        [s.what, number(s.start_s), number(s.end_s), number(s.rms), number(s.worst), number(s.nrmse_percent, 3),
+        [s.what, finite(s.start_s), finite(s.end_s), finite(s.rms), finite(s.worst), finite(s.nrmse_percent, 3),
          fixed(s.fit_percent, 2)]
         for s in fit.stretches
     ]  # fmt: skip
@@ -122,10 +122,10 @@ def sentences(fit: LinearFit) -> list[str]:
         else "asked for"
     )
     return [
-        f"{fit.input_name} ({fit.input_unit}) to {fit.output_name} ({fit.output_unit}), every {number(fit.period)} s: "
+        f"{fit.input_name} ({fit.input_unit}) to {fit.output_name} ({fit.output_unit}), every {finite(fit.period)} s: "
         f"{equation(fit)}",
         f"{fit.structure.text}: {how}; {fit.method}",
-        f"the input speaks from {number(low, 3)} to {number(high, 3)} Hz; condition number {number(fit.condition, 2)}",
+        f"the input speaks from {finite(low, 3)} to {finite(high, 3)} Hz; condition number {finite(fit.condition, 2)}",
         f"residual: {fit.whiteness:.0f} % of autocorrelations as of white noise (95 expected); with the input before "
         f"{fit.missed:.1f}, after {fit.feedback:.1f} deviations (above 4 is no chance)",
     ]  # fmt: skip

@@ -35,8 +35,10 @@ STYLES = {
 """Verdicts that a terminal shows in colour; the words themselves always stand there."""
 
 
-NARROWEST = (20, 12)
-"""Columns that a cell of prose keeps, where it has more words than that; the second where a table is tight."""
+NAME = 24
+"""Columns that a name in the first column keeps, where it has more words than that."""
+PROSE = (20, 12)
+"""The same for prose in the others; the second where a table is tight."""
 MOST_ROWS = 2000
 """Of a table that is printed."""
 
@@ -82,7 +84,9 @@ def cut(text: str, columns: int) -> str:
 
 
 def _lines(cell: str, columns: int, indent: str = "") -> list[str]:
-    rule = textwrap.TextWrapper(columns, subsequent_indent=indent, break_on_hyphens=False, break_long_words=False)
+    rule = textwrap.TextWrapper(
+        max(1, columns), subsequent_indent=indent, break_on_hyphens=False, break_long_words=False
+    )
     return rule.wrap(cell) or [""]
 
 
@@ -124,8 +128,9 @@ def table_lines(table: TextTable, columns: int, one_line_each: bool = False) -> 
         return _block(replace(table, rows=texts), size)
     hidden = len(texts) - MOST_ROWS
     whole = replace(table, rows=texts[:MOST_ROWS])
+    whole = _only(whole, [k for k, column in enumerate(_columns(whole)) if any(column)])
     lines: list[Text] = []
-    for block in _blocks(whole, columns):
+    for block in _blocks(whole, columns) if whole.heads else ():
         lines += [Text(""), *_block(block, _sizes(block, columns))] if lines else _block(block, _sizes(block, columns))
     return lines if hidden <= 0 else [*lines, Text(f"... and {hidden} more rows: --json has all")]
 
@@ -135,12 +140,16 @@ def _columns(table: TextTable) -> list[tuple[str, ...]]:
 
 
 def _narrowest(table: TextTable, columns: int) -> list[int]:
-    """How narrow each column may become: its longest word, and where it holds prose some words more."""
-    for prose in NARROWEST:
-        least = [
-            max(_widest(word for text in column for word in text.split()), min(prose, _widest(column)))
-            for column in _columns(table)
-        ]
+    """How narrow each column may become: numbers not at all, words to the longest, prose to some words more."""
+
+    def narrowest(k: int, column: Sequence[str], prose: int) -> int:
+        word = _widest(word for text in column for word in text.split())
+        if table.numeric[k]:
+            return max(word, _widest(column[1:]))
+        return max(word, min(prose if k else NAME, _widest(column)))
+
+    for prose in PROSE:
+        least = [narrowest(k, column, prose) for k, column in enumerate(_columns(table))]
         if _total(least) <= columns:
             break
     return least
@@ -158,13 +167,17 @@ def _blocks(table: TextTable, columns: int) -> Iterator[TextTable]:
         return
     few = len(_groups(least, columns))
     room = next(w for w in range(min(columns, max(least)), columns + 1) if len(_groups(least, w)) == few)
-    for group in _groups(least, room):
-        yield TextTable(
-            [table.heads[k] for k in group],
-            [[row[k] for k in group] for row in table.rows],
-            [table.numeric[k] for k in group],
-            verdict=group.index(table.verdict) if table.verdict in group else -1,
-        )
+    yield from (_only(table, group) for group in _groups(least, room))
+
+
+def _only(table: TextTable, columns: Sequence[int]) -> TextTable:
+    """The table with these columns alone."""
+    return TextTable(
+        [table.heads[k] for k in columns],
+        [[row[k] for k in columns] for row in table.rows],
+        [table.numeric[k] for k in columns],
+        verdict=columns.index(table.verdict) if table.verdict in columns else -1,
+    )
 
 
 def _groups(least: Sequence[int], columns: int) -> list[list[int]]:
@@ -365,6 +378,7 @@ def show(lines: Iterable[Text]) -> None:
     out = console()
     if not out.is_terminal:
         sys.stdout.write("".join(f"{line.plain.rstrip()}\n" for line in lines))
+        sys.stdout.flush()
         return
     for line in lines:
         out.print(line, soft_wrap=True)
