@@ -38,7 +38,7 @@ STYLES = {
 NAME = 24
 """Columns that a name in the first column keeps, where it has more words than that."""
 PROSE = (20, 12)
-"""The same for prose in the others; the second where a table is tight."""
+"""Columns that prose in the others keeps, if that is less than half of it; the second where a table is tight."""
 MOST_ROWS = 2000
 """Of a table that is printed."""
 
@@ -146,7 +146,7 @@ def _narrowest(table: TextTable, columns: int) -> list[int]:
         word = _widest(word for text in column for word in text.split())
         if table.numeric[k]:
             return max(word, _widest(column[1:]))
-        return max(word, min(prose if k else NAME, _widest(column)))
+        return max(word, min(NAME, _widest(column)) if k == 0 else min(prose, -(-_widest(column) // 2)))
 
     for prose in PROSE:
         least = [narrowest(k, column, prose) for k, column in enumerate(_columns(table))]
@@ -191,12 +191,14 @@ def _groups(least: Sequence[int], columns: int) -> list[list[int]]:
 
 
 def _sizes(table: TextTable, columns: int) -> list[int]:
-    """How wide each column is: the widest give way first."""
-    cells = _columns(table)
-    got, least = [_widest(column) for column in cells], _narrowest(table, columns)
-    left = columns - len(GAP) * (len(got) - 1)
-    while sum(got) > left and any(g > m for g, m in zip(got, least, strict=True)):
-        got[max((k for k in range(len(got)) if got[k] > least[k]), key=lambda k: got[k])] -= 1
+    """How wide each column is: all that hold words give way in proportion, down to :func:`_narrowest`."""
+    wide, least = [_widest(column) for column in _columns(table)], _narrowest(table, columns)
+    got = list(wide)
+    while _total(got) > columns:
+        some = [k for k in range(len(got)) if got[k] > least[k]]
+        if not some:
+            break
+        got[max(some, key=lambda k: (got[k] / wide[k], got[k]))] -= 1
     return got
 
 
