@@ -14,7 +14,7 @@ from leadscrew.cli.output import busy, deliver
 from leadscrew.cli.subject import experiment_of
 from leadscrew.cli.values import parse
 from leadscrew.figures.table import number, unit
-from leadscrew.report.report import File, Report, TextTable, head
+from leadscrew.report.report import Report, TextTable, head
 from leadscrew.util.escape import shell
 
 
@@ -66,14 +66,17 @@ def export(
 def _exported(out: Path, manifest: dict[str, Any], period: float) -> Report:
     golden, single = manifest["golden"], manifest.get("single_precision")
     files = sorted(p.name for p in out.iterdir())
-    parts = [f"golden vectors: {golden['cycles']} periods of {period:g} s, {golden['verdict']} ({golden['note']})"]
+    parts = [
+        f"{out}: {', '.join(files)}",
+        f"golden vectors: {golden['cycles']} periods of {period:g} s, {golden['verdict']} ({golden['note']})",
+    ]
     if single:
         worst = f"{number(single['largest_difference_to_double'], 3)} {unit(single['unit'])}".rstrip()
         parts.append(f"single precision differs from double by at most {worst}")
     if "machine_left_out" in manifest:
         parts.append(f"the simulated machine is left out: {manifest['machine_left_out']}")
-    what = f"{', '.join(files)}; next: leadscrew verify-export {shell(out)}"
-    return Report({**head("export"), "files": files, "manifest": manifest}, parts=parts, files=[File("out", out, what)])
+    parts.append(f"next: leadscrew verify-export {shell(out)}")
+    return Report({**head("export"), "out": str(out), "files": files, "manifest": manifest}, parts)
 
 
 def verify_export(
