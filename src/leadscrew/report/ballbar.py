@@ -143,13 +143,13 @@ def sentences(found: Evaluation) -> list[str]:
     """The result in words, a line each."""
     d = found.diagnosis
     most = next((f for f in d.ranked() if f.um is not None), None)
-    said = []
+    lines = []
     if most is not None and most.drawn_um > 0.0:
-        said.append(f"{most.name} draws most: {fixed(most.drawn_um, 3)} µm of the circle's deviations, peak to peak")
-    said.append(f"no signature explains {fixed(d.left_rms_um, 3)} µm rms, {fixed(d.left_peak_um, 3)} µm at most")
-    said.append(f"condition number of the signatures: {d.condition:.3g}; ± is the scatter of the fit alone, one sigma")
-    said.append(f"names and quantities of {standard(found.edition)}; {WITHOUT_TEXT}")
-    return said
+        lines.append(f"{most.name} draws most: {fixed(most.drawn_um, 3)} µm of the circle's deviations, peak to peak")
+    lines.append(f"no signature explains {fixed(d.left_rms_um, 3)} µm rms, {fixed(d.left_peak_um, 3)} µm at most")
+    lines.append(f"condition number of the signatures: {d.condition:.3g}; ± is the scatter of the fit alone, one sigma")
+    lines.append(f"names and quantities of {standard(found.edition)}; {WITHOUT_TEXT}")
+    return lines
 
 
 def summary(found: Evaluation, bar: Evaluation | None = None) -> dict[str, Any]:

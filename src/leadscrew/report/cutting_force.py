@@ -134,11 +134,11 @@ def fit_table(fit: ForceFit, beside: Kienzle | None = None) -> TextTable:
     rows = [_fit_row(f"power law, {fit.chosen.method}", fit.chosen)]
     rows += [_fit_row(name, other) for name, other in fit.others.items()]
     if beside is not None:
-        said = errors(fit, beside)
+        left = errors(fit, beside)
         name = f"given: kc11 {beside.kc11:g}, mc {beside.mc:g}"
-        r2 = said["r2"]
-        rows.append([name, finite(said["rms_percent"], 3), finite(said["worst_percent"], 3), NOTHING,
-                     finite(said["rms_n"], 3), *_r2(r2), NOTHING])  # fmt: skip
+        r2 = left["r2"]
+        rows.append([name, finite(left["rms_percent"], 3), finite(left["worst_percent"], 3), NOTHING,
+                     finite(left["rms_n"], 3), *_r2(r2), NOTHING])  # fmt: skip
     heads = ("fit", "rms (%)", "worst (%)", "left out (%)", "rms (N)", "R² of F", "R² of ln F", "R² of ln kc",
              "condition")  # fmt: skip
     return TextTable(heads, rows, [False, *[True] * 8], title="Fits")
@@ -213,7 +213,7 @@ def ratios(fit: ForceFit) -> dict[str, tuple[float, float, float]]:
 def sentences(fit: ForceFit) -> list[str]:
     """The result in words, a line each."""
     t, chosen = fit.table, fit.chosen
-    said = [
+    lines = [
         f"{len(t.force)} cuts, feed {finite(t.feed.min())} to {finite(t.feed.max())} mm/rev, depth "
         f"{finite(t.depth.min())} to {finite(t.depth.max())} mm, main force {finite(t.force.min())} to "
         f"{finite(t.force.max())} N",
@@ -221,13 +221,13 @@ def sentences(fit: ForceFit) -> list[str]:
     ]
     if fit.depth is not None and fit.depth.p_value >= 0.05:
         q = fit.depth.exponent
-        said.append(
+        lines.append(
             f"in proportion to the depth: exponent {q.value:.3f} ({q.low:.3f} to {q.high:.3f}), p = "
             f"{fit.depth.p_value:.2g} for 1"
         )
     for name, (middle, low, high) in ratios(fit).items():
-        said.append(f"{name.replace('_', ' ')} over main force: {middle:.3g} (median; {low:.3g} to {high:.3g})")
-    return said
+        lines.append(f"{name.replace('_', ' ')} over main force: {middle:.3g} (median; {low:.3g} to {high:.3g})")
+    return lines
 
 
 def summary(

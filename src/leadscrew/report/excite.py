@@ -76,7 +76,7 @@ def sentences(proposal: Proposal) -> list[str]:
     unit, scale = SHOWN[proposal.belief.unit]
     belief, seen = proposal.belief, proposal.samples
     low, high = scale * float(seen.position.min()), scale * float(seen.position.max())
-    said = [
+    lines = [
         f"{proposal.move.duration:.1f} s in {PASSES} equal passes, from {low:.4g} to {high:.4g} {unit}; every sample "
         "keeps position, speed, acceleration" + (" and jerk" if proposal.limits.jerk else ""),
         f"intervals are of one pass, for a sensor noise of {1e3 * scale * belief.noise:.3g} "
@@ -84,8 +84,8 @@ def sentences(proposal: Proposal) -> list[str]:
         + (f" and a force of {belief.force_noise:.3g} {belief.force_unit} that no model explains"
            if belief.force_noise else ""),
     ]  # fmt: skip
-    said += [f"{p.key}: {p.why}" for p in proposal.predicted if p.verdict != "told"]
-    return said
+    lines += [f"{p.key}: {p.why}" for p in proposal.predicted if p.verdict != "told"]
+    return lines
 
 
 def summary(proposal: Proposal) -> dict[str, Any]:

@@ -87,18 +87,18 @@ def odd(found: Following) -> list[str]:
     for source, findings in found.findings.items():
         for finding in findings:
             kinds.setdefault(finding.kind, []).append((Path(source).name, finding.sentence))
-    said = []
+    lines = []
     for kind, seen in kinds.items():
         logs = len({source for source, _ in seen})
         more = f" ({logs} logs have such a note)" if logs > 1 else ""
-        said.append(f"{kind}{more}: {seen[0][0]}: {seen[0][1]}")
-    return said
+        lines.append(f"{kind}{more}: {seen[0][0]}: {seen[0][1]}")
+    return lines
 
 
 def sentences(found: Following) -> list[str]:
     """What the numbers mean and what they cannot say."""
     logs, of = len(found.findings), "" if _named(found) else " in the unit of the log"
-    said = [
+    lines = [
         f"{logs} log{'s' * (logs > 1)}, a row every {found.period:g} s; error = command - actual{of}; "
         "lag is the slope of error against commanded speed over the rows that move, Kv its inverse, shift the lag of "
         "the velocities over rows in order",
@@ -108,9 +108,9 @@ def sentences(found: Following) -> list[str]:
     if any(row.lag.why.startswith("one way") for row in found.together):
         one = sorted({row.axis for row in found.together if row.lag.why.startswith("one way") and row.phase == ALL})
         if one:
-            said.append(f"{', '.join(one)} moved one way only: an offset of the position would count as lag")
+            lines.append(f"{', '.join(one)} moved one way only: an offset of the position would count as lag")
     common = _common(found)
-    return said + ([common] if common else [])
+    return lines + ([common] if common else [])
 
 
 def _common(found: Following) -> str:

@@ -43,7 +43,7 @@ def table(found: FrequencyResponse, level: float = 0.95, most: int | None = ROWS
 def sentences(found: FrequencyResponse, loop: bool = False) -> list[str]:
     """What was measured and how, and the figures that a loop is judged by."""
     how = "periods" if found.method == "periodic" else "independent segments"
-    said = [
+    lines = [
         f"{found.method}: {found.averages:.3g} {how} of {found.segment_s:g} s, {len(found.frequencies)} frequencies "
         f"from {found.frequencies[0]:g} to {found.frequencies[-1]:g} Hz; coherence {found.coherence.min():.3f} to "
         f"{found.coherence.max():.3f}, median {np.median(found.coherence):.4f}"
@@ -53,15 +53,15 @@ def sentences(found: FrequencyResponse, loop: bool = False) -> list[str]:
 
         m = measured_margins(found)
         if m.gain_margin is not None and m.phase_crossover_hz is not None:
-            said.append(f"gain margin {m.gain_margin:.3f} ({20.0 * np.log10(m.gain_margin):.2f} dB) at "
+            lines.append(f"gain margin {m.gain_margin:.3f} ({20.0 * np.log10(m.gain_margin):.2f} dB) at "
                         f"{m.phase_crossover_hz:.4g} Hz")  # fmt: skip
         if m.phase_margin_deg is not None and m.gain_crossover_hz is not None:
-            said.append(f"phase margin {m.phase_margin_deg:.1f} deg at {m.gain_crossover_hz:.4g} Hz")
+            lines.append(f"phase margin {m.phase_margin_deg:.1f} deg at {m.gain_crossover_hz:.4g} Hz")
         if m.sensitivity is not None:
-            said.append(f"largest sensitivity Ms = {m.sensitivity:.3f} at {m.sensitivity_hz:.4g} Hz")
-        if len(said) == 1:
-            said.append("no crossover where the coherence is high enough: this log cannot determine a margin")
-    return said
+            lines.append(f"largest sensitivity Ms = {m.sensitivity:.3f} at {m.sensitivity_hz:.4g} Hz")
+        if len(lines) == 1:
+            lines.append("no crossover where the coherence is high enough: this log cannot determine a margin")
+    return lines
 
 
 def summary(found: FrequencyResponse, source: str, loop: bool, level: float = 0.95) -> dict[str, Any]:

@@ -139,7 +139,7 @@ def sentences(fit: FrictionForceFit) -> list[str]:
     r, chosen = fit.record, fit.chosen
     force, way = r.force_unit, r.unit
     part = "hold-out" if fit.training < len(r.time) else "fitted part"
-    said = [
+    lines = [
         f"{len(r.time)} samples in {r.time[-1] - r.time[0]:.4g} s, {int(r.strokes[-1])} reversals over "
         f"{np.ptp(r.position):.3g} {way}; the first {fit.training} were fitted",
         f"friction amplitude of the {part}: {fit.amplitude:.4g} {force}; LuGre leaves {judged_rms(chosen):.3g} {force} "
@@ -147,19 +147,19 @@ def sentences(fit: FrictionForceFit) -> list[str]:
         "than Coulomb and viscous friction",
     ]
     if fit.load == "coefficient":
-        said.append(
+        lines.append(
             f"values are of the coefficient of friction, per newton of normal force (mean {fit.normal_mean:.5g} N "
             "while sliding); rows with 'force' take no notice of it"
         )
     least = min(fit.models.values(), key=lambda m: m.training_rms)
     if least.name != chosen.name:
-        said.append(f"nearest to the fitted part is {least.name}; LuGre is what plants and controllers take")
+        lines.append(f"nearest to the fitted part is {least.name}; LuGre is what plants and controllers take")
     if chosen.whiteness < 80.0:
-        said.append(
+        lines.append(
             "what LuGre leaves is not noise (it repeats from sample to sample): the shape is not quite LuGre's, and "
             "intervals say how well values repeat, not how right the shape is"
         )
-    return said
+    return lines
 
 
 def for_simulation(fit: FrictionForceFit) -> str:

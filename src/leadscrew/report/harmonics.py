@@ -54,19 +54,19 @@ def _rows(found: Measured, level: float) -> Iterator[tuple[Any, ...]]:
 def sentences(found: Measured, unit: str = "", level: float = 0.95) -> list[str]:
     """The rest of the result in words, a line each."""
     h, of = found.harmonics, f" {shown_unit(unit)}" if unit else ""
-    said = []
+    lines = []
     for name, fit, scale, hz in (("base", found.base, 1.0, "Hz"), ("spindle", found.spindle, 60.0, "1/min")):
         if fit is not None:
             low, high = fit.confidence(level)
-            said.append(
+            lines.append(
                 f"{name} fitted: {scale * fit.frequency:.7g} {hz}, {100.0 * level:g} % from {scale * low:.7g} to "
                 f"{scale * high:.7g} {hz}"
             )
-    said.append(
+    lines.append(
         f"{h.taken.samples} samples at {h.taken.rate:g} Hz, {h.taken.duration:g} s; offset {float(h.offset):.4g}{of}, "
         f"trend {float(h.trend):.3g}{of}/s, residual {float(h.residual_rms):.4g}{of} rms"
     )
-    return said
+    return lines
 
 
 def summary(found: Measured, source: str, signal: str, unit: str = "", level: float = 0.95) -> dict[str, Any]:

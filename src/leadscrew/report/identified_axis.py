@@ -134,60 +134,62 @@ def open_loop(fit: AxisFit) -> tuple[Judged | None, Judged | None]:
 def sentences(fit: AxisFit) -> list[str]:
     """The result in words, a line each: what was fitted, its error on validation data, what is not identifiable."""
     alike = "alike both ways" if fit.symmetric else "by direction"
-    said = [*fit.faults, f"{MODELS[fit.model]}, {alike}", fit.method.rstrip("."), *_judged(fit)]
+    lines = [*fit.faults, f"{MODELS[fit.model]}, {alike}", fit.method.rstrip("."), *_judged(fit)]
     if fit.condition > TRADES:
-        said.append(
+        lines.append(
             f"condition number {finite(fit.condition, 3)}: parameters trade with one another, so their intervals are "
             "wide"
         )
     if fit.missing:
         rows = merged(fit)
         keys = [k for k in fit.missing if k in rows or k not in fit.parameters]
-        said.append(f"not identifiable from this log: {', '.join(keys)}")
-    said.append(
+        lines.append(f"not identifiable from this log: {', '.join(keys)}")
+    lines.append(
         f"known from {length(fit, fit.travel[0])} to {length(fit, fit.travel[1])}, up to "
         f"{scaled(fit.top_speed, f'{fit.position_unit}/s')} and {finite(fit.top_acceleration)} "
         f"{fit.position_unit}/s^2; what the model says beyond that is a guess"
     )
-    return said
+    return lines
 
 
 def _judged(fit: AxisFit) -> list[str]:
     seen, unseen = open_loop(fit)
     if unseen is None:
-        said = ["no hold-out: every error here is on data that the fit has seen, and says nothing about other data"]
+        lines = ["no hold-out: every error here is on data that the fit has seen, and says nothing about other data"]
     else:
-        said = [
+        lines = [
             f"on data that the fit has not seen ({unseen.start_s:g} to {unseen.end_s:g} s) the simulated position is "
             f"off by {length(fit, unseen.rms)} rms, {finite(unseen.nrmse_percent, 3)} % of its range"
         ]
         if seen is not None and seen.rms > 0.0:
-            said.append(_beside(seen, unseen))
+            lines.append(_beside(seen, unseen))
     closed = closed_loop(fit)
     if closed is not None:
-        said.append(
+        lines.append(
             f"under the known controller ({closed.start_s:g} to {closed.end_s:g} s) the simulated position is off by "
             f"{length(fit, closed.rms)} rms; a controller hides faults of a model, so judge the model by the line above"
         )
         left = fit.cascade_left_percent
         if left is not None and left > OBEYS:
-            said.append(
+            lines.append(
                 f"the known controller leaves {finite(left, 3)} % of the logged drive (allowed are {OBEYS:g} %): it "
                 "did not make this log, so its score says nothing; check kp, kv, ki, over and the unit of the command"
             )
-    return said
+    return lines
 
 
 def _beside(seen: Judged, unseen: Judged) -> str:
     """The error on unseen data beside that on the data of the fit; the force left tells what a larger one means."""
     ratio = unseen.rms / seen.rms
-    said = f"that is {f'{finite(ratio, 3)} times' if ratio >= 1.0 else 'no more than'} the error on the data of the fit"
+    lines = (
+        f"that is {f'{finite(ratio, 3)} times' if ratio >= 1.0 else 'no more than'} the error on the data of the fit"
+    )
     if ratio <= ENDS_WELL or unseen.nrmse_percent <= NEGLIGIBLE:
-        return said
+        return line
     forces = f"{finite(unseen.force_percent, 3)} % of the force is left there, {finite(seen.force_percent, 3)} % here"
     if unseen.force_percent > FORCE_ENDS_WELL * seen.force_percent:
-        return f"{said}; {forces}{TOO_GOOD}"
-    return f"{said}; {forces}, so small forces add up in the position"
+        return f"{line}; {forces}{TOO_GOOD}"
+    return f"{line}; {forces}, so small forces add up in the position"
 
 
 def closed_loop(fit: AxisFit) -> Judged | None:
@@ -217,7 +219,7 @@ def parameter_table(fit: AxisFit, reasons: bool = True) -> TextTable:
 
 
 def reason_lines(fit: AxisFit) -> list[str]:
-    """What is to be said of single parameters, a line for each reason with the keys that it is about."""
+    """What holds for single parameters, a line for each reason with the keys that it is about."""
     found: dict[str, list[str]] = {}
     for key, p in merged(fit).items():
         if why(p):
@@ -580,10 +582,10 @@ def write(
     Complete, or not at all.
 
     Args:
-        fit: what was found.
+        fit: the result.
         folder: new, or empty.
         machine: writes the machine file to the path that it is given; none is written without.
-        findings: what the check of the log said, for the page.
+        findings: the findings of the check of the log, for the page.
 
     Raises:
         DataError: the folder exists already and is not empty, or cannot be written.

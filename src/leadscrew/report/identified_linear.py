@@ -92,7 +92,7 @@ def stretch_table(fit: LinearFit) -> TextTable:
 
 def polynomial(values: Sequence[float] | np.ndarray) -> str:
     """``s^2 + 144.8 s + 166.3``."""
-    said: list[str] = []
+    lines: list[str] = []
     degree = len(values) - 1
     for k, value in enumerate(values):
         power = degree - k
@@ -101,8 +101,8 @@ def polynomial(values: Sequence[float] | np.ndarray) -> str:
         size = f"{abs(value):.5g}"
         factor = "" if power == 0 else "s" if power == 1 else f"s^{power}"
         text = factor if size == "1" and factor else f"{size} {factor}".strip()
-        said.append((("- " if value < 0.0 else "+ ") if said else ("-" if value < 0.0 else "")) + text)
-    return " ".join(said)
+        lines.append((("- " if value < 0.0 else "+ ") if lines else ("-" if value < 0.0 else "")) + text)
+    return " ".join(lines)
 
 
 def equation(fit: LinearFit) -> str:

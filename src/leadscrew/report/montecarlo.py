@@ -441,7 +441,7 @@ def percent(part: float | None) -> str:
     return number(None if part is None else 100.0 * part)
 
 
-def render(findings: Findings, said: Mapping[str, Any], folder: Path, drawn: Sequence[tuple[str, str, str]]) -> str:
+def render(findings: Findings, data: Mapping[str, Any], folder: Path, drawn: Sequence[tuple[str, str, str]]) -> str:
     """The page, from what the summary says; ``drawn`` are name, caption and source of each figure."""
     from leadscrew.report.folder import manifest
     from leadscrew.report.html import template
@@ -449,9 +449,9 @@ def render(findings: Findings, said: Mapping[str, Any], folder: Path, drawn: Seq
     made = manifest(findings.found.wall_s)
     made.pop("wall time of the study")
     return template("montecarlo.html.j2", number=number, percent=percent).render(
-        said=said,
-        title=f"{Path(str(said['study'])).name} under {said['controller']}" if said["controller"] else said["study"],
-        several=len(said["scenarios"]) > 1,
+        said=data,
+        title=f"{Path(str(data['study'])).name} under {data['controller']}" if data["controller"] else data["study"],
+        several=len(data["scenarios"]) > 1,
         groups=[
             ("Distributions", [d for d in drawn if d[0] in findings.shown]),
             ("Which runs fail", [d for d in drawn if d[0].startswith("fails_")]),

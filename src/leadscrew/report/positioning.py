@@ -60,15 +60,15 @@ def result_table(test: Positioning) -> TextTable:
 def sentences(test: Positioning) -> list[str]:
     """The result in words, a line each."""
     travel = f"between {test.targets_mm[0]:g} and {test.targets_mm[-1]:g} mm"
-    said = []
+    lines = []
     if test.both is None:
         way, name = (test.up, "+") if test.up is not None else (test.down, "-")
         assert way is not None
-        said += _one_way(way, name, travel)
+        lines += _one_way(way, name, travel)
     else:
         both, left = test.both, test.compensated().both
         assert left is not None
-        said += [
+        lines += [
             f"bidirectional accuracy of positioning {travel}: A = {fixed(both.accuracy, 2)} µm",
             f"bidirectional repeatability of positioning: R = {fixed(both.repeatability, 2)} µm",
             f"bidirectional systematic error: E = {fixed(both.systematic, 2)} µm; mean bidirectional error: "
@@ -76,7 +76,7 @@ def sentences(test: Positioning) -> list[str]:
             f"reversal value: B = {fixed(both.reversal, 2)} µm (mean {fixed(both.mean_reversal, 2)} µm)",
             f"at these targets a compensation of each direction's mean leaves A = {fixed(left.accuracy, 2)} µm",
         ]
-    return said
+    return lines
 
 
 def _one_way(way: OneWay, name: str, travel: str) -> list[str]:
