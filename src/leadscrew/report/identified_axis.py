@@ -181,9 +181,7 @@ def _judged(fit: AxisFit) -> list[str]:
 def _beside(seen: Judged, unseen: Judged) -> str:
     """The error on unseen data beside that on the data of the fit; the force left tells what a larger one means."""
     ratio = unseen.rms / seen.rms
-    lines = (
-        f"that is {f'{finite(ratio, 3)} times' if ratio >= 1.0 else 'no more than'} the error on the data of the fit"
-    )
+    line = f"that is {f'{finite(ratio, 3)} times' if ratio >= 1.0 else 'no more than'} the error on the data of the fit"
     if ratio <= ENDS_WELL or unseen.nrmse_percent <= NEGLIGIBLE:
         return line
     forces = f"{finite(unseen.force_percent, 3)} % of the force is left there, {finite(seen.force_percent, 3)} % here"
