@@ -381,8 +381,8 @@ def _trained(found: Trained, name: str, files: list[File]) -> Report:
     return Report(
         {**head("tangent train"), "table": name, **found.as_dict(), "net": found.net._asdict()},
         parts=[
-            f"{name}: {found.shape.name}, {found.shape.weights} weights; {found.method}, seed {found.seed}, "
-            f"{searches} in {found.wall_s:.1f} s",
+            f"{name}: {found.shape.name}, {found.shape.weights} weights",
+            f"{found.method}, seed {found.seed}, {searches} in {found.wall_s:.1f} s",
             TextTable(["of the network", "value", "required"], rows, [False, True, False]),
         ],
         notes=found.notes,

@@ -160,14 +160,16 @@ def _total(sizes: Sequence[int]) -> int:
 
 
 def _blocks(table: TextTable, columns: int) -> Iterator[TextTable]:
-    """The table in as few parts as it needs, about as wide each, the first column in all of them."""
+    """The table in as few parts as it needs, about as wide each; the names before the numbers stand in all of them."""
     least = _narrowest(table, columns)
-    if _total(least) <= columns or len(least) < 3:
+    names = list(table.numeric).index(True) if True in table.numeric else 1
+    names = names if names > 0 and _total(least[:names]) <= columns // 2 else 1
+    if _total(least) <= columns or len(least) < names + 2:
         yield table
         return
-    few = len(_groups(least, columns))
-    room = next(w for w in range(min(columns, max(least)), columns + 1) if len(_groups(least, w)) == few)
-    yield from (_only(table, group) for group in _groups(least, room))
+    few = len(_groups(least, columns, names))
+    room = next(w for w in range(min(columns, max(least)), columns + 1) if len(_groups(least, w, names)) == few)
+    yield from (_only(table, group) for group in _groups(least, room, names))
 
 
 def _only(table: TextTable, columns: Sequence[int]) -> TextTable:
@@ -180,12 +182,12 @@ def _only(table: TextTable, columns: Sequence[int]) -> TextTable:
     )
 
 
-def _groups(least: Sequence[int], columns: int) -> list[list[int]]:
-    """Columns that fit beside one another, each group with the first column and another one at least."""
-    groups = [[0]]
-    for k in range(1, len(least)):
-        if len(groups[-1]) > 1 and _total([least[j] for j in (*groups[-1], k)]) > columns:
-            groups.append([0])
+def _groups(least: Sequence[int], columns: int, names: int) -> list[list[int]]:
+    """Columns that fit beside one another, each group with the columns of names and another one at least."""
+    groups = [list(range(names))]
+    for k in range(names, len(least)):
+        if len(groups[-1]) > names and _total([least[j] for j in (*groups[-1], k)]) > columns:
+            groups.append(list(range(names)))
         groups[-1].append(k)
     return groups
 
