@@ -133,7 +133,7 @@ def test_an_interval_that_says_nothing_is_not_printed_as_numbers():
     fit = identify_linear(record(MM_PER_M * move()[2], output_unit="mm"), structure=(2, 0, 1))
     wide = Interval(-7.0, -7e6, -7e-6, "1/s", False)
     rows = {row[0]: row for row in parameter_table(replace(fit, parameters={**fit.parameters, "pole 1": wide})).rows}
-    assert rows["pole 1"][2:4] == ["–", "–"] and rows["pole 1"][-1] == "not told"
+    assert rows["pole 1"][2:4] == ["–", "–"] and rows["pole 1"][-1] == "not identifiable"
     assert rows["b0"][2] != "–"
     assert stretch_table(fit).heads[3] == "rms (mm)"
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from leadscrew.experiment import Experiment
-from leadscrew.figures.table import NOTHING
+from leadscrew.figures.table import NOTHING, number
 from leadscrew.report.comparison import metric_table, ranking_table
 from leadscrew.tune.checkpoints import Journal
 from leadscrew.tune.compare import compare, confidence, contest, judged, worse_than_seen
@@ -71,7 +71,7 @@ def test_the_sentence_says_effort_plants_difference_and_what_is_not_shown(found)
     pair = found.pairs[0]
     for words in ("30 simulated plants that no tuning saw", "plant.full_duty_speed_mm_s in 259:334", "95 % interval",
                   "40 evaluations at most", "by cma on 4 other plants, seed 2", f"{C} was taken without tuning",
-                  "nothing is shown about", f"{pair.difference.value:.6g} s"):  # fmt: skip
+                  "nothing is shown about", f"{number(pair.difference.value)} s"):  # fmt: skip
         assert words in text, words
 
 
