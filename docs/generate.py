@@ -18,8 +18,9 @@ from pathlib import Path
 
 from leadscrew import catalogue, resolve
 from leadscrew.figures import formats
+from leadscrew.figures.table import as_typed
 from leadscrew.kernel.parameters import entries
-from leadscrew.report.report import Picture, Report, Section, TextTable
+from leadscrew.report.report import Picture, Section, StudyReport, TextTable
 from leadscrew.report.study import report_of
 from leadscrew.studies.results import Results, evaluate
 from leadscrew.study_data import Study
@@ -33,7 +34,7 @@ def kept() -> bool:
 
 def cell(value: object) -> str:
     """A value inside a table of Markdown."""
-    text = formats.number(value).replace("\n", " ").replace("<", "&lt;")
+    text = as_typed(value).replace("\n", " ").replace("<", "&lt;")
     return re.sub(r"([|*_])", r"\\\1", text)
 
 
@@ -88,7 +89,7 @@ def section(shown: Section, study: str, folder: Path, level: int = 2) -> Iterato
         yield from section(below, study, folder, level + 1)
 
 
-def report_parts(report: Report, folder: Path) -> Iterator[str]:
+def report_parts(report: StudyReport, folder: Path) -> Iterator[str]:
     """Conclusion, key figure, key claims, and the sections but that of the runs, which only a report has."""
     yield escape.markdown_doc(" ".join(report.conclusion))
     if report.key_picture is not None:

@@ -17,6 +17,9 @@ pytest_plugins = ["tests.groups", "tests.costs"]
 # Kept from one session to the next: what is in it is named by its source and by that of the compiler.
 os.environ.setdefault("LEADSCREW_CACHE_DIR", str(Path(__file__).parents[1] / "build" / "tests_cache"))
 
+# What commands print is as wide as in a pipe, also in programs that tests start.
+os.environ["COLUMNS"] = "100"
+
 # Several workers share the cores: more threads of BLAS in each would only wait for one another.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 

@@ -32,7 +32,7 @@ from leadscrew.operate import capture_files, script, session_file
 from leadscrew.operate.operated import Session, Start
 from leadscrew.paths.path import polyline
 from leadscrew.report import html, page
-from leadscrew.report.report import Report, Section
+from leadscrew.report.report import Section, StudyReport, TextTable
 from leadscrew.tangent.emit import program
 from leadscrew.tangent.settings import Settings
 from leadscrew.tangent.stroke import strokes_of
@@ -242,10 +242,10 @@ def pages(text):
     held.loop.name = text
     yield held._repr_html_()
     yield page.page(text, [*page.paragraphs([text.replace("`", "")]), page.bullets(text, ["a"]),
-                           page.table(text, [text], [[text]])])  # fmt: skip
+                           page.table(TextTable([text], [[text]], title=text))])  # fmt: skip
     said = text.replace("`", "")  # backticks are code
     below = Section(said, [said], conclusion=said, anchor="below")
-    report = Report(text, text, text, [said], sections=[below], notes=[said], missed=[said], command=text)
+    report = StudyReport(text, text, text, [said], sections=[below], notes=[said], missed=[said], command=text)
     yield html.page(report, {"command": text, text: text}, {})
     yield exported(text)["fmu2/documentation/index.html"]
 

@@ -17,6 +17,12 @@ from tests.fuzzy.systems import sugeno
 FILE = Path(__file__).parent / "plain_study.py"
 
 
+@pytest.fixture(autouse=True)
+def wide(monkeypatch: pytest.MonkeyPatch) -> None:
+    """No sentence is wrapped: tests look for whole ones. What is wrapped at 100 columns is tested in tests/report."""
+    monkeypatch.setenv("COLUMNS", "1000")
+
+
 @pytest.fixture
 def study() -> str:
     """The name of the tiny study."""
@@ -43,7 +49,11 @@ def refused(call: Callable[..., Result]) -> Callable[..., str]:
 
     def run(*args: object) -> str:
         result = call(*args, code=2)
-        assert result.stdout == ""
+        if "--json" in args:
+            found = strict_json(result.stdout)
+            assert found["exit_code"] == 2 and found["error"] in result.stderr
+        else:
+            assert result.stdout == ""
         assert result.stderr.count("\n") == 1, result.stderr
         return result.stderr
 

@@ -102,7 +102,7 @@ def one_axis(tmp_path):
 
 
 def row(shown, name):
-    return next(x for x in shown.splitlines() if x.startswith(name)).split()
+    return next(x for x in shown.splitlines() if x.startswith(name)).replace("−", "-").split()
 
 
 # ---- a measured file
@@ -116,7 +116,7 @@ def test_the_tables_of_a_file_show_what_the_library_computes(call):
     for word in ("radius 100 mm, feed 1000 mm/min", "counter-clockwise and clockwise", "axes X and Y",
                  "start point at 0 degrees", "1800 points ccw", "a measured file", "was not at hand"):  # fmt: skip
         assert word in shown
-    assert "backlash X" in shown and "lead 9.999 mm" in shown and "urad" in shown
+    assert "backlash X" in shown and "lead 9.999 mm" in shown and "µrad" in shown
     assert len([x for x in shown.splitlines() if x.startswith(("X+", "X-", "Y+", "Y-"))]) == 8
 
 
@@ -153,7 +153,7 @@ def test_the_report_opens_offline_and_its_json_is_the_command_s(call, tmp_path):
 
 def test_the_example_is_written_once_and_is_the_one_of_the_repository(call, refused, tmp_path):
     shown = call("ballbar", tmp_path / "made.csv", "--example").stdout
-    assert "made test" in shown and "--radius 100 --feed 1000" in shown
+    assert "an example" in shown and "--radius 100 --feed 1000" in shown
     assert (tmp_path / "made.csv").read_bytes() == MEASURED.read_bytes()
     assert "overwrites nothing" in refused("ballbar", tmp_path / "made.csv", "--example")
     assert "--example only writes" in refused("ballbar", tmp_path / "new.csv", "--example", "--json")
@@ -165,7 +165,7 @@ def test_the_example_is_written_once_and_is_the_one_of_the_repository(call, refu
 def test_a_loop_of_two_axes_draws_the_circle_itself_and_the_bar_reads_it(call, two_axes):
     shown = call("ballbar", two_axes, "--radius", 50, "--feed", 300, "--bar", "--set", "bar.centring_x_um=5").stdout
     # The lags of both loops, 25 and 40 ms, at 5 mm/s.
-    assert float(row(shown, "servo mismatch")[2]) == pytest.approx(-75.0, abs=0.002) and "-15 ms" in shown
+    assert float(row(shown, "servo mismatch")[2]) == pytest.approx(-75.0, abs=0.002) and "−15 ms" in shown
     true, read = (float(v) for v in row(shown, "bi-directional circular error")[-2:])
     assert true == pytest.approx(75.0, abs=0.01) and read == pytest.approx(75.0, abs=0.3)
     assert float(row(shown, "radial error, CCW, set-up centre")[-1]) == pytest.approx(37.5 + 3.5, abs=1.0)

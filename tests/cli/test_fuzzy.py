@@ -80,8 +80,8 @@ def test_an_unknown_term_is_refused_with_its_place_and_the_option_that_leaves_it
         said = refused("fuzzy", command[0], broken, *command[1:])
         assert f"{broken}:25:" in said and "'quick'" in said
         assert said.endswith("(--leave-out-unknown leaves such rules out)\n")
-    out = call("fuzzy", "show", broken, "--leave-out-unknown").stdout
-    assert "1 rule" in out and "note: " in out and "is left out" in out
+    shown = call("fuzzy", "show", broken, "--leave-out-unknown")
+    assert "1 rule" in shown.stdout and "leadscrew: note: " in shown.stderr and "is left out" in shown.stderr
     assert left(tmp_path) == ["broken.fll"]
 
 
@@ -96,7 +96,7 @@ def test_a_file_that_is_broken_otherwise_has_no_such_hint(refused, tmp_path):
 
 
 def test_other_suffixes_are_refused_before_anything_is_read(refused, feeder, tmp_path):
-    assert ".bmp: allowed are .png, .svg, .pdf" in refused("fuzzy", "show", feeder, "--plot", "x.bmp")
+    assert "x.bmp: a picture ends in .png, .svg, .pdf" in refused("fuzzy", "show", feeder, "--plot", "x.bmp")
     assert "allowed are .fis, .fll, .fcl" in refused("fuzzy", "convert", feeder, "x.xml")
     assert "no suffix" in refused("fuzzy", "surface", "nothing.fis", "-o", "picture")
 
@@ -119,7 +119,7 @@ def test_convert_says_what_the_format_cannot(call, refused, tmp_path, feeder):
     text = FLL.format(fast="fast")
     feeder.write_text(text.replace("Engine: feeder", "Engine: feeder\ndescription: a lathe's feed"))
     out = call("fuzzy", "convert", feeder, tmp_path / "a.fis").stdout
-    assert "not said: descriptions are not written" in out
+    assert "not in this format: descriptions are not written" in out
     feeder.write_text(text.replace("default: nan", "default: 0.5"))
     assert "cannot express output feed: a default" in refused("fuzzy", "convert", feeder, tmp_path / "b.fis")
     assert left(tmp_path) == ["a.fis", "feeder.fll"]

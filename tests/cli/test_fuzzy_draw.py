@@ -121,7 +121,7 @@ def test_a_run_without_times_is_counted_in_rows(call, feeder, tmp_path):
     path = tmp_path / "run.csv"
     path.write_text("gap\n0\n5\n10\n")
     out = call("fuzzy", "activity", feeder, path, "-o", tmp_path / "a.png").stdout
-    assert "no rule fired in 33.3 % of the rows" in out and "fired / rows" in out
+    assert "no rule fired in 33.3 % of the rows" in out and "fired (rows)" in out
     assert (tmp_path / "a.png").read_bytes().startswith(b"\x89PNG")
 
 
@@ -156,7 +156,7 @@ def test_bench_prints_the_rows_it_gets(call, refused, servo, monkeypatch):
     made.bench_file = bench_file
     monkeypatch.setitem(sys.modules, "leadscrew.bench.fuzzy", made)
     out = call("fuzzy", "bench", servo, "--points", 1000).stdout
-    assert "512.25" in out and "not here" in out and "ratio" in out
+    assert "512.2" in out and "not here" in out and "ratio" in out
     found = strict_json(call("fuzzy", "bench", servo, "--json").stdout)
     assert found["points"] == 100_000 and found["rows"][1]["value"] is None
     assert seen == [("sugeno49", 1000), ("sugeno49", 100_000)]

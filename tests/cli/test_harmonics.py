@@ -48,7 +48,7 @@ def test_the_table_shows_the_amplitudes_of_the_library(call, log):
         assert float(rows[name][2]) <= float(rows[name][1]) <= float(rows[name][3])
     speed = shown.stdout.split("spindle fitted: ")[1].split()[0]
     assert float(speed) == pytest.approx(1014.0, abs=0.01)
-    assert "amplitude um" in shown.stdout and shown.stderr == ""
+    assert "amplitude (µm)" in shown.stdout and shown.stderr == ""
     assert "8000 samples at 1000 Hz, 8 s" in shown.stdout
 
 

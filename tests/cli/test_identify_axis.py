@@ -43,7 +43,7 @@ def test_tables_and_sentences_are_printed_and_the_log_is_in_si(call, log, fitted
     said = call(*NAME, log, "--column", "position=qm", "--unit", "position=mm")
     lines = said.stdout.splitlines()
     assert any(x.split()[:5] == ["mass", "20", "19.9", "20.1", "kg"] for x in lines)
-    assert any(x.startswith("hold-out") and "20 um" in x for x in lines)
+    assert any(x.startswith("hold-out") and "20 µm" in x for x in lines)
     assert "that is 1.25 times the error on the data of the fit" in lines
     assert "to measure next: move faster backwards" in lines
     assert "leadscrew: note: the drive stands at its limit in 3 samples" in said.stderr
@@ -87,7 +87,7 @@ def test_machine_file_and_report_hold_what_was_found(call, log, fitted, tmp_path
     assert dict(read(report / "axis.toml").parameters) == dict(machine.parameters)
     assert json.loads((report / "axis.json").read_text(encoding="utf-8"))["kind"] == "leadscrew identify axis"
     assert f"{out}: the machine; next: leadscrew simulate {out} -c ours.cascade_model -s move" in said.stdout
-    assert f"report: {report / 'report.html'}" in said.stdout
+    assert f"{report}: the report: report.html" in said.stdout
 
 
 def test_json_is_one_object_with_the_findings_of_the_log(call, log, fitted):

@@ -107,5 +107,5 @@ def test_a_machine_whose_position_has_no_noise_beyond_its_counts_has_noise_0_and
     assert read.noise == 0.0 and "noise = 0.0\n" in (tmp_path / "m.toml").read_text()
     assert read.identified["noise"] == "none beyond the rounding to steps of 0.001 mm"
     assert found.as_dict()["noise_beyond_step"] == 0.0
-    rows = dict(tables.record_rows(found))
+    rows = dict(tables.record_table(found).rows)
     assert rows["noise of the position, rms"].endswith(", none beyond the rounding to the encoder's steps")

@@ -32,7 +32,7 @@ def test_the_tables_show_what_the_library_finds(call, cuts):
     said = call(*NAME, PUBLISHED, "--beside", "1609.5,0.136", "--at", "0.03,1", "--bootstrap", 200)
     lines = said.stdout.splitlines()
     kf = next(x.split() for x in lines if x.startswith("Kf"))
-    assert kf[1:4] == [f"{x:.4g}" for x in fit.chosen.parameters["kf"].interval]
+    assert kf[1:4] == [f"{x:,.0f}" for x in fit.chosen.parameters["kf"].interval]
     given = next(x for x in lines if x.startswith("given: kc11"))
     assert "7.1" in given and "0.633" in given
     assert any(x.strip().startswith("0.03") and x.endswith("outside the table") for x in lines)

@@ -61,8 +61,8 @@ def test_diff_shows_changed_equations_and_values(call, study):
     found = strict_json(call("diff", study, "p", "p_half", "--json").stdout)
     assert found["equations"] == []
     assert found["parameters"] == [{"key": "kp", "a": 2.0, "b": 1.0, "unit": "V/mm"}]
-    assert "the equations are the same" in call("diff", study, "p", "p_half").stdout
-    assert "the parameters are the same" in call("diff", study, "p", "p").stdout
+    assert "The equations are the same." in call("diff", study, "p", "p_half").stdout
+    assert "The parameters are the same." in call("diff", study, "p", "p").stdout
 
 
 def test_diff_of_the_lathe_shows_the_one_changed_equation(call):
@@ -82,7 +82,10 @@ def test_cache_is_shown_and_cleared(call, tmp_path, monkeypatch):
     folder = tmp_path / "0.1.0-py3.11-llvmlite0.50.0"
     folder.mkdir()
     (folder / "loop_abc.o").write_text("x = 1\n")
-    assert strict_json(call("cache", "info", "--json").stdout) == {"folder": str(tmp_path), "modules": 1, "bytes": 6}
+    found = strict_json(call("cache", "info", "--json").stdout)
+    assert found == {
+        "schema_version": 1, "kind": "leadscrew cache info", "folder": str(tmp_path), "modules": 1, "bytes": 6,
+    }  # fmt: skip
     assert str(tmp_path) in call("cache", "info").stdout
     assert strict_json(call("cache", "clear", "--json").stdout)["modules"] == 1
     assert strict_json(call("cache", "info", "--json").stdout)["modules"] == 0

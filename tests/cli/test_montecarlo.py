@@ -88,7 +88,7 @@ def test_runs_that_are_one_run_are_said_to_be(call, tmp_path, monkeypatch):
     quiet = ("montecarlo", NAME, "-c", "p", "-s", "small", "--set", "sensor.noise_mm=0", "--runs", "20")
     done = call(*quiet, "--tolerance", "rms_error<=10", "--wear", "plant.lag_s=x1:x100", "--life", "2", "-o", "out")
     assert "all 20 runs are the same run" in done.stderr and done.stderr.count("\n") == 1
-    assert "100 %   –" in done.stdout and "95 %:" not in done.stdout and "20 of 20" in done.stdout
+    assert "100 %  –" in done.stdout and "95 %:" not in done.stdout and "20 of 20" in done.stdout
     page = (tmp_path / "out" / "report.html").read_text()
     assert "All 20 runs are the same run" in page and "95 %:" not in page
     said = json.loads((tmp_path / "out" / "summary.json").read_text())

@@ -22,9 +22,9 @@ def file(tmp_path):
 def test_the_table_shows_what_the_library_computes(call, file):
     both = read_positioning(file).both
     shown = call("positioning", file).stdout
-    assert f"A = {both.accuracy:.2f} um" in shown and f"R = {both.repeatability:.2f} um" in shown
+    assert f"A = {both.accuracy:.2f} µm" in shown and f"R = {both.repeatability:.2f} µm" in shown
     row = next(x for x in shown.splitlines() if x.startswith("accuracy"))
-    assert row.split()[-2:] == [f"{both.accuracy:.2f}", "um"]
+    assert row.split()[-2:] == [f"{both.accuracy:.2f}", "µm"]
     assert sum(x.strip().startswith(("11.3 ", "431.5 ")) for x in shown.splitlines()) == 2
 
 

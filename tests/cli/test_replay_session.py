@@ -43,7 +43,7 @@ def test_a_changed_session_is_not_identical(call, session, tmp_path):
     path.write_text(path.read_text().replace(f'leadscrew = "{__version__}"', 'leadscrew = "0.0.9"'))
     assert call("replay", path, code=1).stdout == (
         "not identical: the signals differ first between t = 0.03 s and 0.05 s\n"
-        f"  the session was written by Leadscrew 0.0.9 and replayed by Leadscrew {__version__}\n"
+        f"the session was written by Leadscrew 0.0.9 and replayed by Leadscrew {__version__}\n"
     )
     found = strict_json(call("replay", path, "--json", code=1).stdout)
     assert not found["identical"] and found["rows"] == 100 and found["events"] == 2

@@ -51,7 +51,7 @@ def rms_of(call, *args):
 def test_the_second_piece_of_a_real_drawing_has_a_third_of_the_error_of_the_first(call, svg, tmp_path):
     one, two = tmp_path / "one.ngc", tmp_path / "two.ngc"
     shown = call("tangent", "gcode", svg, "-o", one).stdout
-    assert "3 strokes, 549.0 mm" in shown and "C from -720.0 to -126.2 deg" in shown
+    assert "3 strokes, 549.0 mm" in shown and "C from −720.0 to −126.2°" in shown
     first = rms_of(call, one, "-o", tmp_path / "one.csv", "--seed", 1)
     found = strict_json(
         call("tangent", "compensate", one, "--measured", tmp_path / "one.csv", "-o", two, "--json").stdout
@@ -70,7 +70,7 @@ def test_so_does_a_third_piece_from_the_drawing_after_the_second_s_program_with_
     for k, (before, after) in enumerate(pairwise(files), start=1):
         scan = tmp_path / f"{k}.csv"
         cut = call("tangent", "cut", before, "-o", scan, "--seed", k, "--noise", 0.05, "--placed", "20,-7,33").stdout
-        errors.append(float(cut.split("error of its tangent ")[1].split()[0]))
+        errors.append(float(cut.split("error of its tangent ")[1].split("°")[0]))
         marks = [word for row in cut.splitlines() if row.startswith("mark: ") for word in row.split()[1:]]
         args = ("tangent", "compensate", svg, "--after", before, "--measured", scan, "-o", after, *marks)
         turned = call(*args).stdout.split("turned by ")[1].split()[0]
@@ -91,7 +91,7 @@ def test_show_says_lengths_corners_and_what_the_blade_has_to_do(call, svg, tmp_p
     assert rectangle["feed_limit_mm_min"] == pytest.approx(7200 * math.pi * 10 * 60 / 10 / 180, rel=1e-6)
     assert (tmp_path / "p.png").read_bytes()[:4] == b"\x89PNG"
     shown = call("tangent", "show", svg, "--max-swivel-rate", 100).stdout
-    assert "leaf.svg: 2 paths, 549.0 mm, unit mm; 3 corners, of which 2 above 20 deg: 3 strokes" in shown
+    assert "leaf.svg: 2 paths, 549.0 mm, unit mm; 3 corners, of which 2 above 20°: 3 strokes" in shown
     assert "the blade is too slow in stroke 2, 3: gcode lowers the feed there" in shown
 
 

@@ -9,6 +9,7 @@ import pytest
 from leadscrew.design.npid import Bench, design_npid, retuned
 from leadscrew.design.npid_axis import Case, Gains, TableAxis, Work, block_of, bounds_of, strength_for
 from leadscrew.design.npid_paper import paper_design
+from leadscrew.report.npid_design import paper_steps, report_of
 from leadscrew.studies.npid_xytable.calibration import volts
 from leadscrew.studies.npid_xytable.table2 import LINES_HZ, PID_UM
 from leadscrew.util.errors import ValueRefused
@@ -16,6 +17,11 @@ from leadscrew.util.errors import ValueRefused
 WORK = Work(tuple(Case(f"{rpm} 1/min", volts(um), rpm / 60.0) for rpm, um in PID_UM.items()), LINES_HZ)
 RETUNED = Gains(1.6533, 248.0, 0.00533)
 """An independent design, Ms 1.85."""
+
+
+def words(design):
+    """The steps as a terminal prints them."""
+    return "\n".join(line.plain for line in report_of(design, None, []).parts[0](1000))
 
 
 @pytest.mark.parametrize(
@@ -62,7 +68,7 @@ def test_the_papers_way_gives_its_numbers_and_says_where_it_breaks():
     assert 1e3 * found.sampled_dead_time_s == pytest.approx(0.7797, abs=5e-5)
     assert (found.popov_zero, found.popov_one, found.circle_one) == pytest.approx((1.408, 2.5, 2.270), rel=5e-4)
     assert found.slope == pytest.approx(5.5463, abs=5e-5) and found.linear_fit_r2 == pytest.approx(0.916, abs=5e-4)
-    said = found.report()
+    said = "\n".join(line.plain for line in paper_steps(found)(1000))
     assert [s for s in said.splitlines() if s[:1].isdigit()] == [
         "1. PID gains (Table I)", "2. intercept of the plot with the negative real axis",
         "3. limit of the gain, equation (3)", "4. retuned by hand against chatter", "5. e_max chosen, alpha from (2)",
@@ -103,7 +109,7 @@ def test_the_slope_limited_design_stands_at_its_proof_and_at_its_noise_budget():
     file = found.controller_file()
     assert (file.controller, file.study) == ("npid_slope", "npid_xytable")
     assert found.controller().params.k == found.parameters["k"] == file.parameters["k"]
-    assert "2. PID" in found.report() and "what binds: the slope stands at its limit" in found.report()
+    assert "2. PID" in words(found) and "what binds: the slope stands at its limit" in words(found)
 
 
 @pytest.mark.slow

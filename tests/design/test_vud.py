@@ -8,11 +8,17 @@ from leadscrew.controllers._vud.universe import TABLE_2
 from leadscrew.design import Factors, design_vud, read_moves
 from leadscrew.design.vud_steps import find_universes
 from leadscrew.fuzzy.grids import partition_count
+from leadscrew.report.vud_design import report_of
 from leadscrew.util.errors import DataError, NameUnknown, ValueRefused
 from tests.design.moves import TABLE_1, glide, rows, write
 
 PAPER = (1.96, 1.35)
 PRINTED = {"levels": (0.333, 0.677, 1.0), "rate_scale_mm": 25.87}
+
+
+def words(design):
+    """The steps as a terminal prints them."""
+    return "\n".join(line.plain for line in report_of(design).parts[0](1000))
 
 
 @pytest.fixture(scope="module")
@@ -73,14 +79,14 @@ def test_table_1_does_not_carry_the_curvatures_and_the_step_says_so(found):
     assert "allowed is 30" in degree_2.said and "allowed is 30" in degree_3.said
     assert found.sets.count is None and found.sets.bound is None
     assert found.sets.partition.centres == (-1.0, -0.67, -0.33, 0.33, 0.67, 1.0)
-    assert "undecided, since there is no curvature" in found.report()
-    assert "follow from no count" in found.report()
+    assert "undecided, since there is no curvature" in words(found)
+    assert "follow from no count" in words(found)
 
 
 def test_given_curvatures_give_three_readings_and_none_is_taken_unless_named():
     found = design_vud(TABLE_1, curvature=PAPER)
     assert found.sets.count == partition_count(PAPER, 0.05) == (3, 6, 5)
-    assert found.sets.reading is None and "none preferred" in found.report()
+    assert found.sets.reading is None and "none preferred" in words(found)
     assert max(found.sets.bound) == pytest.approx(0.66**2 / 8 * 3.31) == pytest.approx(0.180, abs=5e-4)
     assert found.sets.equal_for == 7
     sizes = {
@@ -98,10 +104,10 @@ def test_sets_from_a_count_are_evenly_spaced():
 
 
 def test_the_paper_s_law_is_written_only_when_asked_for(found):
-    assert found.controller().name == "vud_beta_e" and "creep" in found.report()
+    assert found.controller().name == "vud_beta_e" and "creep" in words(found)
     literal = design_vud(TABLE_1, factors=Factors("vud", tau=0.8))
     assert literal.controller().name == "vud" and literal.controller().params.tau == 0.8
-    assert "power of 5," in literal.report()
+    assert "power of 5," in words(literal)
 
 
 # ---- logs that carry more
@@ -120,7 +126,7 @@ def test_a_measured_log_gives_its_own_universes(tmp_path):
     u = design_vud(path).universes
     assert u.error_mm == 80.0 and u.rate_mm == pytest.approx(80.0 * (1.0 - np.exp(-0.4)))
     narrow = design_vud(path, error_scale_mm=40.0)
-    assert narrow.universes.outside[0] == 1 and "count as the end" in narrow.report()
+    assert narrow.universes.outside[0] == 1 and "count as the end" in words(narrow)
 
 
 # ---- refusals

@@ -8,9 +8,10 @@ import pytest
 from typer.testing import CliRunner
 
 from leadscrew.cli import app
+from leadscrew.figures.table import number
 from leadscrew.identify.friction_force import identify_friction_force, read_force_record
 from leadscrew.identify.friction_force.result import SLIP, STRIBECK
-from leadscrew.report.friction_force import model_rows, num
+from leadscrew.report.friction_force import model_table
 from tests.docs import sessions
 from tests.docs.snippets import ROOT
 from tests.fuzzy.formats_systems import shared
@@ -45,7 +46,7 @@ def test_the_commands_of_the_page_print_what_it_shows(tmp_path, monkeypatch):
 def test_the_table_of_the_tribometer_is_what_is_found():
     fit = identify_friction_force(read_force_record(shared("data/friction_tribometer/test_data_2.txt")))
     shown = {c[0]: c[1:] for line in TEXT.splitlines() if len(c := cells(line)) == 5}
-    rows = model_rows(fit)
+    rows = model_table(fit).rows
     assert len(rows) == 7
     for name, fitted, held, percent, _, better, _ in rows:
         assert shown[name] == [fitted, held, percent, better]
@@ -66,7 +67,7 @@ def test_the_values_of_the_simulated_record_are_what_is_found():
     for name, key in (
         ("Coulomb coefficient", "coulomb"), ("static coefficient", "static"), ("Stribeck speed, m/s", "stribeck_speed"),
     ):  # fmt: skip
-        assert shown[name] == num(fit.chosen.parameters[f"friction.forward.{key}"].value)
+        assert shown[name] == number(fit.chosen.parameters[f"friction.forward.{key}"].value)
     r = fit.record
     column = (r.speed > 0.0) * r.normal - (r.speed < 0.0) * r.normal
     assert re.search(rf"433 rows gives {column @ r.force / (column @ column):.4f}", PROSE)

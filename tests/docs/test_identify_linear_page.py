@@ -33,7 +33,7 @@ def test_the_command_of_the_page_prints_what_it_shows_and_finds_the_truth(tmp_pa
     assert done.stderr == ""
     sessions.assert_shown(step, done.stdout)
     cells = (re.split(r"\s\s+", line) for line in step.shown)
-    rows = {c[0]: [float(x) for x in c[1:4]] for c in cells if c[0] in ("b0", "a0", "a1", "delay")}
+    rows = {c[0]: [float(x.replace(",", "")) for x in c[1:4]] for c in cells if c[0] in ("b0", "a0", "a1", "delay")}
     p = XYTableParams()
     for name, value in {"b0": p.gain, "a1": p.damping, "a0": p.stiffness, "delay": 0.775e-3}.items():
         assert rows[name][1] <= value <= rows[name][2]

@@ -28,5 +28,5 @@ def test_the_same_system_without_scales_says_what_is_wrong(monkeypatch):
     args = ["simulate", "vud_lathe", "-s", "fig11a_step_m50", "-c", "examples/axis.fll"]
     found = json.loads(CliRunner().invoke(app, [*args, "--json"]).stdout)
     assert [n["kind"] for n in found["notes"]] == ["moved_away", "outside_range"]
-    text = CliRunner().invoke(app, args).stdout
+    text = CliRunner().invoke(app, args).stderr
     assert "controller.scale_output=-1" in text and "controller.scale_e=0.02" in text

@@ -12,7 +12,7 @@ from leadscrew.identify.linear.model import Structure
 from leadscrew.identify.linear.record import linear_record, read_linear
 from leadscrew.identify.linear.result import Parameter, block, machine, machine_values
 from leadscrew.identify.linear.uncertainty import Quantities, _poles, within
-from leadscrew.report.identified_linear import parameter_rows, stretch_rows
+from leadscrew.report.identified_linear import parameter_table, stretch_table
 from leadscrew.util.errors import DataError
 from tests.identify.test_linear import T, axis, finer, levels
 
@@ -132,10 +132,10 @@ def test_a_candidate_of_which_nothing_is_identifiable_is_not_chosen_while_there_
 def test_an_interval_that_says_nothing_is_not_printed_as_numbers():
     fit = identify_linear(record(MM_PER_M * move()[2], output_unit="mm"), structure=(2, 0, 1))
     wide = Parameter(-7.0, "1/s", -7e6, -7e-6, identifiable=False)
-    rows = {row[0]: row for row in parameter_rows(replace(fit, parameters={**fit.parameters, "pole 1": wide}))}
+    rows = {row[0]: row for row in parameter_table(replace(fit, parameters={**fit.parameters, "pole 1": wide})).rows}
     assert rows["pole 1"][2:4] == ["–", "–"] and rows["pole 1"][-1] == "not identifiable"
     assert rows["b0"][2] != "–"
-    assert stretch_rows(fit)[0][3].endswith(" mm")
+    assert stretch_table(fit).heads[3] == "rms (mm)"
 
 
 @pytest.mark.parametrize(

@@ -8,6 +8,7 @@ from datetime import UTC, datetime
 import numpy as np
 import pytest
 
+from leadscrew.figures.table import number
 from leadscrew.operate import script, session_file
 from leadscrew.operate.operated import Operated, Start
 from leadscrew.operate.recorder import Recorder
@@ -173,7 +174,7 @@ def test_the_report_has_old_and_new_values_and_the_error_under_each_setting(play
     for first, last in ((0, 123), (123, 200)):
         piece = 1000.0 * error[first:last]
         for value in (np.sqrt(np.mean(piece**2)), np.abs(piece).max()):
-            assert f"{value:.6g}" in page
+            assert number(float(value)) in page
     assert '<td>controller.kp</td><td class="n">3</td><td class="n">4</td><td></td>' in page
     assert "<td>ramped</td><td>hand</td>" in page and "<td>scenario.amplitude_mm</td>" in page
     made = re.search(r"<p>A slide; this page was made on (.* at .*) UTC", page)

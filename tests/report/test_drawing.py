@@ -10,7 +10,7 @@ from types import SimpleNamespace
 import pytest
 
 from leadscrew.report import drawing
-from leadscrew.report.report import Picture, Report, Section
+from leadscrew.report.report import Picture, Section, StudyReport
 from leadscrew.studies.exhibits import FigureOf
 from leadscrew.studies.results import Contents
 from leadscrew.util.errors import BlockError
@@ -23,7 +23,7 @@ def study_of(*draws):
     contents = Contents([], [], [FigureOf(draw, "", False) for draw in draws], None)
     study = SimpleNamespace(judged=lambda: contents)
     pictures = [Picture(draw.__name__, "", lambda draw=draw: draw(None)) for draw in draws]
-    return study, Report("s", "s", sections=[Section("figures", pictures=pictures)])
+    return study, StudyReport("s", "s", sections=[Section("figures", pictures=pictures)])
 
 
 def plain(lab):

@@ -11,6 +11,7 @@ from matplotlib.figure import Figure
 from leadscrew.figures import formats
 from leadscrew.figures.runs import run_figure
 from leadscrew.figures.signals import signal_unit
+from leadscrew.figures.table import as_typed, fixed, number
 from leadscrew.kernel.block import controller
 from leadscrew.kernel.loop import Loop
 from leadscrew.references._sine import sine_motion
@@ -56,9 +57,12 @@ def test_a_motion_is_drawn_by_its_position():
 
 
 def test_numbers_in_tables():
-    assert [formats.number(x) for x in (None, math.nan, 1 / 3, True, "", np.eye(2), 12)] == [
-        "–", "–", "0.333333", "yes", "–", "array 2 x 2", "12",
+    values = (None, math.nan, 1 / 3, True, "", np.eye(2), [1, 2, 3], 12, -1.5e6)
+    assert [as_typed(x) for x in values] == [
+        "–", "–", "0.333333", "yes", "–", "array of 2 × 2", "array of 3", "12", "-1.5e+06",
     ]  # fmt: skip
+    assert [number(x) for x in values[-3:]] == ["array of 3", "12", "−1,500,000"]
+    assert [fixed(x, 2) for x in (-0.001, -1.5, 1234.0, math.inf)] == ["0.00", "−1.50", "1,234.00", "–"]
     assert formats.plain("the :class:`~a.b.Motion` of ``x``") == "the Motion of x"
 
 

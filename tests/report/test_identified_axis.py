@@ -19,13 +19,13 @@ def row(rows, name):
 
 def test_a_number_carries_the_prefix_that_suits_it():
     assert [scaled(x, "m") for x in (2.61e-3, 3.04e-6, 0.0, 0.2455, 12.0, 4e-10)] == [
-        "2.61 mm", "3.04 um", "0 m", "245.5 mm", "12 m", "0.4 nm",
+        "2.61 mm", "3.04 µm", "0 m", "245.5 mm", "12 m", "0.4 nm",
     ]  # fmt: skip
     assert scaled(float("nan"), "m") == "–"
 
 
 def test_every_parameter_says_how_it_was_found_and_why_it_has_no_interval():
-    rows = tables.parameter_rows(made_up())
+    rows = tables.parameter_table(made_up()).rows
     assert row(rows, "mass") == ["mass", "20", "19.9", "20.1", "kg", "fitted", "moving mass"]
     assert row(rows, "friction.backward.viscous")[5] == "not identifiable"
     assert row(rows, "friction.backward.viscous")[6] == "viscous friction, backward: it never moves fast"
@@ -37,11 +37,11 @@ def test_every_parameter_says_how_it_was_found_and_why_it_has_no_interval():
 def test_a_narrow_interval_is_shown_with_the_digits_that_it_needs():
     fit = made_up()
     fit.parameters["mass"] = Parameter(60.00002, "kg", 59.99502, 60.00502, "fitted", True)
-    assert row(tables.parameter_rows(fit), "mass")[1:4] == ["60.0000", "59.9950", "60.0050"]
+    assert row(tables.parameter_table(fit).rows, "mass")[1:4] == ["60.0000", "59.9950", "60.0050"]
 
 
 def test_reasons_stand_below_the_table_once_for_all_that_they_are_about():
-    rows, lines = tables.parameter_rows(made_up(), reasons=False), tables.reason_lines(made_up())
+    rows, lines = tables.parameter_table(made_up(), reasons=False).rows, tables.reason_lines(made_up())
     assert row(rows, "backlash")[6] == "lost motion"
     assert "backlash: one encoder cannot see lost motion" in lines and len(lines) == 3
     same = made_up()
@@ -50,22 +50,22 @@ def test_reasons_stand_below_the_table_once_for_all_that_they_are_about():
 
 
 def test_friction_alike_both_ways_stands_once():
-    names = [r[0] for r in tables.parameter_rows(alike())]
+    names = [r[0] for r in tables.parameter_table(alike()).rows]
     assert "friction.forward.coulomb" in names and not any(".backward." in n for n in names)
-    assert row(tables.parameter_rows(alike()), "friction.forward.viscous")[6] == "viscous friction, both ways"
-    assert len(tables.parameter_rows(made_up())) == len(names) + 2
+    assert row(tables.parameter_table(alike()).rows, "friction.forward.viscous")[6] == "viscous friction, both ways"
+    assert len(tables.parameter_table(made_up()).rows) == len(names) + 2
 
 
 def test_errors_are_shown_by_stretch_in_units_of_their_size():
-    rows = tables.score_rows(made_up())
+    rows = tables.score_table(made_up()).rows
     assert [r[0] for r in rows] == ["training", "hold-out", "whole log, closed loop"]
-    assert [r[3] for r in rows] == ["16 um", "20 um", "200 nm"]
+    assert [r[3] for r in rows] == ["16 µm", "20 µm", "200 nm"]
     assert rows[1][1:3] == ["5", "9.999"] and rows[1][5] == "0.01" and rows[1][6].endswith(" N")
 
 
 def test_the_error_on_unseen_data_comes_first_and_with_its_ratio():
     said = sentences(made_up())
-    assert "5 to 9.999 s) the simulated position is off by 20 um rms" in said[2]
+    assert "5 to 9.999 s) the simulated position is off by 20 µm rms" in said[2]
     assert said[3] == "that is 1.25 times the error on the data of the fit"
     assert any("a controller hides faults of a model" in s and "200 nm" in s for s in said)
     assert "not identifiable from this log: friction.backward.viscous, backlash" in said
@@ -97,16 +97,17 @@ def test_a_rotary_axis_in_volts_is_never_given_in_newtons():
     volts = {"mass": Parameter(0.02, "V s^2/rad", 0.019, 0.021, "fitted", True),
              "friction.forward.coulomb": Parameter(0.6, "V", 0.59, 0.61, "fitted", True)}  # fmt: skip
     fit = made_up(position_unit="rad", parameters=volts, correlation={})
-    assert row(tables.parameter_rows(fit), "mass")[4:] == ["V s^2/rad", "fitted", "moving inertia"]
-    assert tables.score_rows(fit)[1][3] == "20 urad" and tables.score_rows(fit)[1][6].endswith(" V")
+    assert row(tables.parameter_table(fit).rows, "mass")[4:] == ["V s²/rad", "fitted", "moving inertia"]
+    assert tables.score_table(fit).rows[1][3] == "20 µrad" and tables.score_table(fit).rows[1][6].endswith(" V")
 
 
 def test_correlations_stand_below_the_diagonal():
     fit = made_up()
     fit.correlation["offset"]["mass"] = -0.73
-    columns, rows = tables.correlation_table(fit)
+    table = tables.correlation_table(fit)
+    columns, rows = table.heads, table.rows
     assert columns[1] == "mass" and rows[0][0] == "offset"
-    assert rows[0][1] == "-0.73" and rows[0][2] == "" and len(rows) == 5 and len(columns) == 6
+    assert rows[0][1] == "−0.73" and rows[0][2] == "" and len(rows) == 5 and len(columns) == 6
 
 
 @pytest.mark.slow

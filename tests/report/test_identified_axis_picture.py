@@ -87,10 +87,10 @@ def test_measured_and_simulated_are_those_of_the_hold_out():
     figure = picture.position_figure(made_up())
     above, below = figure.axes[0], figure.axes[2]
     measured, simulated = above.get_lines()
-    assert above.get_title() == "hold-out: 20 um rms" and above.get_ylabel() == "position (mm)"
+    assert above.get_title() == "hold-out: 20 µm rms" and above.get_ylabel() == "position (mm)"
     hold = made_up().judgement("hold-out")
     assert measured.get_ydata() == pytest.approx(1e3 * hold.measured)
-    assert below.get_ylabel() == "error (um)"
+    assert below.get_ylabel() == "error (µm)"
     assert below.get_lines()[0].get_ydata() == pytest.approx(1e6 * (hold.measured - hold.simulated))
     assert simulated.get_linestyle() == "--", "told apart without colour"
     assert figure.axes[1].get_title() == "whole log, closed loop: 200 nm rms"

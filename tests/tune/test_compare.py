@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 
 from leadscrew.experiment import Experiment
-from leadscrew.figures.formats import NOTHING
+from leadscrew.figures.table import NOTHING, number
+from leadscrew.report.comparison import metric_table, ranking_table
 from leadscrew.tune.checkpoints import Journal
-from leadscrew.tune.compare import compare, confidence, contest, judged, metric_rows, ranking_rows, worse_than_seen
+from leadscrew.tune.compare import compare, confidence, contest, judged, worse_than_seen
 from leadscrew.tune.executors import crew
 from leadscrew.tune.job import Job
 from leadscrew.tune.measure import Samples
@@ -70,7 +71,7 @@ def test_the_sentence_says_effort_plants_difference_and_what_is_not_shown(found)
     pair = found.pairs[0]
     for words in ("30 simulated plants that no tuning saw", "plant.full_duty_speed_mm_s in 259:334", "95 % interval",
                   "40 evaluations at most", "by cma on 4 other plants, seed 2", f"{C} was taken without tuning",
-                  "nothing is shown about", f"{pair.difference.value:.6g} s"):  # fmt: skip
+                  "nothing is shown about", f"{number(pair.difference.value)} s"):  # fmt: skip
         assert words in text, words
 
 
@@ -147,8 +148,8 @@ def test_a_controller_that_no_plant_could_judge_has_no_score_and_is_not_ranked_f
         none = ranked.results[1].standings["settling_2um"]
         assert none.judged == 0 and np.isnan([*none.mean, *none.p95, none.worst]).all()
         assert ranked.pairs[0].order == 1.0 and ranked.pairs[0].judged == 0
-        assert ranking_rows(ranked)[1][0] == NOTHING, "no rank without a score"
-        assert ranking_rows(ranked)[1][4] == f"{NOTHING} [{NOTHING}, {NOTHING}]"
+        assert ranking_table(ranked).rows[1][0] == NOTHING, "no rank without a score"
+        assert ranking_table(ranked).rows[1][4] == f"{NOTHING} [{NOTHING}, {NOTHING}]"
         assert "could not be compared, because on no plant both could be judged" in ranked.sentence()
 
 
@@ -170,11 +171,11 @@ def test_one_plant_run_200_times_supports_no_confidence():
     found = of_runs(([1.5] * 200, [1.25] * 200), over={})
     assert found.same_run and [r.name for r in found.results] == [B, A]
     said = found.as_dict()
-    texts = [found.sentence(), confidence(found), *map(str, (*ranking_rows(found), *metric_rows(found)))]
+    texts = [found.sentence(), confidence(found), *map(str, (*ranking_table(found).rows, *metric_table(found).rows))]
     assert not [t for t in texts if "95 %" in t or "resamples" in t or "[1." in t]
     assert f"the settling_2um of {B} was smaller than that of {A} by 0.25 s" in found.sentence()
     assert found.sentence().startswith("On the machine as it is, in one run without spread, ")
-    assert ranking_rows(found)[0][4:] == ["1.25", "no spread"]
+    assert ranking_table(found).rows[0][4:] == ["1.25", "no spread"]
     assert found.notes[0].startswith("all 200 runs of each controller are the same run, bit for bit: nothing varies")
     assert not said["pairs"][0]["shown"] and np.isnan(said["pairs"][0]["order"])
     for pair in found.pairs:

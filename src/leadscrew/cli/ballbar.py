@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from leadscrew.cli.output import Json, emit, print_table, progress
-from leadscrew.cli.subject import Trust
-from leadscrew.util.errors import DataError, ValueRefused
+from leadscrew.cli.options import Engine, Folder, Json, Trust
+from leadscrew.cli.output import deliver, free, progress, write_example
+from leadscrew.util.errors import ValueRefused
 from leadscrew.util.escape import shell
 
 if TYPE_CHECKING:
@@ -121,10 +121,8 @@ def ballbar(
         ),
     ] = None,
     unit: Annotated[str | None, typer.Option(help="Of the loop's positions, where its blocks say none.")] = None,
-    engine: Annotated[str | None, typer.Option(help="What runs the loop; the fastest unless given.")] = None,
-    out: Annotated[
-        Path | None, typer.Option("--out", "-o", metavar="DIR", help="A folder for the report: page, picture, JSON.")
-    ] = None,
+    engine: Engine = None,
+    out: Folder = None,
     example: Annotated[
         bool, typer.Option("--example", help="Write a made measurement to SUBJECT instead, to see such a file.")
     ] = False,
@@ -150,8 +148,7 @@ def ballbar(
 
     if edition not in EDITIONS:
         raise ValueRefused(f"--edition {edition}: expected {', '.join(EDITIONS)}")
-    if out is not None and out.exists() and (not out.is_dir() or any(out.iterdir())):
-        raise ValueRefused(f"--out {out} exists already; choose another folder or remove it")
+    free([out])
     instrument: BallBar | None = None
     if subject.lower().endswith(FILES):
         given = next((k for k, v in of_loop.items() if v is not None), None)
@@ -172,16 +169,9 @@ def ballbar(
         from leadscrew.analysis.circular.synthetic import read_by
 
         read = evaluate(read_by(instrument, test), edition, leads)
-    from leadscrew.report import ballbar as report
+    from leadscrew.report.ballbar import report_of
 
-    if out is not None:
-        report.write(found, out, read)
-    if as_json:
-        emit({**report.summary(found, read), "report": out})
-        return
-    _show(found, read, report)
-    if out is not None:
-        typer.echo(f"\nreport: {out / 'report.html'}")
+    deliver(report_of(found, read), out=out, as_json=as_json)
 
 
 def _measured(
@@ -206,38 +196,11 @@ def _pair(option: str, text: str) -> tuple[float, float]:
     return x, y
 
 
-def _show(found: Evaluation, read: Evaluation | None, report: Any) -> None:
-    from leadscrew.cli.exit_codes import say
-
-    for line in report.conditions(found):
-        typer.echo(line)
-    if read is not None:
-        typer.echo(f"ball bar: {read.test.sampling}")
-    typer.echo("")
-    columns = report.QUANTITY_COLUMNS if read is None else report.WITH_BAR_COLUMNS
-    print_table(columns, report.quantity_rows(found, read), right=columns[2:])
-    typer.echo("")
-    print_table(report.FAULT_COLUMNS, report.fault_rows(found), right=report.FAULT_COLUMNS[1:5])
-    if found.reversals:
-        typer.echo("")
-        print_table(report.REVERSAL_COLUMNS, report.reversal_rows(found), right=report.REVERSAL_COLUMNS[2:])
-    typer.echo("")
-    for line in report.sentences(found):
-        typer.echo(line)
-    for note in found.notes():
-        say(f"leadscrew: note: {note}")
-
-
 def _write_example(subject: str) -> None:
     from leadscrew.analysis.circular.synthetic import FEED_MM_MIN, RADIUS_MM, example
-    from leadscrew.util.atomic import atomic_write
 
     file = Path(subject)
     if file.suffix.lower() not in FILES:
         raise ValueRefused(f"--example writes a measured file: its name ends in .csv, not {file.name!r}")
-    if file.exists():
-        raise DataError(f"{file} exists already; --example overwrites nothing")
-    atomic_write(example(), file)
-    typer.echo(
-        f"{file}: a made test; next: leadscrew ballbar {shell(file)} --radius {RADIUS_MM:g} --feed {FEED_MM_MIN:g}"
-    )
+    next_ = f"leadscrew ballbar {shell(file)} --radius {RADIUS_MM:g} --feed {FEED_MM_MIN:g}"
+    write_example(file, example(), "an example of a measured circle", next_)

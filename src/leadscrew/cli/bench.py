@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 from importlib import import_module
-from typing import Annotated, Any
+from typing import Annotated
 
 import typer
 
-from leadscrew.cli.output import Json, emit, print_table, progress
+from leadscrew.cli.options import Json
+from leadscrew.cli.output import deliver, progress
+from leadscrew.figures.table import number
+from leadscrew.report.report import Report, TextTable, head
 
 
 def bench(
@@ -30,15 +33,6 @@ def bench(
             raise NameUnknown(f"--only {part!r}: the bench has no such part{nearest(part, list(benches.PARTS))}")
     with progress() as report:
         rows = benches.run(quick=quick, progress=report, parts=tuple(only) if only else benches.PARTS)
-    if as_json:
-        emit({"schema_version": 1, "rows": rows})
-        return
     columns = list(dict.fromkeys(key for row in rows for key in row))
-    numeric = [c for c in columns if all(isinstance(row.get(c), int | float | None) for row in rows)]
-    print_table(columns, [[_cell(row.get(c)) for c in columns] for row in rows], right=numeric)
-
-
-def _cell(value: Any) -> str:
-    from leadscrew.figures.formats import number
-
-    return "" if value is None else number(value)
+    cells = [["" if row.get(c) is None else number(row[c]) for c in columns] for row in rows]
+    deliver(Report({**head("bench"), "rows": rows}, [TextTable(columns, cells)]), as_json=as_json)

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import typer
 
-from leadscrew.cli.output import Json, emit
+from leadscrew.cli.options import Json
+from leadscrew.cli.output import deliver
+from leadscrew.report.report import Report, head
 
 app = typer.Typer(help="The compiled modules that are kept between sessions.", no_args_is_help=True)
 
@@ -15,10 +17,8 @@ def info(as_json: Json = False) -> None:
     from leadscrew.kernel import cache
 
     found = cache.info()
-    if as_json:
-        emit(found.__dict__)
-        return
-    typer.echo(f"{found.folder}: {found.modules} compiled modules, {found.bytes / 1e6:.1f} MB")
+    said = f"{found.folder}: {found.modules} compiled modules, {found.bytes / 1e6:.1f} MB"
+    deliver(Report({**head("cache info"), **found.__dict__}, [said]), as_json=as_json)
 
 
 @app.command("clear")
@@ -29,7 +29,5 @@ def clear(as_json: Json = False) -> None:
     before = cache.clear()
     after = cache.info()
     removed = {"folder": before.folder, "modules": before.modules - after.modules, "bytes": before.bytes - after.bytes}
-    if as_json:
-        emit(removed)
-        return
-    typer.echo(f"{removed['folder']}: removed {removed['modules']} compiled modules, {before.bytes / 1e6:.1f} MB")
+    said = f"{before.folder}: removed {removed['modules']} compiled modules, {before.bytes / 1e6:.1f} MB"
+    deliver(Report({**head("cache clear"), **removed}, [said]), as_json=as_json)

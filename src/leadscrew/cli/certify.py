@@ -9,41 +9,32 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from leadscrew.cli.exit_codes import MISSED
-from leadscrew.cli.output import Json, busy, emit
-from leadscrew.cli.subject import Trust, experiment_of
+from leadscrew.cli.options import (
+    Certificate,
+    Changes,
+    Controller,
+    Duration,
+    Json,
+    LoopName,
+    Plot,
+    Scenario,
+    Trust,
+)
+from leadscrew.cli.output import busy, deliver, free
+from leadscrew.cli.subject import experiment_of
 from leadscrew.cli.values import parse
 
 if TYPE_CHECKING:
     from leadscrew.analysis.stability.certification import Certification
     from leadscrew.experiment import Experiment
-
-SCHEMA_VERSION = 1
+    from leadscrew.figures.figure import Figure
 
 
 def certify(
-    study: Annotated[
-        str,
-        typer.Argument(
-            metavar="STUDY",
-            help="A study's name; path/file.py:NAME of a study, a Loop or a function that returns one; "
-            "or a machine or experiment file (.toml).",
-        ),
-    ],
-    controller: Annotated[
-        str | None,
-        typer.Option(
-            "--controller",
-            "-c",
-            help="Of the study, of the catalogue, path/file.py:NAME, or a controller file (.toml).",
-        ),
-    ] = None,
-    scenario: Annotated[
-        str | None, typer.Option("--scenario", "-s", help="Whose loop and errors; the study's first unless given.")
-    ] = None,
-    changes: Annotated[
-        list[str] | None,
-        typer.Option("--set", metavar="KEY=VALUE", help="Change a parameter; leadscrew list STUDY shows them."),
-    ] = None,
+    study: LoopName,
+    controller: Controller = None,
+    scenario: Scenario = None,
+    changes: Changes = None,
     level: Annotated[
         str, typer.Option(help="What the verdict is about: driven (any command and load) or autonomous (at rest).")
     ] = "driven",
@@ -66,11 +57,9 @@ def certify(
         bool,
         typer.Option("--simulate/--no-simulate", help="Run the scenario, to see what the nonlinear gain does in it."),
     ] = True,
-    duration: Annotated[float | None, typer.Option(metavar="S", help="Seconds of that run.")] = None,
-    out: Annotated[Path | None, typer.Option("--out", "-o", metavar="FILE.json", help="Save the certificate.")] = None,
-    plot: Annotated[
-        Path | None, typer.Option(metavar="FILE", help="Draw what the verdict rests on (.png, .svg, .pdf).")
-    ] = None,
+    duration: Duration = None,
+    out: Certificate = None,
+    plot: Plot = None,
     trust: Trust = False,
     as_json: Json = False,
 ) -> None:
@@ -79,14 +68,9 @@ def certify(
     Exit code 0 where it is certified as asked, 1 where it is not, 2 for bad input.
     """
     from leadscrew.analysis.stability.certification import certify as certified
-    from leadscrew.cli.tune import free
     from leadscrew.export.controller import identity_of
-    from leadscrew.util.errors import ValueRefused
+    from leadscrew.report.report import File, Lines, Report, head
 
-    if out is not None and out.suffix != ".json":
-        raise ValueRefused(f"--out {out}: a certificate is saved as .json")
-    if plot is not None and plot.suffix not in PLOTS:
-        raise ValueRefused(f"--plot {plot}: expected {', '.join(PLOTS)}")
     free([out, plot])
     given = {"controller": controller, "scenario": scenario, "duration_s": duration}
     experiment = replace(experiment_of(study), **{k: v for k, v in given.items() if v is not None})  # type: ignore[arg-type]
@@ -100,28 +84,20 @@ def certify(
             loop, level=level, factor=reserve, proof=proof, points=points, seconds=seconds,  # type: ignore[arg-type]
             name=experiment.controller or loop.name, model=popov,
         )  # fmt: skip
-        whose = identity_of(loop)
-    text = {"schema_version": SCHEMA_VERSION, **found.as_dict(), "controller": whose, "origin": loop.origin}
-    if out is not None:
-        _save(out, text)
-    if plot is not None:
-        draw(found, plot)
-    if as_json:
-        emit({**text, "out": None if out is None else str(out)})
-    else:
-        typer.echo(found.report())
-        typer.echo(
-            f"controller {whose['block']}: steps {whose['source_hash']} (as in an export's manifest.json), with "
-            f"parameters {whose['fingerprint']}"
-        )
-        for kept in (out, plot):
-            if kept is not None:
-                typer.echo(f"saved: {kept}")
-    if not found.passed:
-        raise typer.Exit(MISSED)
-
-
-PLOTS = (".png", ".svg", ".pdf")
+        identity = identity_of(loop)
+    data = {**head("certify"), **found.as_dict(), "controller": identity, "origin": loop.origin}
+    steps = (
+        f"controller {identity['block']}: steps {identity['source_hash']} (as in an export's manifest.json), with "
+        f"parameters {identity['fingerprint']}"
+    )
+    report = Report(
+        data,
+        parts=[Lines(found.report().splitlines()), steps],
+        files=[File("out", out, "the certificate", lambda path: _save(path, data))],
+        figure=lambda: figure_of(found),
+        code=0 if found.passed else MISSED,
+    )
+    deliver(report, plot=plot, as_json=as_json)
 
 
 def _seconds(experiment: Experiment, duration: float | None) -> float | None:
@@ -145,11 +121,11 @@ def _save(path: Path, text: dict[str, Any]) -> None:
     atomic_write(json.dumps(strict(text), allow_nan=False, indent=1) + "\n", path)
 
 
-def draw(found: Certification, path: Path) -> None:
+def figure_of(found: Certification) -> Figure:
     """The plot of the certificate that the verdict rests on; of a linear controller the Nyquist plot."""
     best = found.best if found.taken.nonlinear and found.best is not None else found.margins
     chosen = best if best.drawing else next(
         (c for c in (*found.autonomous, found.margins) if c.drawing), None
     )  # fmt: skip
     assert chosen is not None
-    chosen.figure().savefig(path, dpi=150)
+    return chosen.figure()

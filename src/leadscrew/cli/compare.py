@@ -8,14 +8,27 @@ from typing import Annotated
 import typer
 
 from leadscrew.cli.checkpoint_policy import Keeping
-from leadscrew.cli.exit_codes import say
-from leadscrew.cli.output import Json, emit, print_table
+from leadscrew.cli.options import (
+    Changes,
+    Cluster,
+    Constraints,
+    Duration,
+    Goals,
+    Journal,
+    Json,
+    Optimiser,
+    Over,
+    Plants,
+    Resume,
+    Scenarios,
+    Threads,
+    Trust,
+)
+from leadscrew.cli.output import deliver, free
 from leadscrew.cli.progress import counting
-from leadscrew.cli.subject import Trust, spread
-from leadscrew.cli.tune import free, job_of
+from leadscrew.cli.subject import spread
+from leadscrew.cli.tune import job_of
 from leadscrew.util.errors import ValueRefused
-
-SCHEMA_VERSION = 1
 
 
 def compare(
@@ -36,50 +49,30 @@ def compare(
             help="What a contender may change when it is tuned; one without is taken as it is. Repeat.",
         ),
     ] = None,
-    minimise: Annotated[
-        list[str] | None, typer.Option(metavar="METRIC", help="What all are tuned for and ranked by; as for tune.")
-    ] = None,
-    subject_to: Annotated[
-        list[str] | None, typer.Option("--subject-to", metavar="'METRIC<=VALUE'", help="To be kept. Repeat.")
-    ] = None,
-    scenario: Annotated[
-        list[str] | None, typer.Option("--scenario", "-s", help="The study's first unless given. Repeat for several.")
-    ] = None,
-    changes: Annotated[
-        list[str] | None, typer.Option("--set", metavar="KEY=VALUE", help="Change a parameter for all.")
-    ] = None,
-    over: Annotated[
-        list[str] | None,
-        typer.Option(metavar="KEY=LOW:HIGH", help="What differs from plant to plant; intervals: of a machine file."),
-    ] = None,
-    plants: Annotated[int | None, typer.Option(metavar="N", help="That the tuning sees; 16 with --over.")] = None,
+    minimise: Goals = None,
+    subject_to: Constraints = None,
+    scenario: Scenarios = None,
+    changes: Changes = None,
+    over: Over = None,
+    plants: Plants = None,
     unseen: Annotated[int, typer.Option(metavar="N", help="Plants of the comparison.")] = 200,
     budget: Annotated[int, typer.Option(metavar="N", help="Settings to try for each contender, at most.")] = 400,
-    optimiser: Annotated[str | None, typer.Option(help="cma, de, nsga2 or scipy.")] = None,
+    optimiser: Optimiser = None,
     seed: Annotated[int, typer.Option(help="Of plants, searches and bootstrap.")] = 0,
-    duration: Annotated[float | None, typer.Option(metavar="S", help="Seconds; the scenario's unless given.")] = None,
-    threads: Annotated[int | None, typer.Option(metavar="N", help="All cores unless given.")] = None,
-    cluster: Annotated[
-        str | None, typer.Option(metavar="ADDRESS", help="A Dask cluster: local:N or tcp://HOST:PORT.")
-    ] = None,
+    duration: Duration = None,
+    threads: Threads = None,
+    cluster: Cluster = None,
     report: Annotated[
         Path | None, typer.Option(metavar="DIR", help="Folder for a page, a figure, runs and tuned controllers.")
     ] = None,
-    journal: Annotated[
-        Path | None,
-        typer.Option(
-            metavar="DIR",
-            help="Folder for results as they come, kept afterwards; DIR.journal, removed afterwards, with --report.",
-        ),
-    ] = None,
-    resume: Annotated[bool, typer.Option("--resume", help="Go on with what a journal holds.")] = False,
+    journal: Journal = None,
+    resume: Resume = False,
     trust: Trust = False,
     as_json: Json = False,
 ) -> None:
     """Compare controllers, each tuned with the same budget, on plants that no tuning saw."""
-    from leadscrew.report import comparison
+    from leadscrew.report.comparison import report_of
     from leadscrew.tune import compare as comparing
-    from leadscrew.tune.compare import METRICS, RANKING, confidence, metric_rows, ranking_rows, setting
     from leadscrew.tune.executors import crew
 
     names = controller or []
@@ -92,24 +85,7 @@ def compare(
     keeping = Keeping(report, journal, resume, "--report")
     with keeping, crew(cluster, threads) as workers, counting() as stage:
         found = comparing.run(asked, workers, keeping.open(asked.question()), stage(f"{len(names)} contenders"))
-        if report is not None:
-            comparison.write(found, asked, report)
-    if as_json:
-        emit({"schema_version": SCHEMA_VERSION, **found.as_dict(), "report": None if report is None else str(report)})
-        return
-    print_table(RANKING, ranking_rows(found), right=("rank",))
-    typer.echo()
-    print_table(METRICS, metric_rows(found), right=("worst seen", "judged"))
-    for result in found.results:
-        if result.tuned is not None:
-            typer.echo(f"\n{result.name}: {setting(result)}; {result.tuned.verdict()}")
-    typer.echo(f"\n{found.sentence()}")
-    if bound := confidence(found):
-        typer.echo(f"{bound}.")
-    for note in found.notes:
-        say(f"leadscrew: note: {note}")
-    if report is not None:
-        typer.echo(f"\n{report}: report.html, compare.json, compare.png, runs, tuned controllers")
+        deliver(report_of(found, asked), out=report, as_json=as_json)
 
 
 def by_name(texts: list[str], names: list[str]) -> dict[str, list[str]]:

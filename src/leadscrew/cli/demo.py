@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import shlex
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from concurrent.futures import Future, ThreadPoolExecutor, as_completed
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -12,10 +12,14 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from leadscrew.cli.exit_codes import MISSED
-from leadscrew.cli.output import Json, emit, progress
+from leadscrew.cli.options import Json
+from leadscrew.cli.output import deliver, progress
+from leadscrew.report.report import File, Report, Verbatim, head
 
 if TYPE_CHECKING:
-    from leadscrew.report.report import Report
+    from rich.text import Text
+
+    from leadscrew.report.report import StudyReport
 
 STUDIES: tuple[str, ...] = ("vud_lathe", "fsmc_ballscrew", "npid_xytable", "grey_turning", "sofnn_tangent")
 NEXT = (
@@ -51,39 +55,38 @@ def demo(
     found = {name: report for name, (report, _) in done.items()}
     page = index.write(target, "Five published systems, rebuilt and judged", [places[name].name for name in STUDIES])
     wall = time.perf_counter() - began
-    if as_json:
-        emit(
-            {
-                "kind": "leadscrew demo",
-                "schema_version": 1,
-                "wall_s": wall,
-                "studies": [reports.data(found[name], done[name][1], pages[name]) for name in STUDIES],
-                "report": str(page or target),
-            }
-        )
-    else:
-        print_demo([found[name] for name in STUDIES], page or target, wall)
-    if any(report.missed for report in found.values()):
-        raise typer.Exit(MISSED)
+    result = Report(
+        {
+            **head("demo"), "wall_s": wall, "report": str(page or target),
+            "studies": [reports.data(found[name], done[name][1], pages[name]) for name in STUDIES],
+        },
+        parts=[
+            lambda columns: conclusions([found[name] for name in STUDIES], columns),
+            Verbatim(["Then try:", *(f"  {command}" for command in NEXT)]),
+        ],
+        files=[File("", (page or target).resolve(), f"all reports ({wall:.1f} s)")],
+        code=MISSED if any(report.missed for report in found.values()) else 0,
+    )  # fmt: skip
+    deliver(result, as_json=as_json)
 
 
-def evaluated(show_progress: Callable[[str, float], None]) -> dict[str, tuple[Report, float]]:
+def evaluated(show_progress: Callable[[str, float], None]) -> dict[str, tuple[StudyReport, float]]:
     """The reports by name, with the seconds of each, side by side; their figures are not drawn yet."""
     from leadscrew.kernel.one_thread import one_thread
 
-    def one(name: str) -> tuple[Report, float]:
+    def one(name: str) -> tuple[StudyReport, float]:
         began = time.perf_counter()
         report = report_of(name)
         return report, time.perf_counter() - began
 
     with one_thread(), ThreadPoolExecutor(2) as side_by_side:
-        jobs: dict[Future[tuple[Report, float]], str] = {side_by_side.submit(one, name): name for name in STUDIES}
+        jobs: dict[Future[tuple[StudyReport, float]], str] = {side_by_side.submit(one, name): name for name in STUDIES}
         for number, job in enumerate(as_completed(jobs), start=1):
             show_progress(f"{jobs[job]} done", 0.8 * number / len(jobs))
     return {name: job.result() for job, name in jobs.items()}
 
 
-def report_of(name: str) -> Report:
+def report_of(name: str) -> StudyReport:
     """The key claims of a study."""
     from leadscrew import resolve
     from leadscrew.report.study import summary_of
@@ -92,17 +95,13 @@ def report_of(name: str) -> Report:
     return summary_of(evaluate(resolve.study(name), key=True), shlex.join(["leadscrew", "run", name]))
 
 
-def print_demo(found: list[Report], page: Path, wall: float) -> None:
-    """The conclusions, where the page is, and what to try next; 40 lines at most."""
+def conclusions(found: list[StudyReport], columns: int) -> Iterator[Text]:
+    """Each study in a few lines."""
     from rich.text import Text
 
     from leadscrew.report import text
 
-    columns = text.width()
-    lines: list[Text] = []
     for report in found:
-        lines += [Text(line, "bold") for line in text.wrapped(f"{report.name}: {report.title}", columns)]
-        lines += map(Text, text.shortened(report.conclusion, columns, MOST_LINES))
-        lines += [Text(line, "bold red") for line in text.limited(report.missed, columns, 3)]
-    lines += [Text(""), *text.ending([], page.resolve(), wall, columns), Text("Then try:")]
-    text.show([*lines, *(Text(f"  {command}") for command in NEXT)])
+        yield from (Text(line, "bold") for line in text.wrapped(f"{report.name}: {report.title}", columns))
+        yield from map(Text, text.shortened(report.conclusion, columns, MOST_LINES))
+        yield from (Text(line, "bold red") for line in text.limited(report.missed, columns, 3))

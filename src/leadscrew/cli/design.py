@@ -9,7 +9,11 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from leadscrew.cli.output import Json, busy, emit, print_table
+from leadscrew.cli.exit_codes import MISSED
+from leadscrew.cli.options import ControllerFile, Json, Plot
+from leadscrew.cli.output import busy, deliver, free
+from leadscrew.figures.table import number
+from leadscrew.report.report import File, Report, TextTable, head
 from leadscrew.util.errors import BlockError, NameUnknown, ValueRefused
 
 if TYPE_CHECKING:
@@ -18,13 +22,12 @@ if TYPE_CHECKING:
     from leadscrew.study_data import Study
 
 
-SCHEMA_VERSION = 1
-PLOTS = (".png", ".svg", ".pdf")
 STUDY = "npid_xytable"
+CONTROLLER = "the controller; a name wherever a controller is named"
 
 
 def npid(
-    out: Annotated[Path | None, typer.Option("--out", "-o", metavar="FILE.toml", help="Controller file.")] = None,
+    out: ControllerFile = None,
     law: Annotated[str, typer.Option(help="slope: gain and slope have one bound; cosh: the paper's.")] = "slope",
     retune: Annotated[
         float | None, typer.Option(metavar="MS", help="Retune the PID first, at this peak of sensitivity.")
@@ -52,7 +55,7 @@ def npid(
     as_paper: Annotated[
         bool, typer.Option("--as-paper", help="Walk the paper's own procedure first, and put it beside this one.")
     ] = False,
-    plot: Annotated[Path | None, typer.Option(metavar="FILE", help="Draw it (.png, .svg, .pdf).")] = None,
+    plot: Plot = None,
     study: Annotated[str, typer.Option(help="Whose axis the controller file names.")] = STUDY,
     as_json: Json = False,
 ) -> None:
@@ -62,14 +65,10 @@ def npid(
     is named: simulate, certify, tune, export.
     """
     from leadscrew import controller_file, names, resolve
-    from leadscrew.cli.tune import free
     from leadscrew.design.npid import design_npid
     from leadscrew.design.npid_axis import Gains, TableAxis
+    from leadscrew.report.npid_design import report_of
 
-    if out is not None and out.suffix != ".toml":
-        raise ValueRefused(f"--out {out}: a controller file ends in .toml")
-    if plot is not None and plot.suffix not in PLOTS:
-        raise ValueRefused(f"--plot {plot}: expected {', '.join(PLOTS)}")
     if not rate > 0.0:
         raise ValueRefused(f"--rate {rate!r} Hz: must be positive")
     home = resolve.study(names.absolute(study))
@@ -80,33 +79,13 @@ def npid(
     with busy("designing"):
         found = design_npid(axis, work, gains, law=law, retune_ms=retune, m1=m1, m2=m2, budget_mv=budget)  # type: ignore[arg-type]
         walked = paper_of(axis, gains) if as_paper else None
-        rows = None if walked is None else _compared(walked, found)
         if out is not None:
             runs_in(home, found.controller(), study)
-        if plot is not None:
-            _draw(found, as_paper).savefig(plot, dpi=150)
-        if out is not None:
-            controller_file.write(out, found.controller_file(names.absolute(study)))
-    if as_json:
-        paper = None if walked is None else {**walked.as_dict(), "compared": rows}
-        emit(
-            {
-                "schema_version": SCHEMA_VERSION,
-                **found.as_dict(),
-                "paper": paper,
-                "out": None if out is None else str(out),
-            }
-        )
-        return
-    if walked is not None and rows is not None:
-        typer.echo(f"THE PAPER'S PROCEDURE\n\n{walked.report()}\n\nOURS\n")
-    typer.echo(found.report())
-    if rows is not None:
-        typer.echo()
-        print_table(["", "the paper's, error in um", "ours"], rows)
-    for kept, what in ((out, "the controller; a name wherever a controller is named"), (plot, "the drawing")):
-        if kept is not None:
-            typer.echo(f"\n{kept}: {what}")
+
+    def write(path: Path) -> None:
+        controller_file.write(path, found.controller_file(names.absolute(study)))
+
+    deliver(report_of(found, walked, [File("out", out, CONTROLLER, write)]), plot=plot, as_json=as_json)
 
 
 def table_2_work(amplitude: float, encoder: float, noise: float, tracking: float) -> Work:
@@ -147,22 +126,6 @@ def paper_of(axis: TableAxis, gains: Gains) -> Any:
     return paper_design(axis, gains)
 
 
-def _compared(walked: Any, found: Any) -> list[list[str]]:
-    from leadscrew.design.npid_paper import compared
-
-    return [list(r) for r in compared(walked, found).rows]
-
-
-def _draw(found: Any, as_paper: bool) -> Any:
-    from leadscrew.report import npid_design
-
-    if not as_paper:
-        return npid_design.design_map(found)
-    from leadscrew.design.npid_paper import spectra
-
-    return npid_design.as_paper(found, spectra(found))
-
-
 GOAL = "mean row of Table II, um"
 
 
@@ -181,7 +144,7 @@ def rejection(
     amplitude: Annotated[float, typer.Option(metavar="MM", help="Of the motion, a sine of 0.7 Hz.")] = 1.0,
     budget: Annotated[int, typer.Option(metavar="N", help="Settings to try.")] = 3000,
     seed: Annotated[int, typer.Option(help="Of the search.")] = 1,
-    out: Annotated[Path | None, typer.Option("--out", "-o", metavar="FILE.toml", help="Controller file.")] = None,
+    out: ControllerFile = None,
     as_json: Json = False,
 ) -> None:
     """Tune a law of the XY table for the smallest rows of Table II; the same search and bounds for every law.
@@ -191,7 +154,6 @@ def rejection(
     """
     from leadscrew import catalogue, controller_file, resolve
     from leadscrew._version import __version__
-    from leadscrew.cli.tune import free
     from leadscrew.kernel.parameters import nearest
     from leadscrew.studies.lab import Lab
     from leadscrew.studies.npid_xytable.search import LAWS, searched
@@ -205,8 +167,6 @@ def rejection(
             raise ValueRefused(f"{name}: must be {'above 1' if name == '--ms' else 'positive'}")
     if budget < 8:
         raise ValueRefused(f"--budget {budget}: a search needs 8 settings at least")
-    if out is not None and out.suffix != ".toml":
-        raise ValueRefused(f"--out {out}: a controller file ends in .toml")
     free([out])
     limits = {"rest": math.inf if rest is None else rest, "work": math.inf if work is None else work}
     with busy("tuning"):
@@ -230,17 +190,17 @@ def rejection(
         "at_an_end": list(found.ends), "held_out": measured,
     }  # fmt: skip
     base = law if law in catalogue.BLOCKS and not feed_forward else f"ours.{law}{'_ff' if feed_forward else ''}"
-    if out is not None:
-        controller_file.write(out, controller_file.ControllerFile(STUDY, base, found.parameters, tuning))
-    if as_json:
-        emit({"schema_version": SCHEMA_VERSION, "controller": base, "parameters": found.parameters, **tuning})
-    else:
-        rows = [[key, f"{value:.4g}"] for key, value in (measured | found.parameters).items()]
-        print_table(["", base], rows)
-        typer.echo(f"\n{'bounds kept' if found.holds else 'A BOUND IS MISSED'}: {'; '.join(bounds)}")
-        if found.ends:
-            typer.echo(f"at an end of its range: {', '.join(found.ends)}")
-    raise typer.Exit(0 if found.holds else 1)
+    file = controller_file.ControllerFile(STUDY, base, found.parameters, tuning)
+    rows = [[key, number(value)] for key, value in (measured | found.parameters).items()]
+    ends = [f"at an end of its range: {', '.join(found.ends)}"] if found.ends else []
+    report = Report(
+        {**head("design rejection"), "controller": base, "parameters": found.parameters, **tuning},
+        parts=[TextTable(["", base], rows, [False, True]), *ends],
+        verdict=f"{'bounds kept' if found.holds else 'A BOUND IS MISSED'}: {'; '.join(bounds)}",
+        files=[File("", out, CONTROLLER, lambda path: controller_file.write(path, file))],
+        code=0 if found.holds else MISSED,
+    )
+    deliver(report, as_json=as_json)
 
 
 app = typer.Typer(no_args_is_help=True, help="Design a controller: from logged data, or from a plant and its limits.")
@@ -263,7 +223,7 @@ def vud(
             "simulate --out), one file a move.",
         ),
     ],
-    out: Annotated[Path | None, typer.Option("--out", "-o", metavar="FILE.toml", help="Controller file.")] = None,
+    out: ControllerFile = None,
     interval: Annotated[float, typer.Option(metavar="S", help="Between samples, to which ec refers.")] = 0.1,
     error_scale: Annotated[
         float | None, typer.Option(metavar="MM", help="What e = 1 is; the log's unless given.")
@@ -313,11 +273,9 @@ def vud(
     The file is a name wherever a controller is named: simulate, tune, export.
     """
     from leadscrew import controller_file, names, resolve
-    from leadscrew.cli.tune import free
     from leadscrew.design import Factors, design_vud
+    from leadscrew.report.vud_design import report_of
 
-    if out is not None and out.suffix != ".toml":
-        raise ValueRefused(f"--out {out}: a controller file ends in .toml")
     if out is not None:
         resolve.study(names.absolute(study))
     free([out])
@@ -329,14 +287,11 @@ def vud(
             complete=complete or None, levels=_numbers("--levels", levels),
             factors=Factors(law, tau, floor, output_tau, output_gain),  # type: ignore[arg-type]
         )  # fmt: skip
-        if out is not None:
-            controller_file.write(out, found.controller_file(names.absolute(study)))
-    if as_json:
-        emit({"schema_version": SCHEMA_VERSION, **found.as_dict(), "out": None if out is None else str(out)})
-        return
-    typer.echo(found.report(most))
-    if out is not None:
-        typer.echo(f"\n{out}: the controller; a name wherever a controller is named")
+
+    def write(path: Path) -> None:
+        controller_file.write(path, found.controller_file(names.absolute(study)))
+
+    deliver(report_of(found, most, [File("out", out, CONTROLLER, write)]), as_json=as_json)
 
 
 def _numbers(option: str, text: str | None) -> list[float] | None:

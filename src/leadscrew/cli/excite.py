@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from leadscrew.cli.output import Json, emit, print_table, progress
+from leadscrew.cli.options import Json, Plot
+from leadscrew.cli.output import deliver, free, note, progress
 from leadscrew.util.errors import ValueRefused
 
 if TYPE_CHECKING:
@@ -66,22 +67,17 @@ def excite(
     drive_unit: Annotated[
         str | None, typer.Option(help="Of the drive's signal, for the header of the log; V unless FIT says it.")
     ] = None,
-    plot: Annotated[Path | None, typer.Option(metavar="FILE", help="Also draw it: .png, .svg or .pdf.")] = None,
+    plot: Plot = None,
     as_json: Json = False,
 ) -> None:
     """Propose a test move that tells what is missing of an axis: predicted intervals, program, recorder, safe limits.
 
     Limits and values come from FIT where options do not say them. The move keeps every limit in every sample.
     """
-    from leadscrew.cli.exit_codes import say
-    from leadscrew.cli.fuzzy_files import PICTURES, save_figure, suffix_of
-    from leadscrew.cli.tune import free
     from leadscrew.identify.excite import files
     from leadscrew.identify.excite.design import propose
-    from leadscrew.report import excite as report
+    from leadscrew.report.excite import report_of
 
-    if plot is not None:
-        suffix_of(plot, PICTURES, "--plot")
     machine = files.checked(_machine(axis or "X", signals, drive_unit or "V"))
     free([out, plot])
     options = {"travel": travel, "speed": top_speed, "acceleration": top_acceleration, "jerk": jerk}
@@ -90,33 +86,11 @@ def excite(
     machine = replace(
         machine, axis=axis or ("A" if belief.unit == "rad" else "X"), drive_unit=drive_unit or belief.drive_unit or "V"
     )
-    with progress() as told:
-        found = propose(limits, belief, target, told)
+    with progress() as bar:
+        found = propose(limits, belief, target, bar)
     if out is not None:
         files.write(found, out, machine)
-    if plot is not None:
-        save_figure(report.picture(found), plot)
-    if as_json:
-        emit(
-            {
-                **report.summary(found),
-                "out": None if out is None else str(out),
-                "plot": None if plot is None else str(plot),
-            }
-        )
-        return
-    print_table(report.COLUMNS, report.rows(found), right=report.NUMBERS)
-    typer.echo("")
-    print_table(report.PART_COLUMNS, report.part_rows(found), right=("s", "strokes"))
-    typer.echo("")
-    for line in report.sentences(found):
-        typer.echo(line)
-    if out is None:
-        say("leadscrew: note: nothing is written without --out DIR")
-    else:
-        typer.echo(f"\n{out / 'README.md'}: what to do with the program and the recorder beside it")
-    if plot is not None:
-        typer.echo(f"\n{plot}: the picture")
+    deliver(report_of(found, out), plot=plot, as_json=as_json)
 
 
 def _machine(axis: str, signals: str | None, drive_unit: str) -> Machine:
@@ -135,7 +109,6 @@ def _asked(
     fit: Path | None, tell: str | None, guess: list[str] | None, options: dict[str, str | float | None],
     unit: str | None, duration: float,
 ) -> tuple[Limits, Belief]:  # fmt: skip
-    from leadscrew.cli.exit_codes import say
     from leadscrew.cli.fuzzy_files import numbers
     from leadscrew.identify.excite.belief import USUAL, Belief, belief_of, keys_of, values_of
     from leadscrew.identify.excite.move import Limits
@@ -162,8 +135,8 @@ def _asked(
     low, high = (limits.low, limits.high) if options["travel"] is None else _travel(str(options["travel"]), scale)
     given = {n: scale * float(v) for n, v in options.items() if n != "travel" and v is not None}
     if fit is not None and not given and options["travel"] is None:
-        say(f"leadscrew: note: travel, speed and acceleration are those that the log of {fit} has shown; --travel, "
-            "--top-speed and --top-acceleration allow more")  # fmt: skip
+        note(f"travel, speed and acceleration are those that the log of {fit} has shown; --travel, --top-speed and "
+             "--top-acceleration allow more")  # fmt: skip
     return limits._replace(low=low, high=high, duration=duration, **given), belief
 
 

@@ -4,20 +4,18 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any
 
 import typer
 
 from leadscrew.cli.exit_codes import MISSED
-from leadscrew.cli.output import Json, busy, emit, print_table
-from leadscrew.cli.subject import Trust, experiment_of
+from leadscrew.cli.options import Changes, Controller, Duration, Json, Scenario, Trust
+from leadscrew.cli.output import busy, deliver
+from leadscrew.cli.subject import experiment_of
 from leadscrew.cli.values import parse
+from leadscrew.figures.table import number, unit
+from leadscrew.report.report import Report, TextTable, head
 from leadscrew.util.escape import shell
-
-if TYPE_CHECKING:
-    from leadscrew.export.verdict import Verdict
-
-SCHEMA_VERSION = 1
 
 
 def export(
@@ -30,25 +28,10 @@ def export(
     ],
     target: Annotated[str, typer.Option("--target", "-t", help="c99, hal, fmu2 or fmu3.")],
     out: Annotated[Path, typer.Option(help="Folder to write; it must not exist yet.")],
-    controller: Annotated[
-        str | None,
-        typer.Option(
-            "--controller",
-            "-c",
-            help="Of the study, of the catalogue, path/file.py:NAME, a fuzzy system's file, "
-            "or a controller file (.toml).",
-        ),
-    ] = None,
-    scenario: Annotated[
-        str | None, typer.Option("--scenario", "-s", help="Whose run gives the golden vectors; the study's first.")
-    ] = None,
-    changes: Annotated[
-        list[str] | None,
-        typer.Option("--set", metavar="KEY=VALUE", help="Change a parameter; leadscrew list STUDY shows them."),
-    ] = None,
-    duration: Annotated[
-        float | None, typer.Option(metavar="S", help="Seconds of the golden vectors; the scenario's unless given.")
-    ] = None,
+    controller: Controller = None,
+    scenario: Scenario = None,
+    changes: Changes = None,
+    duration: Duration = None,
     name: Annotated[str | None, typer.Option(help="Stem of the names in C; the controller's unless given.")] = None,
     real: Annotated[str, typer.Option(help="double, or float for processors without double precision.")] = "double",
     drive: Annotated[
@@ -77,24 +60,23 @@ def export(
     with busy(f"{title} to {target}"):
         core, record = export_controller(loop, experiment.seconds(), name=stem, title=title, real=real, drive=drive)
         manifest = write(core, record, target, out, loop=loop, binary=not sources_only)
-    if as_json:
-        emit({"schema_version": SCHEMA_VERSION, "out": str(out), "files": sorted(p.name for p in out.iterdir()),
-              "manifest": manifest})  # fmt: skip
-        return
-    golden = manifest["golden"]
-    typer.echo(f"{out}: {', '.join(sorted(p.name for p in out.iterdir()))}")
-    typer.echo(
-        f"golden vectors: {golden['cycles']} periods of {core.period:g} s, {golden['verdict']} ({golden['note']})"
-    )
-    single = manifest.get("single_precision")
+    deliver(_exported(out, manifest, core.period), as_json=as_json)
+
+
+def _exported(out: Path, manifest: dict[str, Any], period: float) -> Report:
+    golden, single = manifest["golden"], manifest.get("single_precision")
+    files = sorted(p.name for p in out.iterdir())
+    parts = [
+        f"{out}: {', '.join(files)}",
+        f"golden vectors: {golden['cycles']} periods of {period:g} s, {golden['verdict']} ({golden['note']})",
+    ]
     if single:
-        worst, unit = single["largest_difference_to_double"], single["unit"]
-        typer.echo(
-            f"single precision differs from double by at most {worst:.3g} {'' if unit == '1' else unit}".rstrip()
-        )
+        worst = f"{number(single['largest_difference_to_double'], 3)} {unit(single['unit'])}".rstrip()
+        parts.append(f"single precision differs from double by at most {worst}")
     if "machine_left_out" in manifest:
-        typer.echo(f"the simulated machine is left out: {manifest['machine_left_out']}")
-    typer.echo(f"next: leadscrew verify-export {shell(out)}")
+        parts.append(f"the simulated machine is left out: {manifest['machine_left_out']}")
+    parts.append(f"next: leadscrew verify-export {shell(out)}")
+    return Report({**head("export"), "out": str(out), "files": files, "manifest": manifest}, parts)
 
 
 def verify_export(
@@ -113,20 +95,15 @@ def verify_export(
         found = verify(folder)
     ran = [v for v in found if v.verdict != NOT_RUN]
     passed = bool(ran) and all(v.verdict == "identical" for v in ran)
-    if as_json:
-        emit({"schema_version": SCHEMA_VERSION, "folder": str(folder), "name": manifest["name"],
-              "target": manifest["target"], "passed": passed, "verdicts": [vars(v) for v in found]})  # fmt: skip
-    else:
-        unit = manifest["outputs"][0]["unit"]
-        print_table(["target", "cycles", f"worst{f' / {unit}' if unit not in ('', '1') else ''}", "verdict", ""],
-                    [row(v) for v in found], right=("cycles",))  # fmt: skip
-        if not ran:
-            typer.echo("\nnothing could be run on this machine")
-    if not passed:
-        raise typer.Exit(MISSED)
-
-
-def row(verdict: Verdict) -> list[str]:
-    """One line of the table."""
-    worst: Any = "" if verdict.worst is None else f"{verdict.worst:.3g}"
-    return [verdict.target, str(verdict.cycles) if verdict.cycles else "", worst, verdict.verdict, verdict.note]
+    measured = manifest["outputs"][0]["unit"]
+    rows = [[v.target, str(v.cycles or ""), "" if v.worst is None else number(v.worst, 3), v.verdict, v.note]
+            for v in found]  # fmt: skip
+    heads = ["target", "cycles", f"worst ({unit(measured)})" if unit(measured) else "worst", "verdict", ""]
+    report = Report(
+        {**head("verify-export"), "folder": str(folder), "name": manifest["name"], "target": manifest["target"],
+         "passed": passed, "verdicts": [vars(v) for v in found]},
+        parts=[TextTable(heads, rows, [False, True, True, False, False])],
+        verdict="" if ran else "nothing could be run on this machine",
+        code=0 if passed else MISSED,
+    )  # fmt: skip
+    deliver(report, as_json=as_json)

@@ -6,8 +6,8 @@ from typing import Annotated
 
 import typer
 
-from leadscrew.cli.harmonics import End, Level, Log, Plot, Start, Table, Time
-from leadscrew.cli.output import Json, emit, print_table
+from leadscrew.cli.options import Csv, From, Json, Level, Log, Plot, TimeColumn, To
+from leadscrew.cli.output import deliver
 from leadscrew.util.errors import DataError, ValueRefused
 
 
@@ -33,11 +33,11 @@ def frequency_response(
     low: Annotated[float | None, typer.Option(metavar="HZ", help="Leave out lower frequencies.")] = None,
     high: Annotated[float | None, typer.Option(metavar="HZ", help="Leave out higher ones.")] = None,
     level: Level = 0.95,
-    time: Time = "time",
-    start: Start = None,
-    end: End = None,
+    time: TimeColumn = "time",
+    start: From = None,
+    end: To = None,
     plot: Plot = None,
-    csv: Table = None,
+    csv: Csv = None,
     as_json: Json = False,
 ) -> None:
     """Frequency response of an axis from one log, with coherence and confidence.
@@ -48,15 +48,9 @@ def frequency_response(
     """
     from leadscrew.analysis import frequency_response as analysis
     from leadscrew.analysis.harmonics.record import checked_level
-    from leadscrew.cli.exit_codes import say
-    from leadscrew.cli.fuzzy_files import PICTURES, save_figure, suffix_of
     from leadscrew.cli.logs import part_of
-    from leadscrew.report import frequency_response as report
+    from leadscrew.report.frequency_response import report_of
 
-    if plot is not None:
-        suffix_of(plot, PICTURES, "--plot")
-    if csv is not None:
-        suffix_of(csv, (".csv",), "--csv")
     checked_level(level)
     if input_ == output:
         raise ValueRefused(f"--input and --output are both {output!r}: expected two signals")
@@ -81,24 +75,5 @@ def frequency_response(
         raise DataError(f"{log}: {error}") from None
     if low is not None or high is not None:
         found = found.within(low or 0.0, float("inf") if high is None else high)
-    if plot is not None:
-        what = f"{log.name}: loop gain" if loop_gain else f"{log.name}: {input_} to {output}"
-        save_figure(report.picture(found, what, level), plot)
-    if csv is not None:
-        from leadscrew.util.atomic import atomic_write
-
-        atomic_write(report.csv(found, level), csv)
-    if as_json:
-        written = {"plot": None if plot is None else str(plot), "csv": None if csv is None else str(csv)}
-        emit({**report.summary(found, str(log), loop_gain, level), "input": input_, "output": output,
-              "excitation": excitation, **written})  # fmt: skip
-        return
-    print_table(report.COLUMNS, report.rows(found, level), right=report.COLUMNS)
-    typer.echo("")
-    for line in report.sentences(found, loop_gain):
-        typer.echo(line)
-    for note in found.notes:
-        say(f"leadscrew: note: {note}")
-    for path, words in ((plot, "gain, phase and coherence"), (csv, "all frequencies")):
-        if path is not None:
-            typer.echo(f"\n{path}: {words}")
+    report = report_of(found, log, (input_, output), excitation, loop_gain, level)
+    deliver(report, plot=plot, csv=csv, as_json=as_json)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from importlib import import_module
 from pathlib import Path
@@ -12,198 +12,43 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from leadscrew.cli.fuzzy_files import (
-    PICTURES,
-    SCHEMA_VERSION,
-    File,
     LeaveOut,
+    SystemFile,
     columns_of,
     known,
     number_of,
     numbers,
     pairs,
-    save_figure,
     save_table,
-    suffix_of,
     system_of,
     table_of,
     text_table,
 )
-from leadscrew.cli.output import Json, busy, emit, print_table
+from leadscrew.cli.options import PICTURES, Json, Plot, suffix_of
+from leadscrew.cli.output import busy, deliver
+from leadscrew.figures.table import fixed, number, unit
+from leadscrew.report.picture import save
+from leadscrew.report.report import File, Lines, Part, Report, TextTable, Verbatim, head
 from leadscrew.util.errors import DataError, LeadscrewError, NameUnknown, ValueRefused
 
 if TYPE_CHECKING:
     import numpy as np
 
     from leadscrew.fuzzy.explanation import Use
-    from leadscrew.fuzzy.system import RuleBlock, System, Term, Variable
+    from leadscrew.fuzzy.system import System
 
 
 # ---- show
 def show(
-    file: File,
-    plot: Annotated[
-        Path | None, typer.Option(metavar="FILE", help="Also draw the membership functions: .png, .svg or .pdf.")
-    ] = None,
+    file: SystemFile,
+    plot: Plot = None,
     leave_out_unknown: LeaveOut = False,
     as_json: Json = False,
 ) -> None:
     """Show what is in a file: variables, terms, rules, norms, and how the system is evaluated."""
-    if plot is not None:
-        suffix_of(plot, PICTURES, "--plot")
-    system = system_of(file, leave_out_unknown)
-    if plot is not None:
-        from leadscrew.report.fuzzy import membership_figure
+    from leadscrew.report.fuzzy.system import report_of
 
-        save_figure(membership_figure(system), plot)
-    if as_json:
-        emit({"schema_version": SCHEMA_VERSION, "file": str(file), **as_object(system),
-              "plot": None if plot is None else str(plot)})  # fmt: skip
-        return
-    print_system(file, system)
-    if plot is not None:
-        typer.echo(f"\n{plot}: the membership functions")
-
-
-def as_object(system: System) -> dict[str, Any]:
-    """A system as plain data; infinite numbers are the texts ``inf`` and ``-inf``, as JSON has none."""
-    from dataclasses import asdict
-
-    from leadscrew.fuzzy.rules_text import rule_text
-    from leadscrew.fuzzy.system import SHAPES
-
-    def variable(v: Variable) -> dict[str, Any]:
-        found = asdict(v)
-        for made, term in zip(found["terms"], v.terms, strict=True):
-            made["parameters"] = [_finite(x) for x in term.parameters]
-            made["names"] = list(SHAPES[term.shape])
-        return {**found, "low": _finite(v.low), "high": _finite(v.high)}
-
-    blocks, number = [], 0
-    for block in system.blocks:
-        rules = []
-        for rule in block.rules:
-            number += 1
-            rules.append({"number": number, "text": rule_text(rule), "weight": rule.weight, "enabled": rule.enabled})
-        blocks.append({**{k: v for k, v in vars(block).items() if k != "rules"}, "rules": rules})
-    return {
-        "name": system.name,
-        "doc": system.doc,
-        "notes": list(system.notes),
-        "inputs": [variable(v) for v in system.inputs],
-        "outputs": [variable(v) for v in system.outputs],
-        "blocks": blocks,
-        "evaluation": evaluation(system),
-    }
-
-
-def _finite(x: float) -> float | str:
-    return repr(x) if x in (float("inf"), -float("inf")) else x
-
-
-def evaluation(system: System) -> dict[str, str]:
-    """How each output is evaluated, in words; an empty name where the system cannot be."""
-    from leadscrew.fuzzy.engine import engine
-    from leadscrew.fuzzy.tables import is_exact, is_integral
-
-    try:
-        made = engine(system)
-    except ValueRefused as error:
-        return {"": f"cannot be evaluated: {error}"}
-    rules, found = len(made.circuit.firings), {}
-    for output in system.outputs:
-        if not output.enabled:
-            words = "switched off: NaN"
-        elif output.name in made.traits.tabled:
-            words = "active rules: a table of the rules' values is interpolated, only the rules around a point count"
-        elif is_exact(output):
-            shape = "of a partition, " if output.name in made.traits.cut else ""
-            words = f"exact: {rules} rules, then the centroid {shape}in closed form"
-        elif is_integral(output):
-            words = f"general: {rules} rules, then {output.defuzzifier.replace('_', ' ')} by {output.integration} on "
-            words += f"{output.resolution} cells"
-        else:
-            words = f"general: {rules} rules, then {output.defuzzifier.replace('_', ' ')}"
-        found[output.name] = words
-    return found
-
-
-def print_system(file: Path, system: System) -> None:
-    """A system in words."""
-    counts = (len(system.inputs), "input"), (len(system.outputs), "output"), (len(system.rules), "rule")
-    said = ", ".join(f"{n} {word}{'' if n == 1 else 's'}" for n, word in counts)
-    typer.echo(f"{system.name or file.stem} ({file}): {said}")
-    if system.doc:
-        typer.echo(system.doc)
-    for note in system.notes:
-        typer.echo(f"note: {note}")
-    for kind, variables in (("input", system.inputs), ("output", system.outputs)):
-        if variables:
-            typer.echo()
-            rows = [row for v in variables for row in _rows(v)]
-            print_table([kind, "universe", "unit", "term", "shape", "parameters"], rows)
-    ways = evaluation(system)
-    typer.echo()
-    for output in system.outputs:
-        typer.echo(f"{output.name}: {_output(output)}")
-        if output.name in ways:
-            typer.echo(f"  evaluated: {ways[output.name]}")
-    if "" in ways:
-        typer.echo(ways[""])
-    number = 0
-    for block in system.blocks:
-        typer.echo(f"\n{_block(block)}")
-        number = _print_rules(block, number)
-
-
-def _rows(variable: Variable) -> list[list[str]]:
-    off = "" if variable.enabled else " (off)"
-    locked = ", held inside" if variable.lock_range else ""
-    head = [f"{variable.name}{off}", f"{variable.low:g} to {variable.high:g}{locked}", variable.unit]
-    terms = variable.terms or (None,)
-    return [[*(head if i == 0 else ["", "", ""]), *_term(term)] for i, term in enumerate(terms)]
-
-
-def _term(term: Term | None) -> list[str]:
-    from leadscrew.fuzzy.system import SHAPES
-
-    if term is None:
-        return ["no terms", "", ""]
-    names = SHAPES[term.shape]
-    if term.shape == "discrete":
-        xy = zip(term.parameters[::2], term.parameters[1::2], strict=True)
-        words = " ".join(f"({x:g}, {y:g})" for x, y in xy)
-    else:
-        named = zip(names, term.parameters, strict=True) if names else (("", x) for x in term.parameters)
-        words = ", ".join(f"{n} {x:g}".strip() for n, x in named)
-    return [term.name, term.shape, words if term.height == 1.0 else f"{words}, height {term.height:g}"]
-
-
-def _output(output: Any) -> str:
-    from leadscrew.fuzzy.system import INTEGRAL
-
-    words = [output.defuzzifier.replace("_", " "), f"aggregation {output.aggregation or 'none'}"]
-    if output.defuzzifier in INTEGRAL:
-        words.append(output.integration if output.integration == "exact" else f"{output.integration} rule")
-    otherwise = "the last value stays" if output.lock_previous else ""
-    if output.default == output.default:
-        otherwise += f"{', else ' if otherwise else ''}{output.default:g}"
-    return f"{', '.join(words)}; where no rule fires {otherwise or 'NaN'}"
-
-
-def _block(block: RuleBlock) -> str:
-    norms = f"and {block.conjunction or '–'}, or {block.disjunction or '–'}, implication {block.implication or '–'}"
-    how = " ".join((block.activation, *block.activation_parameters))
-    off = "" if block.enabled else ", switched off"
-    return f"{' '.join(('rules', block.name)).strip()}: {norms}, activation {how}{off}"
-
-
-def _print_rules(block: RuleBlock, number: int) -> int:
-    from leadscrew.fuzzy.rules_text import rule_text
-
-    for rule in block.rules:
-        number += 1
-        typer.echo(f"{number:>4}  {rule_text(rule)}{'' if rule.enabled else '  (switched off)'}")
-    return number
+    deliver(report_of(file, system_of(file, leave_out_unknown)), plot=plot, as_json=as_json)
 
 
 # ---- convert
@@ -222,19 +67,20 @@ def convert(
         raise ValueRefused(f"{target} exists already; --force replaces it")
     system = system_of(source, leave_out_unknown)
     lost = formats.write(system, target)
-    if as_json:
-        emit({"schema_version": SCHEMA_VERSION, "from": str(source), "to": str(target), "name": system.name,
-              "rules": len(system.rules), "read": list(system.notes), "not_said": list(lost)})  # fmt: skip
-        return
-    typer.echo(f"{target}: {system.name or source.stem}, {len(system.rules)} rules")
-    for note in system.notes:
-        typer.echo(f"read: {note}")
-    for note in lost:
-        typer.echo(f"not said: {note}")
+    report = Report(
+        {**head("fuzzy convert"), "from": str(source), "to": str(target), "name": system.name,
+         "rules": len(system.rules), "read": list(system.notes), "not_said": list(lost)},
+        parts=[
+            f"{target}: {system.name or source.stem}, {len(system.rules)} rules",
+            *(f"read: {line}" for line in system.notes),
+            *(f"not in this format: {line}" for line in lost),
+        ],
+    )  # fmt: skip
+    deliver(report, as_json=as_json)
 
 
 def eval_(
-    file: File,
+    file: SystemFile,
     values: Annotated[
         list[str] | None, typer.Argument(metavar="INPUT=VALUE", help="A value for every input: e=0.1 de=-0.2.")
     ] = None,
@@ -273,16 +119,14 @@ def _at_point(file: Path, system: System, values: list[str], explain: bool, engi
     with busy(f"{system.name} on {engine}"):
         outputs = compiled(system, engine)(**inputs)
     why = explained(system, inputs) if explain else None
-    if as_json:
-        emit({"schema_version": SCHEMA_VERSION, "file": str(file), "system": system.name, "engine": engine,
-              "inputs": inputs, "outputs": outputs, "units": {o.name: o.unit for o in system.outputs},
-              "explanation": None if why is None else why.as_dict()})  # fmt: skip
-        return
-    if why is not None:
-        typer.echo(str(why))
-        return
-    for output in system.outputs:
-        typer.echo(f"{output.name} = {outputs[output.name]!r} {output.unit}".rstrip())
+    values_of = Lines(f"{o.name} = {outputs[o.name]!r} {o.unit}".rstrip() for o in system.outputs)
+    report = Report(
+        {**head("fuzzy eval"), "file": str(file), "system": system.name, "engine": engine, "inputs": inputs,
+         "outputs": outputs, "units": {o.name: o.unit for o in system.outputs},
+         "explanation": None if why is None else why.as_dict()},
+        parts=[values_of if why is None else Lines(str(why).splitlines())],
+    )  # fmt: skip
+    deliver(report, as_json=as_json)
 
 
 def _at_points(file: Path, system: System, points: Path, out: Path | None, engine: str, as_json: bool) -> None:
@@ -298,21 +142,21 @@ def _at_points(file: Path, system: System, points: Path, out: Path | None, engin
         outputs = [o.name for o in system.outputs]
         if out is not None:
             save_table([*names, *outputs], np.column_stack([x, y]), out)
-    if as_json:
-        found = {n: y[:, i] for i, n in enumerate(outputs)} if out is None else None
-        emit({"schema_version": SCHEMA_VERSION, "file": str(file), "system": system.name, "engine": engine,
-              "points": len(x), "out": None if out is None else str(out), "outputs": found})  # fmt: skip
-    elif out is None:
-        typer.echo(text_table([*names, *outputs], np.column_stack([x, y])), nl=False)
-    else:
-        typer.echo(f"{out}: {len(x)} points, {', '.join(outputs)}")
+    columns = {n: y[:, i] for i, n in enumerate(outputs)} if out is None else None
+    report = Report(
+        {**head("fuzzy eval"), "file": str(file), "system": system.name, "engine": engine, "points": len(x),
+         "outputs": columns},
+        parts=[Verbatim(text_table([*names, *outputs], np.column_stack([x, y])).splitlines())] if out is None else [],
+        files=[File("out", out, f"{len(x)} points, {', '.join(outputs)}")],
+    )  # fmt: skip
+    deliver(report, as_json=as_json)
 
 
 COLUMNS = ("name", "what", "value", "unit", "ratio", "remark")
 
 
 def bench(
-    file: File,
+    file: SystemFile,
     points: Annotated[int, typer.Option(metavar="N", help="How many points are evaluated.")] = 100_000,
     leave_out_unknown: LeaveOut = False,
     as_json: Json = False,
@@ -327,17 +171,9 @@ def bench(
         raise LeadscrewError(f"the benchmarks are not in this installation ({error})") from None
     with busy(f"{system.name}, {points} points"):
         rows: list[dict[str, Any]] = measure(system, points)
-    if as_json:
-        emit({"schema_version": SCHEMA_VERSION, "file": str(file), "system": system.name, "points": points,
-              "rows": rows})  # fmt: skip
-        return
-    print_table(COLUMNS, [[_cell(row.get(c)) for c in COLUMNS] for row in rows], right=("value", "ratio"))
-
-
-def _cell(value: Any) -> str:
-    from leadscrew.figures.formats import number
-
-    return "" if value is None or value == "" else number(value)
+    cells = [["" if row.get(c) in (None, "") else unit(number(row[c])) for c in COLUMNS] for row in rows]
+    data = {**head("fuzzy bench"), "file": str(file), "system": system.name, "points": points, "rows": rows}
+    deliver(Report(data, [TextTable(COLUMNS, cells)]), as_json=as_json)
 
 
 _FUNCTION = re.compile(r"(change|rate)\((.+)\)")
@@ -370,7 +206,7 @@ class RunInputs:
     unit: str
     """Of the times; empty where they are numbers of rows."""
     points: np.ndarray
-    said: dict[str, str]
+    sources: dict[str, str]
     """Where each input was taken from."""
 
 
@@ -422,7 +258,7 @@ def recorded_inputs(run: Path, inputs: Sequence[str], maps: Sequence[str], time:
 
 
 def surface(
-    file: File,
+    file: SystemFile,
     out: Annotated[
         Path,
         typer.Option("--out", "-o", metavar="FILE", help="A picture (.png, .svg, .pdf) or the table (.csv, .fld)."),
@@ -449,25 +285,25 @@ def surface(
     with busy(f"{system.name}, {points} points an input"):
         made = pictures.surface(system, x, y, numbers(at or [], "--at"), points)
         if suffix in PICTURES:
-            save_figure(pictures.surface_figure(made, output=output, kind=kind), out)
+            save(pictures.surface_figure(made, output=output, kind=kind), out)
         else:
             save_table(*made.rows(), out)
     drawn = [v.name for v in (made.x, made.y) if v is not None]
     gaps = int((made.output(output)[1] != made.output(output)[1]).sum())
     size = made.values[..., 0].size
-    if as_json:
-        emit({"schema_version": SCHEMA_VERSION, "file": str(file), "system": system.name, "out": str(out),
-              "inputs": drawn, "held": made.held, "output": made.output(output)[0].name, "points": size,
-              "without_value": gaps})  # fmt: skip
-        return
     held = "".join(f", {n} = {v:g}" for n, v in made.held.items())
-    typer.echo(f"{out}: {made.output(output)[0].name} over {' and '.join(drawn)}{held}; {size} points")
-    if gaps:
-        typer.echo(f"{gaps} of {size} points have no value")
+    lost = [f"{gaps} of {size} points have no value"] if gaps else []
+    report = Report(
+        {**head("fuzzy surface"), "file": str(file), "system": system.name, "inputs": drawn, "held": made.held,
+         "output": made.output(output)[0].name, "points": size, "without_value": gaps},
+        parts=lost,
+        files=[File("out", out, f"{made.output(output)[0].name} over {' and '.join(drawn)}{held}; {size} points")],
+    )  # fmt: skip
+    deliver(report, as_json=as_json)
 
 
 def activity(
-    file: File,
+    file: SystemFile,
     run: Annotated[
         Path,
         typer.Argument(metavar="RUN", help="A recorded run: .csv, .parquet, or a folder of leadscrew simulate --out."),
@@ -505,14 +341,14 @@ def activity(
         if out is not None:
             _write(system, found, strengths, out)
     silent = float((~(strengths > 0.0).any(axis=1)).mean())
-    if as_json:
-        emit({"schema_version": SCHEMA_VERSION, "file": str(file), "system": system.name, "run": str(run),
-              "rows": len(found.time), "map": found.said, "unit": found.unit or "rows", "no_rule_fires": silent,
-              "rules": [vars(u) for u in uses], "out": None if out is None else str(out)})  # fmt: skip
-        return
-    print_uses(system, uses, found, silent)
-    if out is not None:
-        typer.echo(f"\n{out}: {len(found.time)} rows")
+    report = Report(
+        {**head("fuzzy activity"), "file": str(file), "system": system.name, "run": str(run),
+         "rows": len(found.time), "map": found.sources, "unit": found.unit or "rows", "no_rule_fires": silent,
+         "rules": [vars(u) for u in uses]},
+        parts=list(_uses(system, uses, found, silent)),
+        files=[File("out", out, f"{len(found.time)} rows")],
+    )  # fmt: skip
+    deliver(report, as_json=as_json)
 
 
 def _write(system: System, found: RunInputs, strengths: np.ndarray, out: Path) -> None:
@@ -525,29 +361,26 @@ def _write(system: System, found: RunInputs, strengths: np.ndarray, out: Path) -
         return
     from leadscrew.report.fuzzy import activity_figure
 
-    save_figure(activity_figure(system, found.time, found.points, unit=found.unit), out)
+    save(activity_figure(system, found.time, found.points, unit=found.unit), out)
 
 
-def print_uses(system: System, uses: tuple[Use, ...], found: RunInputs, silent: float) -> None:
+def _uses(system: System, uses: tuple[Use, ...], found: RunInputs, silent: float) -> Iterator[Part]:
     """The rules by how long they fired, then those that never did."""
-    unit = found.unit or "rows"
     fired = sorted((u for u in uses if u.seconds > 0.0), key=lambda u: (-u.seconds, -u.mean))
-    typer.echo(f"{system.name}: {len(fired)} of {len(uses)} rules fired in {len(found.time)} rows")
-    typer.echo(f"from {', '.join(f'{k} = {v}' for k, v in found.said.items())}")
+    yield f"{system.name}: {len(fired)} of {len(uses)} rules fired in {len(found.time)} rows"
+    yield f"from {', '.join(f'{k} = {v}' for k, v in found.sources.items())}"
     if silent:
-        typer.echo(f"no rule fired in {100.0 * silent:.3g} % of the rows")
+        yield f"no rule fired in {number(100.0 * silent, 3)} % of the rows"
     if fired:
-        typer.echo()
-        columns = ["rule", f"fired / {unit}", "% of the run", "mean strength", "strongest", f"at / {unit}", ""]
-        rows = [[str(u.number), f"{u.seconds:.4g}", f"{100.0 * u.part:.1f}", f"{u.mean:.3g}", f"{u.strongest:.3g}",
-                 f"{u.at:.4g}", u.text] for u in fired]  # fmt: skip
-        print_table(columns, rows, right=columns[:-1])
-    for words, which in (("never fired", True), ("switched off", False)):
-        never: list[Any] = [u for u in uses if not u.seconds and u.enabled == which]
-        if never:
-            typer.echo(f"\n{words}: {len(never)}")
-            for use in never:
-                typer.echo(f"{use.number:>4}  {use.text}")
+        of = found.unit or "rows"
+        heads = ["rule", f"fired ({of})", "% of the run", "mean strength", "strongest", f"at ({of})", ""]
+        rows = [[str(u.number), number(u.seconds), fixed(100.0 * u.part, 1), number(u.mean, 3), number(u.strongest, 3),
+                 number(u.at), u.text] for u in fired]  # fmt: skip
+        yield TextTable(heads, rows, [*[True] * 6, False])
+    for words, enabled in (("never fired", True), ("switched off", False)):
+        unused = [u for u in uses if not u.seconds and u.enabled == enabled]
+        if unused:
+            yield Lines([f"{words}: {len(unused)}", *(f"{u.number:>4}  {u.text}" for u in unused)])
 
 
 def learn(
@@ -619,13 +452,12 @@ def learn(
         data = {name: table.numbers(name) for name in (*asked, output, *([weights] if weights else []))}
         learned = learn_from(data, asked, output, **choices)
         notes = formats.write(learned.system, out) if out else ()
-    if as_json:
-        emit({"schema_version": SCHEMA_VERSION, "log": str(log), **learned.as_dict(),
-              "out": str(out) if out else None, "notes": list(notes)})  # fmt: skip
-        return
-    typer.echo(learned.report(most))
-    if out:
-        typer.echo("\n".join([f"\n{out}: {len(learned.system.rules)} rules written", *notes]))
+    report = Report(
+        {**head("fuzzy learn"), "log": str(log), **learned.as_dict(), "notes": list(notes)},
+        parts=[Lines(learned.report(most).splitlines()), *notes],
+        files=[File("out", out, f"{len(learned.system.rules)} rules")],
+    )
+    deliver(report, as_json=as_json)
 
 
 # ---- options

@@ -6,7 +6,7 @@ import io
 import math
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -16,14 +16,12 @@ from leadscrew.util.errors import DataError, NameUnknown, ValueRefused
 if TYPE_CHECKING:
     import numpy as np
 
-    from leadscrew.figures.figure import Figure
     from leadscrew.fuzzy.system import System
 
 
-SCHEMA_VERSION = 1
-PICTURES = (".png", ".svg", ".pdf")
-
-File = Annotated[Path, typer.Argument(metavar="FILE", help="A fuzzy system: .fis, .fll, .fcl, or .xml (read only).")]
+SystemFile = Annotated[
+    Path, typer.Argument(metavar="FILE", help="A fuzzy system: .fis, .fll, .fcl, or .xml (read only).")
+]
 LeaveOut = Annotated[
     bool,
     typer.Option("--leave-out-unknown", help="Leave out rules that name a variable or term that does not exist."),
@@ -114,36 +112,6 @@ def known(name: str, names: Sequence[str], what: str) -> str:
 
 
 # ---- files that appear whole
-def suffix_of(path: Path, allowed: Sequence[str], option: str) -> str:
-    """The suffix of a file that is to be written.
-
-    Raises:
-        ValueRefused: another suffix.
-    """
-    found = path.suffix.casefold()
-    if found not in allowed:
-        raise ValueRefused(f"{option} {path}: {found or 'no suffix'}: allowed are {', '.join(allowed)}")
-    return found
-
-
-def save_figure(figure: Figure, path: Path) -> None:
-    """Writes a picture in the format of its suffix; the same figure gives the same file.
-
-    Raises:
-        DataError: it cannot be written.
-    """
-    from matplotlib import rc_context
-
-    kind = path.suffix.casefold().removeprefix(".")
-    dates: dict[str, Any] = {"svg": {"Date": None}, "pdf": {"CreationDate": None}}.get(kind, {})
-    held = io.BytesIO()
-    with rc_context({"svg.hashsalt": path.stem, "pdf.fonttype": 42}):
-        figure.savefig(held, format=kind, dpi=200, metadata=dates)
-    from leadscrew.util.atomic import atomic_write
-
-    atomic_write(held.getvalue(), path)
-
-
 def columns_of(path: Path) -> list[str]:
     """The names of the columns of a CSV or Parquet file.
 

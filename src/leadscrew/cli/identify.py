@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
 
@@ -10,24 +11,38 @@ import typer
 
 from leadscrew.cli import pairs
 from leadscrew.cli.identify_axis import axis
-from leadscrew.cli.output import Json, busy, emit, print_table, progress
+from leadscrew.cli.options import (
+    Columns,
+    ControllerFile,
+    End,
+    Example,
+    Folder,
+    Json,
+    MachineFile,
+    Period,
+    Start,
+    TimeColumn,
+    Trust,
+    Units,
+)
+from leadscrew.cli.output import busy, deliver, free, progress, write_example
 from leadscrew.cli.pairs import texts
-from leadscrew.cli.subject import Trust
+from leadscrew.figures.table import number
+from leadscrew.report.report import File, Part, Report, TextTable, head
 from leadscrew.util.errors import ValueRefused
 from leadscrew.util.escape import shell
 
 if TYPE_CHECKING:
     from leadscrew.analysis.cutting_force import Kienzle
+    from leadscrew.identify.friction_file import FrictionFit
+    from leadscrew.identify.linear.servo_gain import ServoGain
 
 
 def cutting_force(
     file: Annotated[
         Path, typer.Argument(metavar="FILE", help="CSV or Parquet, a row a cut: feed, depth, main cutting force.")
     ],
-    out: Annotated[
-        Path | None,
-        typer.Option("--out", "-o", metavar="DIR", help="A folder for the report: page, picture, JSON, cut.toml."),
-    ] = None,
+    out: Folder = None,
     column: Annotated[
         list[str] | None,
         typer.Option(metavar="WHAT=HEADER", help="Header of a column: feed, depth, force, feed_force, spindle, ..."),
@@ -53,9 +68,7 @@ def cutting_force(
     usual_kc: Annotated[
         str, typer.Option(metavar="LOW,HIGH", help="Specific force in N/mm2 outside which a unit is taken as wrong.")
     ] = "500,10000",
-    example: Annotated[
-        bool, typer.Option("--example", help="Write eight published cuts to FILE instead, to see what a file is like.")
-    ] = False,
+    example: Example = False,
     as_json: Json = False,
 ) -> None:
     """Fit laws of the main cutting force (power law, Kienzle, chip and edge), and say what the table cannot tell.
@@ -63,7 +76,10 @@ def cutting_force(
     Known columns: feed or f, depth or ap, force, Fc or F; units in the header, as in feed (mm/rev), or --unit.
     """
     if example:
-        _write_cutting_example(file, out is not None or as_json or any((column, unit, at, beside)))
+        from leadscrew.identify.cutting_force_table import EXAMPLE
+
+        _alone(out is not None or as_json or any((column, unit, at, beside)))
+        write_example(file, EXAMPLE, "published cuts", f"leadscrew identify cutting-force {shell(file)}")
         return
     from leadscrew.identify.cutting_force_table import read_force_table
     from leadscrew.kernel import validate
@@ -82,49 +98,20 @@ def cutting_force(
     with busy(f"{file}: laws"):
         from leadscrew.identify.cutting_force import bootstrap as draw
         from leadscrew.identify.cutting_force import fit_forces
-        from leadscrew.report import cutting_force as report
+        from leadscrew.report.cutting_force import report_of, settings
 
         fit = fit_forces(table, method=method, kappa_deg=kappa, exponent=exponent)  # type: ignore[arg-type]
         drawn = draw(fit, bootstrap) if bootstrap else None
-        more = {"beside": other, "cuts": cuts, "drawn": drawn}
-        if out is not None:
-            report.write(fit, file.name, out, **more)  # type: ignore[arg-type]
-    if as_json:
-        emit({**report.summary(fit, str(file), **more), "report": out})  # type: ignore[arg-type]
-        return
-    from leadscrew.cli.exit_codes import say
-    from leadscrew.cli.output import print_table
-
-    tables: list[tuple[Sequence[str], list[list[str]]]] = [
-        (report.LAW_COLUMNS, report.law_rows(fit, drawn)),
-        (report.FIT_COLUMNS, report.fit_rows(fit, other)),
-        (report.ROW_COLUMNS, report.cut_rows(fit)),
-        *([(report.AT_COLUMNS, report.at_rows(fit, cuts))] if cuts else []),
-    ]
-    for columns, rows in tables:
-        print_table(columns, rows, right=[c for c in columns if c in report.NUMBERS])
-        typer.echo("")
-    for line in report.sentences(fit):
-        typer.echo(line)
-    typer.echo(report.for_simulation(fit, "--set "))
-    for note in fit.notes:
-        say(f"leadscrew: note: {note}")
-    if out is not None:
-        then = f"; next: leadscrew simulate {out / 'cut.toml'}" if report.settings(fit) else ""
-        typer.echo(f"\nreport: {out / 'report.html'}{then}")
+    found = report_of(fit, file, beside=other, cuts=cuts, drawn=drawn)
+    if out is not None and settings(fit):
+        cut = out / "cut.toml"
+        found = replace(found, files=[File("", cut, f"next: leadscrew simulate {shell(cut)}")])
+    deliver(found, out=out, as_json=as_json)
 
 
-def _write_cutting_example(file: Path, more: bool) -> None:
-    from leadscrew.identify.cutting_force_table import EXAMPLE
-    from leadscrew.util.atomic import atomic_write
-    from leadscrew.util.errors import DataError
-
+def _alone(more: bool) -> None:
     if more:
         raise ValueRefused("--example only writes FILE; leave the other options for the fit of it")
-    if file.exists():
-        raise DataError(f"{file} exists already; --example overwrites nothing")
-    atomic_write(EXAMPLE, file)
-    typer.echo(f"{file}: published cuts; next: leadscrew identify cutting-force {shell(file)}")
 
 
 def _pair(option: str, text: str, expected: str) -> tuple[float, float]:
@@ -155,25 +142,15 @@ def friction_force(
     file: Annotated[
         Path, typer.Argument(metavar="FILE", help="Log with time, friction force and position or velocity, both ways.")
     ],
-    out: Annotated[
-        Path | None,
-        typer.Option("--out", "-o", metavar="DIR", help="A folder for the report: page, picture, JSON, friction.toml."),
-    ] = None,
+    out: Folder = None,
     force: Annotated[str | None, typer.Option(metavar="COLUMN", help="Measured friction force.")] = None,
     position: Annotated[str | None, typer.Option(metavar="COLUMN", help="Measured position.")] = None,
     velocity: Annotated[str | None, typer.Option(metavar="COLUMN", help="Measured velocity.")] = None,
     normal: Annotated[str | None, typer.Option(metavar="COLUMN", help="Measured normal force.")] = None,
     time: Annotated[str | None, typer.Option(metavar="COLUMN", help="Time.")] = None,
-    column: Annotated[
-        list[str] | None,
-        typer.Option(metavar="ROLE=HEADER", help="The same as --force HEADER and so on: force=Fx."),
-    ] = None,
-    unit: Annotated[
-        list[str] | None, typer.Option(metavar="ROLE=UNIT", help="Unit of a column, over its header's: force=mN.")
-    ] = None,
-    period: Annotated[
-        float | None, typer.Option(metavar="S", help="Seconds from row to row, for a log without a column of times.")
-    ] = None,
+    column: Columns = None,
+    unit: Units = None,
+    period: Period = None,
     sign: Annotated[
         str, typer.Option(metavar="auto|1|-1", help="1: a positive force resists a positive speed; auto: by its work.")
     ] = "auto",
@@ -183,11 +160,9 @@ def friction_force(
     holdout: Annotated[
         float, typer.Option(metavar="SHARE", help="Of the samples, at the end: judged, not fitted. 0 to 0.8.")
     ] = 0.5,
-    start: Annotated[float | None, typer.Option(metavar="S", help="Leave out what is earlier.")] = None,
-    end: Annotated[float | None, typer.Option(metavar="S", help="Leave out what is later.")] = None,
-    example: Annotated[
-        bool, typer.Option("--example", help="Write a made log with a known friction to FILE instead.")
-    ] = False,
+    start: Start = None,
+    end: End = None,
+    example: Example = False,
     as_json: Json = False,
 ) -> None:
     """Fit Coulomb and viscous friction, Stribeck map, Dahl, LuGre and Maxwell slip to a measured friction force.
@@ -201,7 +176,11 @@ def friction_force(
         if named.setdefault(role, name) != name:
             raise ValueRefused(f"--column {role}={name}, and --{role} {named[role]}: name one column")
     if example:
-        _write_friction_example(file, out is not None or as_json or bool(named) or bool(unit))
+        from leadscrew.identify.friction_force.example import example_text
+
+        _alone(out is not None or as_json or bool(named) or bool(unit))
+        what = "an example, with a known friction"
+        write_example(file, example_text(), what, f"leadscrew identify friction-force {shell(file)}")
         return
     run(file, out, named, unit or [], sign=_sign(sign), load=load, holdout=holdout, start=start, end=end,
         period=period, as_json=as_json)  # fmt: skip
@@ -225,8 +204,7 @@ def run(
     """Fits, writes the folder where one is asked for, and prints."""
     from leadscrew.identify.friction_force import identify_friction_force, read_force_record
 
-    if out is not None and out.exists() and (not out.is_dir() or any(out.iterdir())):
-        raise ValueRefused(f"--out {out} exists already; choose another folder or remove it")
+    free([out])
     said = texts("--unit", units, "ROLE=UNIT, as in force=mN")
     record = read_force_record(file, columns=columns, units=said, sign=sign, start=start, end=end, period=period)
     with progress() as bar:
@@ -234,41 +212,12 @@ def run(
             record, holdout=holdout, load=load,  # type: ignore[arg-type]  # checked there
             progress=lambda what, done: bar(f"{file}: {what}", done),
         )  # fmt: skip
-        from leadscrew.report import friction_force as report
+    from leadscrew.report.friction_force import report_of
 
-        if out is not None:
-            report.write(fit, out)
-    if as_json:
-        emit({**report.summary(fit), "file": str(file), "report": out})
-        return
-    from leadscrew.cli.exit_codes import say
-    from leadscrew.cli.output import print_table
-
-    print_table(report.MODEL_COLUMNS, report.model_rows(fit), right=report.MODEL_COLUMNS[1:])
-    typer.echo("")
-    print_table(report.VALUE_COLUMNS, report.value_rows(fit.chosen), right=report.VALUE_COLUMNS[1:4])
-    typer.echo("")
-    for line in report.sentences(fit):
-        typer.echo(line)
-    for line in fit.advice:
-        typer.echo(f"what to measure next: {line}")
-    for note in fit.notes:
-        say(f"leadscrew: note: {note}")
+    found = report_of(fit, file)
     if out is not None:
-        typer.echo(f"\nreport: {out / 'report.html'}; {out / 'friction.toml'}: a [set] table with plant.friction")
-
-
-def _write_friction_example(file: Path, more: bool) -> None:
-    from leadscrew.identify.friction_force.example import example_text
-    from leadscrew.util.atomic import atomic_write
-    from leadscrew.util.errors import DataError
-
-    if more:
-        raise ValueRefused("--example only writes FILE; leave the other options for the fit of it")
-    if file.exists():
-        raise DataError(f"{file} exists already; --example overwrites nothing")
-    atomic_write(example_text(), file)
-    typer.echo(f"{file}: a made log; next: leadscrew identify friction-force {shell(file)}")
+        found = replace(found, files=[File("", out / "friction.toml", "a [set] table with plant.friction")])
+    deliver(found, out=out, as_json=as_json)
 
 
 def _sign(text: str) -> Literal["auto", 1, -1]:
@@ -299,9 +248,9 @@ def linear(
     unit: Annotated[
         list[str] | None, typer.Option(metavar="COLUMN=UNIT", help="Unit of a column, over the file's own.")
     ] = None,
-    period: Annotated[float | None, typer.Option(metavar="S", help="From row to row of a log without times.")] = None,
-    start: Annotated[float | None, typer.Option(metavar="S", help="Leave out what is earlier.")] = None,
-    end: Annotated[float | None, typer.Option(metavar="S", help="Leave out what is later.")] = None,
+    period: Period = None,
+    start: Start = None,
+    end: End = None,
     order: Annotated[
         str | None,
         typer.Option(
@@ -317,9 +266,7 @@ def linear(
     margin: Annotated[
         float, typer.Option(metavar="SHARE", help="Error over the least one that buys a simpler model.")
     ] = 0.02,
-    out: Annotated[
-        Path | None, typer.Option("--out", "-o", metavar="FILE.toml", help="Machine file: a name of a study.")
-    ] = None,
+    out: MachineFile = None,
     report: Annotated[Path | None, typer.Option(metavar="DIR", help="A folder: page, pictures, JSON.")] = None,
     as_json: Json = False,
 ) -> None:
@@ -327,53 +274,28 @@ def linear(
 
     The input is taken as held from sample to sample. Columns are named as in the file, with or without their unit.
     """
-    from leadscrew.cli.exit_codes import say
     from leadscrew.cli.logs import numbers
-    from leadscrew.cli.tune import free
     from leadscrew.identify.linear.fit import identify_linear
     from leadscrew.identify.linear.record import read_linear
-    from leadscrew.report import identified_linear as words
+    from leadscrew.identify.linear.result import machine
+    from leadscrew.machine.file import write
+    from leadscrew.report.identified_linear import report_of
 
-    if out is not None and out.suffix != ".toml":
-        raise ValueRefused(f"--out {out}: a machine file ends in .toml")
     free([out, report])
     structure = None if order is None else _structure(order)
     tried = tuple(_whole(x, "--integrators", integrators) for x in numbers(integrators, "--integrators"))
     units = pairs.texts("--unit", unit, "COLUMN=UNIT, as in time=ms")
     record = read_linear(log, input_, output, command, time=time, units=units, start=start, end=end, period=period)
-    with progress() as tell:
+    with progress() as bar:
         fit = identify_linear(
             record, structure=structure, max_order=max_order, max_zeros=max_zeros, integrators=tried, delay=delay,
-            max_delay=max_delay, holdout=holdout, margin=margin, progress=tell,
+            max_delay=max_delay, holdout=holdout, margin=margin, progress=bar,
         )  # fmt: skip
+    files = []
     if out is not None:
-        from leadscrew.identify.linear import result
-        from leadscrew.machine.file import write
-
-        made = result.machine(fit, out.stem)
-    if report is not None:
-        words.write(fit, report)
-    if out is not None:
-        write(out, made)
-    if as_json:
-        emit({**words.summary(fit, str(log)), "report": report, "out": out})
-        return
-    for columns, rows in (
-        (words.PARAMETER_COLUMNS, words.parameter_rows(fit)),
-        (words.CANDIDATE_COLUMNS, words.candidate_rows(fit)),
-        (words.STRETCH_COLUMNS, words.stretch_rows(fit)),
-    ):
-        print_table(columns, rows, right=[c for c in columns if c in words.NUMBERS])
-        typer.echo("")
-    for line in words.sentences(fit):
-        typer.echo(line)
-    for kind, lines in (("note", fit.notes), ("next", fit.advice)):
-        for line in lines:
-            say(f"leadscrew: {kind}: {line}")
-    if report is not None:
-        typer.echo(f"\nreport: {report / 'report.html'}")
-    if out is not None:
-        typer.echo(f"\n{out}: the machine; next: leadscrew simulate {shell(out)}")
+        found, next_ = machine(fit, out.stem), f"the machine; next: leadscrew simulate {shell(out)}"
+        files = [File("out", out, next_, lambda path: write(path, found))]
+    deliver(report_of(fit, log, files or [File("out", None, "")]), out=report, as_json=as_json)
 
 
 def _structure(text: str) -> tuple[int, int, int]:
@@ -390,10 +312,6 @@ def _whole(value: float, option: str, text: str) -> int:
     if value != int(value):
         raise ValueRefused(f"{option} {text}: expected whole numbers with commas between them")
     return int(value)
-
-
-SCHEMA_VERSION = 1
-COLUMNS = ("move", "samples", "gain alone", "misfit %", "travel")
 
 
 def servo_gain(
@@ -423,25 +341,26 @@ def servo_gain(
         logs, input_, position, time=time, split=split, lags_s=lag or (), hold=hold,
         units=pairs.texts("--unit", unit, "COLUMN=UNIT, as in time='0.1 s'"),
     )  # fmt: skip
-    if as_json:
-        emit({"schema_version": SCHEMA_VERSION, "kind": "leadscrew identify servo-gain", **found.as_dict()})
-        return
+    deliver(_servo_gain(found), as_json=as_json)
+
+
+def _servo_gain(found: ServoGain) -> Report:
     rows = [
-        (m.name, str(m.samples), f"{m.gain_alone:.4g}", f"{m.nrmse_percent:.3g}", f"{m.travel:.4g}")
+        [m.name, number(m.samples), number(m.gain_alone), number(m.nrmse_percent, 3), number(m.travel)]
         for m in found.moves
     ]
-    print_table(COLUMNS, rows, right=COLUMNS[1:])
-    typer.echo("")
     lags = ", ".join(f"{x:g}" for x in found.lags_s) or "none"
-    typer.echo(f"gain {found.gain:.4g} {found.unit}; lags {lags} s; input between samples: {found.hold}")
-    typer.echo(f"the moves' own gains differ by {found.spread_percent:.3g} % of it")
-    others = ", ".join(f"{name} {value:.4g}" for name, value in found.other_holds.items())
-    typer.echo(f"with the input otherwise between samples: {others}")
-    if found.notes:
-        from leadscrew.cli.exit_codes import say
-
-        for note in found.notes:
-            say(f"leadscrew: note: {note}")
+    others = ", ".join(f"{name} {number(value)}" for name, value in found.other_holds.items())
+    return Report(
+        {**head("identify servo-gain"), **found.as_dict()},
+        parts=[
+            TextTable(("move", "samples", "gain alone", "misfit (%)", "travel"), rows, [False, *[True] * 4]),
+            f"gain {number(found.gain)} {found.unit}; lags {lags} s; input between samples: {found.hold}",
+            f"the moves' own gains differ by {number(found.spread_percent, 3)} % of it",
+            f"with the input otherwise between samples: {others}",
+        ],
+        notes=found.notes,
+    )
 
 
 app = typer.Typer(no_args_is_help=True, help="Find a model's parameters in logged data.")
@@ -468,8 +387,8 @@ def friction(
             help="Log of one move: CSV, Parquet, or a folder of simulate --out; evenly sampled, with reversals.",
         ),
     ],
-    out: Annotated[Path | None, typer.Option("--out", "-o", metavar="FILE.toml", help="Controller file.")] = None,
-    time: Annotated[str, typer.Option(metavar="COLUMN", help="Times; in s unless the header names a unit.")] = "time",
+    out: ControllerFile = None,
+    time: TimeColumn = "time",
     torque: Annotated[str, typer.Option(metavar="COLUMN", help="Commanded torque in N m.")] = "output",
     position: Annotated[str, typer.Option(metavar="COLUMN", help="Measured position.")] = "feedback",
     travel_per_rad: Annotated[
@@ -507,44 +426,43 @@ def friction(
     if velocity is not None or normal is not None:
         raise ValueRefused("--velocity and --normal go with --force, the column of a measured friction force")
     from leadscrew import controller_file, names, resolve
-    from leadscrew.cli.tune import free
-    from leadscrew.identify.friction_file import controller_with, identify_file, table_rows
+    from leadscrew.identify.friction_file import controller_with, identify_file
 
-    if out is not None and out.suffix != ".toml":
-        raise ValueRefused(f"--out {out}: a controller file ends in .toml")
+    home = names.absolute(study)
     if out is not None:
-        resolve.study(names.absolute(study))
+        resolve.study(home)
     free([out])
-    with progress() as report:
+    with progress() as bar:
         found = identify_file(
             log, time=time, torque=torque, position=position, travel_per_rad=travel_per_rad, inertia=inertia,
-            delay=delay, progress=lambda what, done: report(f"{log}: {what}", done),
+            delay=delay, progress=lambda what, done: bar(f"{log}: {what}", done),
         )  # fmt: skip
-    if out is not None:
-        controller_file.write(out, controller_with(found, names.absolute(study), controller, str(log)))
-    if as_json:
-        emit({"schema_version": SCHEMA_VERSION, "log": str(log), **found.as_dict(),
-              "out": None if out is None else str(out)})  # fmt: skip
-        return
-    print_table(("parameter", "value", "standard error", "share", ""), table_rows(found), right=("value",))
-    typer.echo("")
-    typer.echo(
-        f"{found.sliding.windows} windows of sliding, {found.pieces} stand-stills; {found.simulations} simulations"
-    )
-    typer.echo(
+
+    def write(path: Path) -> None:
+        controller_file.write(path, controller_with(found, home, controller, str(log)))
+
+    deliver(_friction(found, log, out, write), as_json=as_json)
+
+
+def _friction(found: FrictionFit, log: Path, out: Path | None, write: Callable[[Path], object]) -> Report:
+    from leadscrew.identify.friction_file import table_rows
+
+    parts: list[Part] = [
+        TextTable(("parameter", "value", "standard error", "share", ""), table_rows(found)),
+        f"{found.sliding.windows} windows of sliding, {found.pieces} stand-stills; {found.simulations} simulations",
         f"position, log minus model: {found.rms:.2g} rad rms, noise {found.noise:.2g}; condition number "
-        f"{found.condition:.2g}"
-    )
-    typer.echo(
-        "the residuals are white and no larger than the noise" if found.consistent
-        else f"not quite LuGre, and the standard errors are too small: {found.residuals.why_not}"
-    )  # fmt: skip
+        f"{found.condition:.2g}",
+        "the residuals are white and no larger than the noise"
+        if found.consistent
+        else f"not quite LuGre, and the standard errors are too small: {found.residuals.why_not}",
+    ]
     unknown = [name for name, known in found.identifiable.items() if not known]
     if unknown:
         kept = "" if out is None else f"; {out} keeps the controller's own"
-        typer.echo(
+        parts.append(
             f"not identifiable from this log: {', '.join(unknown)}{kept}; a log in which the axis creeps to a slip and "
             "stops, both ways, as in the move friction_test, determines them"
         )
-    if out is not None:
-        typer.echo(f"\n{out}: the controller; a name wherever a controller is named")
+    what = "the controller; a name wherever a controller is named"
+    data = {**head("identify friction"), "log": str(log), **found.as_dict()}
+    return Report(data, parts, files=[File("out", out, what, write)])

@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from leadscrew.cli import pairs
-from leadscrew.cli.output import Json, busy, emit, print_table, progress
+from leadscrew.cli.options import Columns, End, Gear, Json, Lead, MachineFile, Period, Start, Units
+from leadscrew.cli.output import busy, deliver, free, progress
 from leadscrew.kernel import validate
 from leadscrew.util.errors import ValueRefused
 from leadscrew.util.escape import shell
@@ -16,6 +17,7 @@ from leadscrew.util.escape import shell
 if TYPE_CHECKING:
     from leadscrew.identify.axis.result import AxisFit
     from leadscrew.logs.arrays import AxisLog
+    from leadscrew.report.report import File
 
 MODELS = ["auto", "coulomb", "stribeck", "lugre"]
 GAINS = ("kp", "kv", "ki", "max_drive", "over")
@@ -26,39 +28,21 @@ def axis(
     log: Annotated[
         Path, typer.Argument(metavar="LOG", help="CSV, TSV, Parquet, .mat, halscope, or a folder of simulate --out.")
     ],
-    out: Annotated[
-        Path | None, typer.Option("--out", "-o", metavar="FILE.toml", help="Machine file: a name of a study.")
-    ] = None,
+    out: MachineFile = None,
     report: Annotated[
         Path | None, typer.Option(metavar="DIR", help="A folder for page, pictures, JSON and machine file.")
     ] = None,
-    column: Annotated[
-        list[str] | None,
-        typer.Option(metavar="ROLE=HEADER", help="Column of time, drive, position, command or velocity."),
-    ] = None,
-    unit: Annotated[
-        list[str] | None, typer.Option(metavar="ROLE=UNIT", help="Unit of that column; over the file's own.")
-    ] = None,
-    period: Annotated[
-        float | None, typer.Option(metavar="S", help="Sampling period, for a log without a column of time.")
-    ] = None,
-    start: Annotated[float | None, typer.Option(metavar="S", help="Leave out what is before.")] = None,
-    end: Annotated[float | None, typer.Option(metavar="S", help="Leave out what is after.")] = None,
+    column: Columns = None,
+    unit: Units = None,
+    period: Period = None,
+    start: Start = None,
+    end: End = None,
     force_per_drive: Annotated[
         float | None,
         typer.Option(metavar="X", help="Force of one unit of the drive: N/V, N m/A; negative if turned."),
     ] = None,
-    lead: Annotated[
-        float | None,
-        typer.Option(
-            metavar="MM",
-            help="Travel of one screw revolution: a drive in N m becomes a force, without losses; --force-per-drive is "
-            "then the motor's N m for one unit of the drive.",
-        ),
-    ] = None,
-    gear: Annotated[
-        float, typer.Option(metavar="N", help="With --lead: motor revolutions for one of the screw.")
-    ] = 1.0,
+    lead: Lead = None,
+    gear: Gear = 1.0,
     symmetric: Annotated[
         bool | None,
         typer.Option(
@@ -89,14 +73,10 @@ def axis(
 
     The machine file is a name wherever a study is named: simulate, tune, compare, ballbar, export.
     """
-    from leadscrew.cli.tune import free
-
     validate.one_of("--model", model, MODELS)
     validate.one_of("--refine", refine, REFINE)
     if not 0.0 <= holdout <= 0.8:
         raise ValueRefused(f"--holdout {holdout:g}: allowed range is [0, 0.8], a share of the log")
-    if out is not None and out.suffix != ".toml":
-        raise ValueRefused(f"--out {out}: a machine file ends in .toml")
     options: dict[str, Any] = {
         "symmetric": symmetric, "model": model, "holdout": holdout, "delay": delay, "refine": refine,
         "given": pairs.values("--given", given, "KEY=VALUE, as in mass=95.1"),
@@ -130,8 +110,9 @@ def axis(
 
         fit = identify_axis(read, **options, progress=lambda what, done: bar(f"{log}: {what}", done))
     how = {"columns": columns, "units": units, "start": start, "end": end, "period": period}
-    _write(fit, read, options["cascade"], how, out, report)
-    _show(fit, read, out, report, as_json)
+    from leadscrew.report.identified_axis import report_of
+
+    deliver(report_of(fit, read.findings, _files(fit, read, options["cascade"], how, out, report)), as_json=as_json)
 
 
 def _cascade(text: str | None) -> Any:
@@ -154,59 +135,30 @@ def _gains(cascade: Any) -> dict[str, float] | None:
     return None if cascade is None else {"kp": cascade.kp, "kv": kv, "ki": kv * cascade.ki}
 
 
-def _write(
+def _files(
     fit: AxisFit, log: AxisLog, cascade: Any, how: dict[str, Any], out: Path | None, report: Path | None
-) -> None:
-    """The machine file and the report."""
-    if out is None and report is None:
-        return
+) -> list[File]:
+    """The report and the machine file."""
     from leadscrew import machine
     from leadscrew.report import identified_axis as page
+    from leadscrew.report.report import File
 
     name = (out or report or Path(log.source)).stem
 
-    def found(folder: Path) -> machine.MachineFile:
+    def of(folder: Path) -> machine.MachineFile:
         """The machine, whose file lies in ``folder``."""
         from leadscrew.machine.scenarios import of_log
 
         source = Path(log.source)
-        asked = of_log(source, folder, **how) if log.command is not None and source.is_file() else None
-        return machine.from_axis(fit, name, _gains(cascade), asked)
+        moves = of_log(source, folder, **how) if log.command is not None and source.is_file() else None
+        return machine.from_axis(fit, name, _gains(cascade), moves)
 
-    if report is not None:
-        with busy(f"{report}: drawing"):
-            said = [f.sentence for f in log.findings]
-            page.write(fit, report, lambda path: machine.write(path, found(report)), said)
-    if out is not None:
-        machine.write(out, found(out.parent))
+    def draw(folder: Path) -> None:
+        with busy(f"{folder}: drawing"):
+            page.write(fit, folder, lambda path: machine.write(path, of(folder)), [f.sentence for f in log.findings])
 
-
-def _show(fit: AxisFit, log: AxisLog, out: Path | None, report: Path | None, as_json: bool) -> None:
-    from leadscrew.cli.exit_codes import say
-    from leadscrew.report import identified_axis as tables
-    from leadscrew.report.identified_axis import notes, sentences
-
-    if as_json:
-        findings = [f._asdict() for f in log.findings]
-        emit({**tables.summary(fit), "findings": findings, "out": out, "report": report})
-        return
-    blocks = [
-        (tables.PARAMETER_COLUMNS, tables.parameter_rows(fit, False)),
-        (tables.SCORE_COLUMNS, tables.score_rows(fit)),
+    next_ = "" if out is None else f"; next: leadscrew simulate {shell(out)} -c ours.cascade_model -s move"
+    return [
+        File("report", report, "the report: report.html, pictures, JSON, machine file", draw),
+        File("out", out, f"the machine{next_}", lambda path: machine.write(path, of(path.parent))),
     ]
-    if fit.compared:
-        headers, rows = tables.compared_table(fit)
-        blocks.append((tuple(headers), rows))
-    for columns, rows in blocks:
-        print_table(columns, rows, right=[c for c in columns if c in tables.NUMBERS])
-        typer.echo("")
-    for line in (*sentences(fit), *tables.reason_lines(fit)):
-        typer.echo(line)
-    for line in fit.advice:
-        typer.echo(f"to measure next: {line}")
-    for note in notes(fit, (f.sentence for f in log.findings)):
-        say(f"leadscrew: note: {note}")
-    if report is not None:
-        typer.echo(f"\nreport: {report / 'report.html'}")
-    if out is not None:
-        typer.echo(f"\n{out}: the machine; next: leadscrew simulate {shell(out)} -c ours.cascade_model -s move")

@@ -1,20 +1,18 @@
-"""What the commands print: strict JSON, tables, progress."""
+"""How every command ends (:func:`deliver`), and its progress bars."""
 
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
+from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Any
 
 import typer
 
 if TYPE_CHECKING:
-    from leadscrew.report.report import Report
-
-Json = Annotated[bool, typer.Option("--json", help="Print one JSON object instead.")]
-"""The option that every command with a result has."""
+    from leadscrew.report.report import File, Report
 
 
 def emit(value: Any) -> None:
@@ -24,83 +22,110 @@ def emit(value: Any) -> None:
     typer.echo(json.dumps(strict(value), allow_nan=False))
 
 
+def note(text: str) -> None:
+    """A note, one line on stderr."""
+    typer.echo(f"leadscrew: note: {text}", err=True)
+
+
 def deliver(
     report: Report,
-    page: Path,
-    wall_s: float,
     *,
-    everything: bool = False,
+    out: Path | None = None,
+    plot: Path | None = None,
+    csv: Path | None = None,
     as_json: bool = False,
-    notes: Sequence[str] = (),
 ) -> None:
-    """How a command ends: prints its report, or that as JSON; exit code 1 when an expected number is missed.
+    """How a command ends: writes what was asked for, then prints the report, or one JSON object.
 
-    ``page``: where the report was written; ``everything``: all tables, not the summary alone.
+    Args:
+        report: the result.
+        out: folder for its page.
+        plot: file for its picture.
+        csv: file for its table of all rows.
+        as_json: JSON instead; it has the notes too.
+
+    Raises:
+        DataError: a file cannot be written.
+        typer.Exit: the report has an exit code.
     """
+    files = [*_asked(report, out, plot, csv), *report.files]
+    for file in files:
+        if file.path is not None and file.write is not None:
+            file.write(file.path)
     if as_json:
-        from leadscrew.report.folder import data
-
-        emit(data(report, wall_s, page))
+        emit({**report.data, **{f.key: None if f.path is None else str(f.path) for f in files if f.key}})
     else:
         from leadscrew.report import text
 
-        columns = text.width()
-        lines = text.whole(report, columns) if everything else text.summary(report, columns)
-        text.show([*lines, *text.ending(notes, page, wall_s, columns)])
-    if report.missed:
-        from leadscrew.cli.exit_codes import MISSED
-
-        raise typer.Exit(MISSED)
-
-
-def width() -> int:
-    """Columns that a table may take."""
-    from leadscrew.report.text import console
-
-    return console().width
+        text.show(text.printed(replace(report, files=files), text.width()))
+        for line in report.notes:
+            note(line)
+    if report.code:
+        if report.verdict:
+            typer.echo(f"leadscrew: {report.verdict}", err=True)
+        raise typer.Exit(report.code)
 
 
-MOST_ROWS = 2000
-"""Of a table that is printed: Rich takes some milliseconds a row."""
+def _asked(report: Report, out: Path | None, plot: Path | None, csv: Path | None) -> Iterator[File]:
+    """What the options name."""
+    from leadscrew.report.report import File
+
+    def draw(path: Path) -> None:
+        from leadscrew.report.picture import save
+
+        assert report.figure is not None
+        save(report.figure(), path)
+
+    def tabulate(path: Path) -> None:
+        from leadscrew.util.atomic import atomic_write
+
+        assert report.csv is not None
+        atomic_write(report.csv(), path)
+
+    if report.page is not None:
+        yield File("report", out, "the report: report.html, picture, JSON", report.page)
+    if report.figure is not None:
+        yield File("plot", plot, "the picture", draw)
+    if report.csv is not None:
+        yield File("csv", csv, "all rows", tabulate)
 
 
-def print_table(columns: Sequence[str], rows: Iterable[Sequence[str]], right: Sequence[str] = ()) -> None:
-    """A table; texts are taken literally, ``right`` names the columns of numbers; beyond 2,000 rows only how many."""
-    from rich import box
-    from rich.table import Table
-    from rich.text import Text
+def free(paths: Iterable[Path | None]) -> None:
+    """Refuses places where something is already, and such as cannot be written, before the work begins.
 
-    from leadscrew.report.text import console
+    Raises:
+        DataError: names the place.
+    """
+    import tempfile
 
-    table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
-    table.show_edge = False
-    for name in columns:
-        # What stands first is a name to copy: never broken.
-        first = name == columns[0]
-        table.add_column(Text(name), justify="right" if name in right else "left", overflow="fold", no_wrap=first)
-    rows = list(rows)
-    for row in rows[:MOST_ROWS]:
-        table.add_row(*(Text(str(cell), style=STYLES.get(str(cell), "")) for cell in row))
-    out = console()
-    if not out.is_terminal:
-        # Rich pads every line to the width of the table; a pipe does not need that.
-        with out.capture() as held:
-            out.print(table)
-        typer.echo("\n".join(line.rstrip() for line in held.get().splitlines()))
-    else:
-        out.print(table)
-    if len(rows) > MOST_ROWS:
-        typer.echo(f"... and {len(rows) - MOST_ROWS} more; --json prints all")
+    from leadscrew.util.errors import DataError
+
+    for path in paths:
+        if path is None:
+            continue
+        try:
+            if path.exists() and not (path.is_dir() and not any(path.iterdir())):
+                raise DataError(f"{path} exists already; choose another place or remove it")
+            path.parent.mkdir(parents=True, exist_ok=True)
+            with tempfile.TemporaryFile(dir=path.parent):
+                pass
+        except OSError as error:
+            raise DataError(f"{path} cannot be written: {error.strerror or error}") from None
 
 
-STYLES = {
-    "reproduced": "green",
-    "reproduced with change": "blue",
-    "not reproduced": "red",
-    "cannot be checked": "dim",
-    "NO": "bold red",
-}
-"""Words that a terminal shows in colour; the words themselves always stand there."""
+def write_example(file: Path, content: str | bytes, what: str, next_: str) -> None:
+    """Writes an example of the file that a command reads, and says how to go on.
+
+    Raises:
+        DataError: the file exists.
+    """
+    from leadscrew.util.atomic import atomic_write
+    from leadscrew.util.errors import DataError
+
+    if file.exists():
+        raise DataError(f"{file} exists already; --example overwrites nothing")
+    atomic_write(content, file)
+    typer.echo(f"{file}: {what}; next: {next_}")
 
 
 @contextmanager

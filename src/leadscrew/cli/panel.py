@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from leadscrew.cli.exit_codes import say
-from leadscrew.cli.subject import Trust
+from leadscrew.cli.options import Trust
 
 if TYPE_CHECKING:
     from leadscrew.panel.process import Spec

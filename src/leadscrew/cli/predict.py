@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-from typing import Annotated
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from leadscrew.cli.output import Json, emit, print_table
+from leadscrew.cli.options import Csv, Json, Log
+from leadscrew.cli.output import deliver
+from leadscrew.figures.table import fixed, number
+from leadscrew.report.report import Report, TextTable, head
 from leadscrew.util.errors import DataError, NameUnknown, ValueRefused
 
-Log = Annotated[Path, typer.Argument(metavar="LOG", help="CSV, Parquet, or a folder of simulate --out.")]
+if TYPE_CHECKING:
+    from leadscrew.grey.score import Score
 
 
 def predict(
@@ -25,9 +29,7 @@ def predict(
     shift: Annotated[float | None, typer.Option(metavar="X", help="For gm11_shifted: added before the fit.")] = None,
     first: Annotated[int, typer.Option("--from-row", metavar="N", help="First row of data used, from 1.")] = 1,
     final: Annotated[int | None, typer.Option("--to-row", metavar="N", help="Last row of data used.")] = None,
-    csv: Annotated[
-        Path | None, typer.Option("--csv", metavar="FILE.csv", help="Also write the predictions there.")
-    ] = None,
+    csv: Csv = None,
     as_json: Json = False,
 ) -> None:
     """How well a grey model predicts a logged signal, beside its last value, a line and two points.
@@ -44,10 +46,6 @@ def predict(
     if model not in KINDS:
         raise NameUnknown(f"--model {model!r}: there is no such predictor{nearest(model, list(KINDS))}")
     options = _options(model, window, horizon, reference, shift)
-    if csv is not None:
-        from leadscrew.cli.fuzzy_files import suffix_of
-
-        suffix_of(csv, (".csv",), "--csv")
     column = column or ("feedback" if log.is_dir() else "force")
     table = read_table(log)
     y = table.numbers(column)
@@ -63,36 +61,37 @@ def predict(
     except DataError as error:
         raise DataError(f"{log}, column {column!r}: {error}") from None
     said = _sentence(scores[0], {s.model: s.rmse for s in scores})
-    if csv is not None:
-        _write(csv, column, first, horizon, window, y, made)
-    if as_json:
-        emit(
-            {
-                "kind": "leadscrew predict", "schema_version": 1, "log": str(log), "column": column, "model": model,
-                "window": window, "horizon": horizon, "first_row": first, "last_row": final, "samples": len(y),
-                "predictions": len(y) - window - horizon + 1, "says": said,
-                "csv": None if csv is None else str(csv),
-                "scores": [
-                    {"model": s.model, "rmse": s.rmse, "worst": s.worst, "bias": s.bias,
-                     "better_share": s.better_share, "against_last": s.against_last, "verdict": s.verdict}
-                    for s in scores
-                ],
-            }
-        )  # fmt: skip
-        return
-    heads = ["predictor", "RMSE", "of last", "worst error", "mean error", "nearer than last", "against last"]
+    count = len(y) - window - horizon + 1
+    data = {
+        **head("predict"), "log": str(log), "column": column, "model": model, "window": window, "horizon": horizon,
+        "first_row": first, "last_row": final, "samples": len(y), "predictions": count, "says": said,
+        "scores": [
+            {"model": s.model, "rmse": s.rmse, "worst": s.worst, "bias": s.bias, "better_share": s.better_share,
+             "against_last": s.against_last, "verdict": s.verdict}
+            for s in scores
+        ],
+    }  # fmt: skip
     base = next(s.rmse for s in scores if s.model == "last")
-    score_rows = [
-        [s.model, f"{s.rmse:.4g}", f"{s.rmse / base:.3f}" if base > 0.0 else "", f"{s.worst:.4g}", f"{s.bias:.2g}",
-         "" if s.model == "last" else f"{100.0 * s.better_share:.0f} %", "" if s.model == "last" else s.verdict]
-        for s in scores
-    ]  # fmt: skip
-    print_table(heads, score_rows, right=heads[1:6])
     ahead = "one sample" if horizon == 1 else f"{horizon} samples"
-    typer.echo(f"\n{len(y) - window - horizon + 1} predictions {ahead} ahead, windows of {window}.")
-    typer.echo(said)
-    if csv is not None:
-        typer.echo(f"\n{csv}: the predictions")
+    report = Report(
+        data,
+        parts=[_table(scores, base), f"{count} predictions {ahead} ahead, windows of {window}.", said],
+        csv=lambda: _csv(column, first, horizon, window, y, made),
+    )
+    deliver(report, csv=csv, as_json=as_json)
+
+
+def _table(scores: Sequence[Score], base: float) -> TextTable:
+    """The predictors; ``base`` is the RMSE of the last value."""
+    rows = []
+    for s in scores:
+        last = s.model == "last"
+        rows.append(
+            [s.model, number(s.rmse), fixed(s.rmse / base, 3) if base > 0.0 else "", number(s.worst), number(s.bias, 2),
+             "" if last else f"{100.0 * s.better_share:.0f} %", "" if last else s.verdict]
+        )  # fmt: skip
+    heads = ["predictor", "RMSE", "of last", "worst error", "mean error", "nearer than last", "against last"]
+    return TextTable(heads, rows, [False, *[True] * 5, False])
 
 
 def _options(model: str, window: int, horizon: int, reference: float | None, shift: float | None) -> dict[str, float]:
@@ -132,12 +131,10 @@ def _sentence(score, rmse: dict[str, float]) -> str:
     return f"{first} ({beside})."
 
 
-def _write(path: Path, column: str, first: int, horizon: int, window: int, y, made) -> None:
-    """One row a sample: the row it has in the log, its value, and what each predictor had said of it."""
-    from leadscrew.util.atomic import atomic_write
-
+def _csv(column: str, first: int, horizon: int, window: int, y, made) -> str:
+    """One row a sample: the row that it has in the log, its value, and the prediction of each model for it."""
     lines = [",".join(["row", column, *made])]
     for i in range(window - 1 + horizon, len(y)):
         cells = [f"{made[name][i - horizon]:.9g}" for name in made]
         lines.append(",".join([str(first + i), f"{y[i]:.9g}", *cells]))
-    atomic_write("\n".join(lines) + "\n", path)
+    return "\n".join(lines) + "\n"

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
 from leadscrew.cli.exit_codes import MISSED
-from leadscrew.cli.output import Json, busy, emit
-from leadscrew.cli.subject import Trust
+from leadscrew.cli.options import Json, Trust
+from leadscrew.cli.output import busy, deliver
+from leadscrew.report.report import File, Report, head
 
 
 def replay(
@@ -43,29 +45,21 @@ def _run(folder: Path, out: Path | None, as_json: bool) -> None:
         raise ValueRefused(f"--out {out} is for sessions; the signals of {folder} lie in it already")
     with busy(f"replaying {folder}"):
         found = again(folder)
-    if as_json:
-        emit(
-            {
-                "run": str(found.folder),
-                "identical": found.identical,
-                "first_difference": found.difference or None,
-                "written_by": found.written_by or None,
-                "replayed_by": __version__,
-                "changed_since": list(found.causes),
-                "rows": found.rows,
-                "signals": list(found.signals),
-                "wall_s": found.wall_s,
-            }
-        )
-    elif found.identical:
-        typer.echo(f"identical: {found.rows} rows of {len(found.signals)} signals, bit for bit")
-    else:
-        typer.echo(f"not identical: {found.difference}")
-        typer.echo(f"  {versions('run', found.written_by)}")
-        for cause in found.causes:
-            typer.echo(f"  changed since: {cause}")
-    if not found.identical:
-        raise typer.Exit(MISSED)
+    data = {
+        **head("replay"), "run": str(found.folder), "identical": found.identical,
+        "first_difference": found.difference or None, "written_by": found.written_by or None,
+        "replayed_by": __version__, "changed_since": list(found.causes), "rows": found.rows,
+        "signals": list(found.signals), "wall_s": found.wall_s,
+    }  # fmt: skip
+    same = f"{found.rows} rows of {len(found.signals)} signals"
+    other = [versions("run", found.written_by), *(f"changed since: {cause}" for cause in found.causes)]
+    deliver(_report(data, found.identical, same, found.difference, other), as_json=as_json)
+
+
+def _report(data: dict[str, Any], identical: bool, same: str, difference: str, other: list[str]) -> Report:
+    if identical:
+        return Report(data, [f"identical: {same}, bit for bit"])
+    return Report(data, [f"not identical: {difference}", *other], code=MISSED)
 
 
 def _session(path: Path, out: Path | None, as_json: bool) -> None:
@@ -82,30 +76,13 @@ def _session(path: Path, out: Path | None, as_json: bool) -> None:
         if out is not None:
             session_file.write_folder(session, found, out)
     signals = len(found.operated.columns)
-    if as_json:
-        emit(
-            {
-                "session": str(path),
-                "identical": found.identical,
-                "first_difference": found.difference or None,
-                "written_by": session.written_by or None,
-                "replayed_by": __version__,
-                "rows": found.operated.period,
-                "events": len(session.events),
-                "signals": list(found.operated.columns),
-                "digest": found.digest,
-                "diverged": found.operated.diverged or None,
-                "out": None if out is None else str(out),
-            }
-        )
-    elif found.identical:
-        typer.echo(
-            f"identical: {found.operated.period} rows of {signals} signals, {len(session.events)} events, bit for bit"
-        )
-    else:
-        typer.echo(f"not identical: {found.difference}")
-        typer.echo(f"  {versions('session', session.written_by)}")
-    if out is not None and not as_json:
-        typer.echo(f"{out}: signals.parquet and session.toml")
-    if not found.identical:
-        raise typer.Exit(MISSED)
+    data = {
+        **head("replay"), "session": str(path), "identical": found.identical,
+        "first_difference": found.difference or None, "written_by": session.written_by or None,
+        "replayed_by": __version__, "rows": found.operated.period, "events": len(session.events),
+        "signals": list(found.operated.columns), "digest": found.digest, "diverged": found.operated.diverged or None,
+    }  # fmt: skip
+    same = f"{found.operated.period} rows of {signals} signals, {len(session.events)} events"
+    report = _report(data, found.identical, same, found.difference, [versions("session", session.written_by)])
+    files = [File("out", out, "signals.parquet and session.toml")]
+    deliver(replace(report, files=files), as_json=as_json)

@@ -9,8 +9,10 @@ from typing import Annotated
 
 import typer
 
-from leadscrew.cli.output import Json, deliver, progress
-from leadscrew.cli.subject import StudyName, Trust, whole_study
+from leadscrew.cli.exit_codes import MISSED
+from leadscrew.cli.options import Json, StudyName, Trust
+from leadscrew.cli.output import deliver, progress
+from leadscrew.cli.subject import whole_study
 
 
 def run(
@@ -30,8 +32,9 @@ def run(
 
     Exit code 1 when a number is not the expected one.
     """
-    from leadscrew.report import drawing, index
+    from leadscrew.report import drawing, index, text
     from leadscrew.report import folder as reports
+    from leadscrew.report.report import File, Report
     from leadscrew.report.study import report_of
     from leadscrew.studies.results import evaluate, write_expected
 
@@ -59,4 +62,12 @@ def run(
         )
     if out is None:
         index.write(target.parent, "Reports")
-    deliver(report, page, time.perf_counter() - began, everything=everything, as_json=as_json, notes=notes)
+    wall_s = time.perf_counter() - began
+    printed = text.whole if everything else text.summary
+    result = Report(
+        reports.data(report, wall_s, page),
+        parts=[lambda columns: printed(report, columns), *notes],
+        files=[File("", page, f"the report ({wall_s:.1f} s)")],
+        code=MISSED if report.missed else 0,
+    )
+    deliver(result, as_json=as_json)

@@ -5,49 +5,33 @@ from __future__ import annotations
 import warnings
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from leadscrew.cli.exit_codes import DIVERGED, say
-from leadscrew.cli.output import Json, busy, emit, print_table
-from leadscrew.cli.subject import Trust, experiment_of
+from leadscrew.cli.exit_codes import DIVERGED
+from leadscrew.cli.options import Changes, Controller, Duration, Engine, Json, LoopName, Scenario, Trust
+from leadscrew.cli.output import busy, deliver, free
+from leadscrew.cli.subject import experiment_of
 from leadscrew.cli.values import parse
+from leadscrew.figures.table import number, unit
+from leadscrew.report.report import File, Report, TextTable, head
 
 if TYPE_CHECKING:
     from leadscrew.experiment import Experiment
     from leadscrew.kernel.run import Run
 
-SCHEMA_VERSION = 1
 MOST_ROWS = 1_000_000
 """Rows from which the notes are made where no signal is kept."""
 
 
 def simulate(
-    study: Annotated[
-        str,
-        typer.Argument(
-            metavar="STUDY",
-            help="A study's name; path/file.py:NAME of a study, a Loop or a function that returns one; "
-            "or a machine or experiment file (.toml).",
-        ),
-    ],
-    controller: Annotated[
-        str | None,
-        typer.Option(
-            "--controller",
-            "-c",
-            help="Of the study, of the catalogue, path/file.py:NAME, a fuzzy system's file, "
-            "or a controller file (.toml).",
-        ),
-    ] = None,
-    scenario: Annotated[str | None, typer.Option("--scenario", "-s", help="What is asked of the machine.")] = None,
-    changes: Annotated[
-        list[str] | None,
-        typer.Option("--set", metavar="KEY=VALUE", help="Change a parameter; leadscrew list STUDY shows them."),
-    ] = None,
-    duration: Annotated[float | None, typer.Option(metavar="S", help="Seconds; the scenario's unless given.")] = None,
-    engine: Annotated[str | None, typer.Option(help="What runs the loop; the fastest unless given.")] = None,
+    study: LoopName,
+    controller: Controller = None,
+    scenario: Scenario = None,
+    changes: Changes = None,
+    duration: Duration = None,
+    engine: Engine = None,
     seed: Annotated[int | None, typer.Option(help="Of all noise.")] = None,
     replicate: Annotated[int | None, typer.Option(metavar="K", help="Which stream of noise, as in a batch.")] = None,
     substeps: Annotated[
@@ -78,18 +62,9 @@ def simulate(
     if changes:
         parsed = parse(changes, experiment.settable())
         experiment = replace(experiment, changes={**experiment.changes, **parsed})
-    if out is not None and out.exists() and (not out.is_dir() or any(out.iterdir())):
-        raise ValueRefused(f"--out {out} exists already; choose another folder or remove it")
+    free([out])
     run = executed(experiment, keep=out is not None)
-    if out is not None:
-        run.save(out)
-    if as_json:
-        emit(as_object(experiment, run, out))
-    else:
-        print_run(run, out)
-    if run.diverged is not None:
-        say(f"leadscrew: {run.loop.name} {run.diverged}")
-        raise typer.Exit(DIVERGED)
+    deliver(report_of(experiment, run, out), as_json=as_json)
 
 
 def executed(experiment: Experiment, keep: bool) -> Run:
@@ -109,39 +84,30 @@ def executed(experiment: Experiment, keep: bool) -> Run:
     return replace(run, signals={k: run.signals[k] for k in wanted if k in run.signals} if keep else {})
 
 
-def as_object(experiment: Experiment, run: Run, out: Path | None) -> dict[str, Any]:
-    """The result for ``--json``."""
-    from leadscrew.figures.formats import metric_rows
+def report_of(experiment: Experiment, run: Run, out: Path | None) -> Report:
+    """The report of ``leadscrew simulate``."""
+    from leadscrew.figures.formats import integrated, metric_rows
 
     rows = metric_rows(run)
-    lost = None if run.diverged is None else {**run.diverged.__dict__, "message": str(run.diverged)}
-    return {
-        "schema_version": SCHEMA_VERSION,
-        **experiment.origin,
-        "duration_s": run.duration,
-        "engine": run.engine,
-        "seed": run.loop.seed,
-        "replicate": run.replicate,
-        **run.loop.integration,
-        "wall_s": run.wall_s,
-        "metrics": {r.name: r.value for r in rows},
-        "metrics_without_value": run.metrics_without_value,
+    data = {
+        **head("simulate"), **experiment.origin, "duration_s": run.duration, "engine": run.engine,
+        "seed": run.loop.seed, "replicate": run.replicate, **run.loop.integration, "wall_s": run.wall_s,
+        "metrics": {r.name: r.value for r in rows}, "metrics_without_value": run.metrics_without_value,
         "units": {r.name: r.unit for r in rows},
-        "diverged": lost,
+        "diverged": None if run.diverged is None else {**run.diverged.__dict__, "message": str(run.diverged)},
         "notes": [n._asdict() for n in run.notes],
-        "out": None if out is None else str(out),
-    }
-
-
-def print_run(run: Run, out: Path | None) -> None:
-    """The result in words."""
-    from leadscrew.figures.formats import integrated, metric_rows, number
-
+    }  # fmt: skip
     by = integrated(run.loop.integration)
-    typer.echo(f"{run.loop.name}: {run.duration:g} s on {run.engine}{by and f' by {by}'}, {1e3 * run.wall_s:.3g} ms\n")
-    rows = [(r.name, number(r.value), r.unit, f"no value: {r.reason}" if r.reason else r.doc) for r in metric_rows(run)]
-    print_table(["metric", "value", "unit", ""], rows, right=("value",))
-    for note in run.notes:
-        typer.echo(f"\nnote: {note.message}")
-    if out is not None:
-        typer.echo(f"\n{out}: {len(run.time)} rows of {', '.join(n for n in run.signals if n != 'time')}")
+    cells = [(r.name, number(r.value, 6), unit(r.unit), f"no value: {r.reason}" if r.reason else r.doc) for r in rows]
+    signals = "" if out is None else f"{len(run.time)} rows of {', '.join(n for n in run.signals if n != 'time')}"
+    return Report(
+        data,
+        parts=[
+            f"{run.loop.name}: {run.duration:g} s on {run.engine}{by and f' by {by}'}, {1e3 * run.wall_s:.3g} ms",
+            TextTable(("metric", "value", "unit", ""), cells, [False, True, False, False]),
+        ],
+        verdict="" if run.diverged is None else f"{run.loop.name} {run.diverged}",
+        notes=[n.message for n in run.notes],
+        files=[File("out", out, signals, run.save)],
+        code=0 if run.diverged is None else DIVERGED,
+    )

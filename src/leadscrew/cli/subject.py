@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated
-
-import typer
+from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -12,32 +10,6 @@ if TYPE_CHECKING:
     from leadscrew.experiment import Experiment
     from leadscrew.study_data import Study
 
-StudyName = Annotated[
-    str,
-    typer.Argument(
-        metavar="STUDY", help="A study's name, path/file.py:NAME, or an experiment or machine file (.toml)."
-    ),
-]
-
-
-def _trusted(ctx: typer.Context, value: bool) -> None:
-    """Opens :func:`leadscrew.trust` until the command ends."""
-    if value:
-        from leadscrew.userfile import trust
-
-        ctx.with_resource(trust())
-
-
-Trust = Annotated[
-    bool,
-    typer.Option(
-        "--trust",
-        callback=_trusted,
-        expose_value=False,
-        help="Run Python outside the working folder that a file names; read it first.",
-    ),
-]
-"""The option that every command has whose files can name Python; its value is spent before the command begins."""
 INTERVALS = "intervals"
 """``--over intervals``: all that the log of a machine file leaves open."""
 

@@ -5,17 +5,15 @@ from __future__ import annotations
 import math
 import re
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from leadscrew.cli.exit_codes import say
-from leadscrew.cli.output import Json, busy, emit, print_table, progress
+from leadscrew.cli.exit_codes import MISSED
+from leadscrew.cli.options import Example, Json, Plot, ends
+from leadscrew.cli.output import busy, deliver, free, note, progress, write_example
 from leadscrew.cli.tangent_files import (
-    COLUMNS,
-    PICTURES,
     PROGRAMS,
-    SCHEMA_VERSION,
     Clockwise,
     Drawn,
     Unit,
@@ -23,12 +21,14 @@ from leadscrew.cli.tangent_files import (
     cut_program,
     drawing,
     is_program,
-    printed,
     program_row,
+    program_table,
     spared,
     wanted,
     written,
 )
+from leadscrew.figures.table import fixed
+from leadscrew.report.report import File, Report, TextTable, Verbatim, head
 from leadscrew.tangent.settings import Settings
 from leadscrew.util.errors import DataError, ValueRefused
 from leadscrew.util.escape import shell
@@ -88,9 +88,9 @@ def cut(
     lying = None if placed is None else _placed(placed)
     machine.material_of(material)
     program = cut_program(file, zero, clockwise)
-    with progress() as report:
+    with progress() as bar:
         found = machine.cut(
-            program.strokes, program.settings, material, seed, lambda done: report(f"{file}: {material}", done)
+            program.strokes, program.settings, material, seed, lambda done: bar(f"{file}: {material}", done)
         )
     scan = None if lying is None and not noise else Scan(noise, *(lying or (0.0, 0.0, 0.0)), seed)
     written(cut_csv(found) if scan is None else scan_csv(found, scan), out)
@@ -101,20 +101,23 @@ def cut(
          "max_offset_deg": float(abs(c.offset).max())}
         for k, c in enumerate(found, start=1)
     ]  # fmt: skip
-    if as_json:
-        emit({"schema_version": SCHEMA_VERSION, "file": str(file), "material": material, "seed": seed, "out": out,
-              "rms_error_deg": machine.rms(found), "strokes": rows, "marks": marks})  # fmt: skip
-        return
-    columns = ("stroke", "length / mm", "time / s", "error rms / deg", "max / deg", "cut off by / mm", "offset / deg")
     cells = [
-        [str(r["stroke"]), f"{r['length_mm']:.1f}", f"{r['seconds']:.1f}", f"{r['rms_error_deg']:.2f}",
-         f"{r['max_error_deg']:.2f}", f"{r['max_distance_mm']:.2f}", f"{r['max_offset_deg']:.2f}"]
+        [str(r["stroke"]), fixed(r["length_mm"], 1), fixed(r["seconds"], 1), fixed(r["rms_error_deg"], 2),
+         fixed(r["max_error_deg"], 2), fixed(r["max_distance_mm"], 2), fixed(r["max_offset_deg"], 2)]
         for r in rows
     ]  # fmt: skip
-    print_table(columns, cells, right=columns)
-    typer.echo(f"\n{out}: the line cut in {material}; error of its tangent {machine.rms(found):.2f} deg rms")
-    for mark in marks:
-        typer.echo("mark: --mark {:g},{:g}={:.4f},{:.4f}".format(*mark))
+    heads = ("stroke", "length (mm)", "time (s)", "error, rms (°)", "max (°)", "cut off by (mm)", "offset (°)")
+    rms = machine.rms(found)
+    report = Report(
+        {**head("tangent cut"), "file": str(file), "material": material, "seed": seed, "rms_error_deg": rms,
+         "strokes": rows, "marks": marks},
+        parts=[
+            TextTable(heads, cells, [True] * 7),
+            *([Verbatim("mark: --mark {:g},{:g}={:.4f},{:.4f}".format(*mark) for mark in marks)] if marks else []),
+        ],
+        files=[File("out", out, f"the line cut in {material}; error of its tangent {rms:.2f}° rms")],
+    )  # fmt: skip
+    deliver(report, as_json=as_json)
 
 
 def _placed(text: str) -> tuple[float, float, float]:
@@ -139,12 +142,8 @@ def show(
         Settings.swivel
     ),
     unit: Unit = None,
-    plot: Annotated[
-        Path | None, typer.Option("--plot", metavar="FILE", help="A picture (.png, .svg, .pdf): lines and headings.")
-    ] = None,
-    example: Annotated[
-        bool, typer.Option("--example", help="Write an example drawing to DRAWING (.svg) instead.")
-    ] = False,
+    plot: Plot = None,
+    example: Example = False,
     as_json: Json = False,
 ) -> None:
     """Lines, lengths, corners, smallest radius, and how fast the blade has to turn.
@@ -154,10 +153,10 @@ def show(
     if example:
         _write_example(file, plot is not None or as_json or unit is not None)
         return
+    from leadscrew.report.tangent import drawn_figure
     from leadscrew.tangent.stroke import strokes_of
 
     if plot is not None:
-        wanted(plot, PICTURES, "a picture")
         spared(plot, [file], "--plot")
     settings = Settings(feed=feed, corner_angle=corner_angle, swivel=max_swivel_rate)
     with busy(str(file)):
@@ -165,46 +164,33 @@ def show(
         strokes = strokes_of(drawn.paths, settings)
         rows = [program_row(s, settings, k) for k, s in enumerate(strokes, start=1)]
         corners = [c for p in drawn.paths for c in p.corners]
-        if plot is not None:
-            from leadscrew.report.tangent import drawn_figure, picture
-
-            written(picture(drawn_figure(strokes, settings), plot.suffix), plot)
     lifted = [c for c in corners if settings.lifts(c.turn_deg)]
-    if as_json:
-        emit({"schema_version": SCHEMA_VERSION, "file": str(file), "unit": drawn.unit, "paths": len(drawn.paths),
-              "length_mm": sum(p.length for p in drawn.paths), "feed_mm_min": feed, "swivel_deg_s": max_swivel_rate,
-              "corners": [c._asdict() for c in corners], "lifted": len(lifted), "strokes": rows,
-              "notes": list(drawn.notes), "plot": plot})  # fmt: skip
-        return
-    typer.echo(
-        f"{file}: {len(drawn.paths)} path{'s' if len(drawn.paths) != 1 else ''}, "
-        f"{sum(p.length for p in drawn.paths):.1f} mm, unit {drawn.unit}; {len(corners)} corners, of which "
-        f"{len(lifted)} above {corner_angle:g} deg: {len(strokes)} stroke{'s' if len(strokes) != 1 else ''}"
-    )
-    typer.echo("")
-    print_table(COLUMNS, [printed(r) for r in rows], right=(COLUMNS[0], COLUMNS[2], *COLUMNS[4:]))
-    slow = [r for r in rows if float(r["feed_limit_mm_min"]) < feed]  # type: ignore[arg-type]
-    if slow:
-        typer.echo(
-            f"\nat F{feed:g} the blade is too slow in stroke {', '.join(str(r['stroke']) for r in slow[:8])}"
-            f"{', ...' if len(slow) > 8 else ''}: gcode lowers the feed there"
-        )
-    if plot is not None:
-        typer.echo(f"\n{plot}: the lines and their headings")
+    length = sum(p.length for p in drawn.paths)
+    slow = [r["stroke"] for r in rows if r["feed_limit_mm_min"] < feed]
+    report = Report(
+        {**head("tangent show"), "file": str(file), "unit": drawn.unit, "paths": len(drawn.paths), "length_mm": length,
+         "feed_mm_min": feed, "swivel_deg_s": max_swivel_rate, "corners": [c._asdict() for c in corners],
+         "lifted": len(lifted), "strokes": rows, "notes": list(drawn.notes)},
+        parts=[
+            f"{file}: {len(drawn.paths)} path{'s' if len(drawn.paths) != 1 else ''}, {fixed(length, 1)} mm, unit "
+            f"{drawn.unit}; {len(corners)} corners, of which {len(lifted)} above {corner_angle:g}°: "
+            f"{len(strokes)} stroke{'s' if len(strokes) != 1 else ''}",
+            program_table(rows),
+        ],
+        verdict=f"at F{feed:g} the blade is too slow in stroke {', '.join(map(str, slow[:8]))}"
+        f"{', ...' if len(slow) > 8 else ''}: gcode lowers the feed there" if slow else "",
+        figure=lambda: drawn_figure(strokes, settings),
+    )  # fmt: skip
+    deliver(report, plot=plot, as_json=as_json)
 
 
 def _write_example(file: Path, more: bool) -> None:
     from leadscrew.tangent.example import FILE
-    from leadscrew.util.atomic import atomic_write
-    from leadscrew.util.errors import DataError, ValueRefused
 
     wanted(file, (".svg",), "the example drawing")
     if more:
         raise ValueRefused("--example only writes DRAWING; leave the other options for the show of it")
-    if file.exists():
-        raise DataError(f"{file} exists already; --example overwrites nothing")
-    atomic_write(FILE.read_bytes(), file)
-    typer.echo(f"{file}: an example; next: leadscrew tangent show {shell(file)}")
+    write_example(file, FILE.read_bytes(), "an example", f"leadscrew tangent show {shell(file)}")
 
 
 Out = Annotated[Path, typer.Option("--out", "-o", metavar="OUT.ngc", help="The program.")]
@@ -281,7 +267,7 @@ def gcode(
     written(text, out)
     words = [float(x) for x in re.findall(rf"^G[0-3] .*{settings.axis}(\S+)", text, re.MULTILINE)]
     slowest = min(m.feed for m in moves)
-    found = {
+    found: dict[str, Any] = {
         "strokes": len(strokes),
         "length_mm": sum(s.length for s in strokes),
         "moves": len(moves),
@@ -292,31 +278,34 @@ def gcode(
         "tight": [{"stroke": k, **t._asdict()} for k, part in enumerate(each, start=1)
                   for t in tight_turns(part, settings)],
     }  # fmt: skip
-    _say_tight(found["tight"])  # type: ignore[arg-type]
-    if as_json:
-        emit({"schema_version": SCHEMA_VERSION, "file": str(file), "out": out, **found})
-        return
-    typer.echo(
-        f"{out}: {found['strokes']} stroke{'s' if len(strokes) != 1 else ''}, {found['length_mm']:.1f} mm in "
-        f"{len(moves)} moves ({found['arcs']} arcs), {found['seconds']:.1f} s of cutting"
+    what = (
+        f"{len(strokes)} stroke{'s' if len(strokes) != 1 else ''}, {found['length_mm']:.1f} mm in {len(moves)} moves "
+        f"({found['arcs']} arcs), {found['seconds']:.1f} s of cutting"
     )
-    typer.echo(f"{settings.axis} from {min(words):.1f} to {max(words):.1f} deg")
-    if slowest < feed:
-        typer.echo(f"feed lowered to F{slowest:.0f} where the blade turns at {max_swivel_rate:g} deg/s")
+    lowered = f"feed lowered to F{slowest:.0f} where the blade turns at {max_swivel_rate:g}°/s"
+    report = Report(
+        {**head("tangent gcode"), "file": str(file), **found, "notes": _tight(found["tight"])},
+        parts=[
+            f"{settings.axis} from {fixed(min(words), 1)} to {fixed(max(words), 1)}°",
+            *([lowered] if slowest < feed else []),
+        ],
+        notes=_tight(found["tight"]),
+        files=[File("out", out, what)],
+    )  # fmt: skip
+    deliver(report, as_json=as_json)
 
 
-def _say_tight(found: list[dict[str, float]]) -> None:
+def _tight(found: list[dict[str, float]]) -> list[str]:
     """The places where the blade turns sharply while it cuts."""
-    from leadscrew.cli.exit_codes import say
-
-    if found:
-        worst = max(found, key=lambda t: abs(t["turn"]))
-        say(
-            f"leadscrew: note: in {len(found)} place{'s' if len(found) > 1 else ''} the blade turns by more than the "
-            f"corner angle within less than the blend while it cuts: most at X{worst['x']:.4g} Y{worst['y']:.4g} mm, "
-            f"by {abs(worst['turn']):.0f} deg over {worst['length']:.2g} mm (stroke {worst['stroke']}); draw a sharp "
-            "corner there, and the knife lifts"
-        )
+    if not found:
+        return []
+    worst = max(found, key=lambda t: abs(t["turn"]))
+    return [
+        f"in {len(found)} place{'s' if len(found) > 1 else ''} the blade turns by more than the corner angle within "
+        f"less than the blend while it cuts: most at X{worst['x']:.4g} Y{worst['y']:.4g} mm, by "
+        f"{abs(worst['turn']):.0f}° over {worst['length']:.2g} mm (stroke {worst['stroke']}); draw a sharp corner "
+        "there, and the knife lifts"
+    ]
 
 
 def train(
@@ -334,7 +323,16 @@ def train(
     population: Annotated[int, typer.Option(metavar="N", help="Networks in a generation.")] = 80,
     generations: Annotated[int, typer.Option(metavar="N", help="Of the search.")] = 600,
     tries: Annotated[int, typer.Option(metavar="N", help="Searches before training gives up.")] = 8,
-    out: Annotated[Path | None, typer.Option("--out", "-o", metavar="FILE.json", help="File of the network.")] = None,
+    out: Annotated[
+        Path | None,
+        typer.Option(
+            "--out",
+            "-o",
+            metavar="FILE.json",
+            help="File of the network.",
+            callback=ends("--out", "the file of a network", ".json"),
+        ),
+    ] = None,
     as_json: Json = False,
 ) -> None:
     """Train the network that corrects a self-organising controller, and check that it cannot run away.
@@ -342,12 +340,9 @@ def train(
     A network that would drive the loop the wrong way is not written: exit code 2. One that goes the right way and knows
     the table less well than asked is written with a note: exit code 1.
     """
-    from leadscrew.cli.tune import free
     from leadscrew.neural.performance import TABLE, Shape, read_table, write_net
     from leadscrew.neural.training import train as trained
 
-    if out is not None and out.suffix != ".json":
-        raise ValueRefused(f"--out {out}: the file of a network ends in .json")
     wanted = TABLE if table is None else read_table(table)
     shape = Shape(hidden, biases, linear)  # type: ignore[arg-type]
     free([out])
@@ -361,42 +356,39 @@ def train(
 
         found = trained(wanted, shape, method, seed, population, generations, tries, report)  # type: ignore[arg-type]
     name = "Table 1 of the paper" if table is None else str(table)
-    if out is not None:
-        write_net(found.net, out.resolve() if out.is_symlink() else out, {"table": name, **found.as_dict()})
-    if as_json:
-        emit({"schema_version": SCHEMA_VERSION, "table": name, **found.as_dict(), "net": found.net._asdict(),
-              "file": None if out is None else str(out)})  # fmt: skip
-    else:
-        print_trained(found, name)
-        if out is not None:
-            typer.echo(f"\n{out}: the network")
-    for note in found.notes:
-        say(f"leadscrew: note: {note}")
-    if not found.safety.accepted:
-        raise typer.Exit(1)
+
+    def write(path: Path) -> None:
+        write_net(found.net, path.resolve() if path.is_symlink() else path, {"table": name, **found.as_dict()})
+
+    deliver(_trained(found, name, [File("file", out, "the network", write)]), as_json=as_json)
 
 
-def print_trained(found: Trained, name: str) -> None:
-    """The result in words."""
+def _trained(found: Trained, name: str, files: list[File]) -> Report:
     from leadscrew.neural.safety import NEAR, ORIGIN, WORST_RMSE
 
     safe = found.safety
     searches = f"{found.tries} search{'es' if found.tries > 1 else ''}"
-    typer.echo(
-        f"{name}: {found.shape.name}, {found.shape.weights} weights; {found.method}, seed {found.seed}, "
-        f"{searches} in {found.wall_s:.1f} s\n"
-    )
     low, high = safe.slope_range
     rows = [
-        ("RMSE, levels", f"{safe.rmse:.3f}", f"{WORST_RMSE:g} or less"),
-        ("largest difference, levels", f"{safe.largest:.2f}", ""),
+        ("RMSE, levels", fixed(safe.rmse, 3), f"{WORST_RMSE:g} or less"),
+        ("largest difference, levels", fixed(safe.largest, 2), ""),
         ("cells exact, rounded", f"{100.0 * safe.exact:.0f} %", ""),
         ("cells within one level", f"{100.0 * safe.within_one:.0f} %", ""),
-        ("P(0, 0), levels", f"{safe.origin:.3f}", f"below {ORIGIN:g} in size"),
-        ("slope dP/dE at the origin", f"{safe.slope:.2f}", f"{low:g} to {high:g}"),
-        (f"largest P sign(E), |E| to {NEAR:g}", f"{safe.wrong_way:.4f}", "below 0"),
+        ("P(0, 0), levels", fixed(safe.origin, 3), f"below {ORIGIN:g} in size"),
+        ("slope dP/dE at the origin", fixed(safe.slope, 2), f"{low:g} to {high:g}"),
+        (f"largest P sign(E), |E| to {NEAR:g}", fixed(safe.wrong_way, 4), "below 0"),
     ]
-    print_table(["of the network", "found", "asked"], rows, right=("found",))
+    return Report(
+        {**head("tangent train"), "table": name, **found.as_dict(), "net": found.net._asdict()},
+        parts=[
+            f"{name}: {found.shape.name}, {found.shape.weights} weights",
+            f"{found.method}, seed {found.seed}, {searches} in {found.wall_s:.1f} s",
+            TextTable(["of the network", "value", "required"], rows, [False, True, False]),
+        ],
+        notes=found.notes,
+        files=files,
+        code=0 if safe.accepted else MISSED,
+    )
 
 
 def compensate(
@@ -436,9 +428,7 @@ def compensate(
     drawing_unit: Annotated[str | None, typer.Option(help="Of the drawing, where it does not say it.")] = None,
     zero: ZeroOfOthers = None,
     clockwise: ClockwiseOfOthers = None,
-    plot: Annotated[
-        Path | None, typer.Option("--plot", metavar="FILE", help="A picture (.png, .svg, .pdf): errors and offsets.")
-    ] = None,
+    plot: Plot = None,
     as_json: Json = False,
 ) -> None:
     """Write the program of the next piece: tangential words with the offsets that the last piece asked for.
@@ -446,6 +436,7 @@ def compensate(
     The program that was cut tells its offsets itself, so pieces follow each other: cut, measure, compensate.
     """
     from leadscrew._version import __version__
+    from leadscrew.report.tangent import learned_figure
     from leadscrew.tangent.compensate import Learning, compensated
     from leadscrew.tangent.emit import program
     from leadscrew.tangent.measurement import read_measured
@@ -453,7 +444,6 @@ def compensate(
     wanted(out, PROGRAMS, "a program")
     spared(out, [file, measured, after])
     if plot is not None:
-        wanted(plot, PICTURES, "a picture")
         spared(plot, [file, measured, after], "--plot")
     pairs = [_mark(text) for text in mark or []]
     how = Learning(learning, gain, axis_lag, width, cutoff, limit)
@@ -474,13 +464,7 @@ def compensate(
             f"error of the tangent {found.rms():.2f} deg rms before, {found.rms(True):.2f} predicted",
         ]
         text = program(found.strokes, settings, notes)
-        if plot is not None:
-            from leadscrew.report.tangent import learned_figure, picture
-
-            drawn = picture(learned_figure(found), plot.suffix)
     written(text, out)
-    if plot is not None:
-        written(drawn, plot)
     rows = [
         {"stroke": k.number, "length_mm": k.stroke.length, "before_rms_deg": _rms(k.before),
          "predicted_rms_deg": _rms(k.predicted), "largest_offset_deg": float(abs(k.new).max()),
@@ -488,39 +472,25 @@ def compensate(
          "spacing_mm": k.seen.spacing, "measured_length_mm": k.seen.length}
         for k in found.learned
     ]  # fmt: skip
-    if as_json:
-        emit({"schema_version": SCHEMA_VERSION, "file": str(file), "measured": str(measured), "out": out,
-              "before_rms_deg": found.rms(), "predicted_rms_deg": found.rms(True),
-              "largest_offset_deg": found.largest, "placing": found.placing._asdict(), "strokes": rows,
-              "notes": found.notes, "plot": plot})  # fmt: skip
-        return
-    from leadscrew.cli.exit_codes import say
-
-    columns = (
-        "stroke",
-        "length / mm",
-        "error rms / deg",
-        "predicted",
-        "offset / deg",
-        "clipped / mm",
-        "cut-off / mm",
-    )
     cells = [
-        [str(r["stroke"]), f"{r['length_mm']:.1f}", f"{r['before_rms_deg']:.2f}", f"{r['predicted_rms_deg']:.2f}",
-         f"{r['largest_offset_deg']:.2f}", f"{r['clipped_mm']:.1f}", f"{r['cutoff_mm']:.1f}" if r["cutoff_mm"] else "-"]
+        [str(r["stroke"]), fixed(r["length_mm"], 1), fixed(r["before_rms_deg"], 2), fixed(r["predicted_rms_deg"], 2),
+         fixed(r["largest_offset_deg"], 2), fixed(r["clipped_mm"], 1), fixed(r["cutoff_mm"] or None, 1)]
         for r in rows
     ]  # fmt: skip
-    print_table(columns, cells, right=columns)
-    typer.echo("")
-    if found.placing.turn_deg or found.placing.dx or found.placing.dy:
-        p = found.placing
-        typer.echo(f"the piece lay turned by {-p.turn_deg:.2f} deg; brought back to the programmed line")
-    typer.echo(
-        f"{out}: the next piece; the last was {found.rms():.2f} deg off (rms), what comes again of it leaves "
-        f"{found.rms(True):.2f} deg"
-    )
-    for note in found.notes:
-        say(f"leadscrew: note: {note}")
+    heads = ("stroke", "length (mm)", "error, rms (°)", "predicted (°)", "offset (°)", "clipped (mm)", "cut-off (mm)")
+    p = found.placing
+    turned = f"the piece lay turned by {-p.turn_deg:.2f}°; brought back to the programmed line"
+    result = Report(
+        {**head("tangent compensate"), "file": str(file), "measured": str(measured), "before_rms_deg": found.rms(),
+         "predicted_rms_deg": found.rms(True), "largest_offset_deg": found.largest, "placing": p._asdict(),
+         "strokes": rows, "notes": found.notes},
+        parts=[TextTable(heads, cells, [True] * 7), *([turned] if p.turn_deg or p.dx or p.dy else [])],
+        notes=found.notes,
+        files=[File("out", out, f"the next piece; the last was {found.rms():.2f}° off (rms), what comes again of it "
+                                f"leaves {found.rms(True):.2f}°")],
+        figure=lambda: learned_figure(found),
+    )  # fmt: skip
+    deliver(result, plot=plot, as_json=as_json)
 
 
 def _cut(
@@ -529,7 +499,6 @@ def _cut(
     """Settings and strokes of the piece that was cut."""
     from dataclasses import replace
 
-    from leadscrew.cli.exit_codes import say
     from leadscrew.tangent.settings import Settings
     from leadscrew.tangent.stroke import strokes_of
 
@@ -550,20 +519,20 @@ def _cut(
                 "gcode"
             )
         for change in cut.changed:
-            say(f"leadscrew: note: {file}: {change}")
+            note(f"{file}: {change}")
         if not cut.ours:
             return cut.settings, cut.strokes
         return cut.settings, [replace(s, feeds=None) for s in cut.strokes]
     before = None if after is None else cut_program(after, zero, clockwise)
     if before is not None and (before.passed or before.lost):
-        said = "; ".join([*before.passed, *before.lost][:4])
-        say(f"leadscrew: note: the new program is made of {file} and does not have what {after} has: {said}")
+        lost = "; ".join([*before.passed, *before.lost][:4])
+        note(f"the new program is made of {file} and does not have what {after} has: {lost}")
     settings = Settings() if before is None else before.settings
     strokes = strokes_of(drawing(file, unit).paths, settings)
     if before is None:
         if zero is not None or clockwise is not None:
             raise ValueRefused("--zero and --clockwise are about a program that was cut: give it with --after")
-        say(f"leadscrew: note: {file}: taken as cut by what gcode makes of it without options; else give --after")
+        note(f"{file}: taken as cut by what gcode makes of it without options; else give --after")
         return settings, strokes
     if len(before.strokes) != len(strokes) or any(
         abs(a.length - b.length) > 0.002 * b.length + 0.05 for a, b in zip(before.strokes, strokes, strict=True)

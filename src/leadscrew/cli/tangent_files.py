@@ -4,11 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from leadscrew.cli.output import note
+from leadscrew.figures.table import NOTHING, fixed, number
 from leadscrew.paths.suffixes import GCODE
+from leadscrew.report.report import TextTable
 from leadscrew.util.errors import DataError, ValueRefused
 
 if TYPE_CHECKING:
@@ -17,11 +20,8 @@ if TYPE_CHECKING:
     from leadscrew.tangent.settings import Settings
     from leadscrew.tangent.stroke import Stroke
 
-SCHEMA_VERSION = 1
 PROGRAMS = GCODE
 """Suffixes of G-code."""
-PICTURES = (".png", ".svg", ".pdf")
-"""Suffixes of pictures."""
 
 Drawn = Annotated[Path, typer.Argument(metavar="DRAWING", help="SVG, DXF, or G-code of a line in XY.")]
 Unit = Annotated[
@@ -40,25 +40,23 @@ def is_program(file: Path) -> bool:
 
 
 def drawing(file: Path, unit: str | None) -> Drawing:
-    """The lines of a drawing, its notes said."""
-    from leadscrew.cli.exit_codes import say
+    """The lines of a drawing; prints its notes."""
     from leadscrew.paths.read import read_drawing
 
-    found = read_drawing(file, unit)
-    for note in found.notes:
-        say(f"leadscrew: note: {note}")
-    return found
+    read = read_drawing(file, unit)
+    for line in read.notes:
+        note(line)
+    return read
 
 
 def cut_program(file: Path, zero: float | None = None, clockwise: bool | None = None) -> Program:
-    """A program that was cut, its notes said."""
-    from leadscrew.cli.exit_codes import say
+    """A program that was cut; prints its notes."""
     from leadscrew.tangent.program import read_program
 
-    found = read_program(file, zero, clockwise)
-    for note in found.notes:
-        say(f"leadscrew: note: {note}")
-    return found
+    read = read_program(file, zero, clockwise)
+    for line in read.notes:
+        note(line)
+    return read
 
 
 def spared(out: Path, inputs: Sequence[Path | None], option: str = "--out") -> None:
@@ -76,7 +74,7 @@ def written(data: str | bytes, out: Path) -> None:
 
 
 def wanted(out: Path, suffixes: Sequence[str], what: str) -> None:
-    """Refuses a name that says another kind of file."""
+    """Refuses the name of another kind of file."""
     if out.suffix.lower() not in suffixes:
         raise ValueRefused(f"{out}: {what} ends in {', '.join(suffixes)}")
 
@@ -91,7 +89,7 @@ MOST_PLACES = 200_000
 """Of a stroke that are looked at."""
 
 
-def program_row(stroke: Stroke, settings: Settings, number: int) -> dict[str, object]:
+def program_row(stroke: Stroke, settings: Settings, count: int) -> dict[str, Any]:
     """What a stroke asks of the machine."""
     import math
 
@@ -103,7 +101,7 @@ def program_row(stroke: Stroke, settings: Settings, number: int) -> dict[str, ob
     rate = per_mm * settings.feed / 60.0
     limit = 60.0 * settings.swivel / per_mm if per_mm > 0.0 else math.inf
     return {
-        "stroke": number,
+        "stroke": count,
         "path": stroke.path.name,
         "closed": stroke.path.closed,
         "length_mm": stroke.length,
@@ -115,20 +113,18 @@ def program_row(stroke: Stroke, settings: Settings, number: int) -> dict[str, ob
     }
 
 
-COLUMNS = ("stroke", "path", "length / mm", "", "bends", "turn / deg", "radius / mm", "swivel / deg/s", "feed limit")
-
-
-def printed(row: dict[str, object]) -> list[str]:
-    """A row of the table."""
-    radius, limit = float(row["smallest_radius_mm"]), float(row["feed_limit_mm_min"])  # type: ignore[arg-type]
-    return [
-        str(row["stroke"]),
-        str(row["path"]) or "-",
-        f"{row['length_mm']:.1f}",
-        "closed" if row["closed"] else "open",
-        str(row["bends"]),
-        f"{row['turn_deg']:.1f}",
-        f"{radius:.3g}" if radius < 1e4 else "straight",
-        f"{row['peak_swivel_deg_s']:.0f}",
-        f"{limit:.0f}" if limit < 1e6 else "none",
-    ]
+def program_table(rows: Sequence[dict[str, Any]]) -> TextTable:
+    """The rows of :func:`program_row`."""
+    cells = [
+        [
+            str(r["stroke"]), r["path"] or NOTHING, fixed(r["length_mm"], 1), "closed" if r["closed"] else "open",
+            str(r["bends"]), fixed(r["turn_deg"], 1),
+            number(r["smallest_radius_mm"], 3) if r["smallest_radius_mm"] < 1e4 else "straight",
+            fixed(r["peak_swivel_deg_s"], 0),
+            fixed(r["feed_limit_mm_min"], 0) if r["feed_limit_mm_min"] < 1e6 else "none",
+        ]
+        for r in rows
+    ]  # fmt: skip
+    heads = ("stroke", "path", "length (mm)", "", "bends", "turn (°)", "radius (mm)", "swivel (°/s)",
+             "feed limit (mm/min)")  # fmt: skip
+    return TextTable(heads, cells, [True, False, True, False, *[True] * 5])

@@ -9,7 +9,9 @@ from importlib.metadata import version as installed
 import typer
 
 from leadscrew._version import __version__
-from leadscrew.cli.output import Json, emit
+from leadscrew.cli.options import Json
+from leadscrew.cli.output import deliver
+from leadscrew.report.report import Lines, Report, head
 
 SHOWN = ("llvmlite", "numpy", "scipy")
 
@@ -29,8 +31,5 @@ def version(as_json: Json = False) -> None:
             found[name] = installed(name)
         except PackageNotFoundError:
             found[name] = "not installed"
-    if as_json:
-        emit(found)
-        return
-    for name, text in found.items():
-        typer.echo(f"{name} {text}")
+    lines = Lines(f"{name} {text}" for name, text in found.items())
+    deliver(Report({**head("version"), **found}, [lines]), as_json=as_json)

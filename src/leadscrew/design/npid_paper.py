@@ -66,15 +66,6 @@ class PaperDesign:
     linear_fit_r2: float
     """Of a straight line through K(e_max) on [0, 3], which the paper calls linear."""
 
-    def report(self) -> str:
-        """The steps as text."""
-        parts = []
-        for n, s in enumerate(self.steps, start=1):
-            parts.append(f"{n}. {s.name}\n   paper: {s.paper}\n   here:  {s.found}")
-            if s.breaks:
-                parts[-1] += f"\n   breaks: {s.breaks}"
-        return "\n\n".join(parts)
-
     def as_dict(self) -> dict[str, Any]:
         """For JSON."""
         return {**{k: v for k, v in vars(self).items() if k != "steps"}, "steps": [vars(s) for s in self.steps]}

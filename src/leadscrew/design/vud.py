@@ -84,21 +84,6 @@ class VudDesign:
 
         return ControllerFile(study, self.factors.law, self.parameters, origin(self))
 
-    def report(self, most: int = 30) -> str:
-        """All steps as text; lists are cut after ``most`` lines, and say so."""
-        steps = (
-            ("log", log_lines(self.log)),
-            ("universes", self.universes.lines()),
-            ("curvature", self.bending.lines()),
-            ("sets", self.sets.lines()),
-            ("rules", self.rules.lines(most)),
-            ("factors", self.factors.lines()),
-        )
-        return "\n\n".join(
-            "\n".join([f"{n}. {name}", *(f"   {x}".rstrip() for x in lines)])
-            for n, (name, lines) in enumerate(steps, start=1)
-        )
-
     def as_dict(self) -> dict[str, Any]:
         """The same as plain data, for JSON."""
         return {
@@ -178,17 +163,3 @@ def origin(design: VudDesign) -> dict[str, Any]:
     if compared is not None:
         notes.append(f"{compared.equal} of {design.rules.table.size} cells are those of the printed Table 2")
     return {"made_by": MADE_BY, "leadscrew": __version__, "notes": notes}
-
-
-def log_lines(log: MoveLog) -> list[str]:
-    """The first step as text."""
-    names = ", ".join(m.name for m in log.moves)
-    every = (
-        f"one a row, {log.interval_s:g} s apart" if log.layout == "normalised" else f"one every {log.interval_s:g} s"
-    )
-    lines = [f"{len(log.moves)} move{'' if len(log.moves) == 1 else 's'} ({names}), {log.rows} samples, {every}"]
-    if log.turned:
-        lines.append(
-            f"the sign of ec is turned in {', '.join(log.turned)}: there ec has the other sign than the change of e"
-        )
-    return lines

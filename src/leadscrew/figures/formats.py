@@ -1,8 +1,7 @@
-"""Results as rows of words: what the terminal and the HTML report both show."""
+"""Metrics of a run and parameters of a study as rows for tables, terminal and page alike."""
 
 from __future__ import annotations
 
-import math
 import re
 from collections.abc import Iterable, Mapping
 from dataclasses import asdict, dataclass, replace
@@ -16,24 +15,6 @@ if TYPE_CHECKING:
     from leadscrew.kernel.loop import Loop
     from leadscrew.kernel.run import Run
     from leadscrew.study_data import Study
-
-NOTHING = "–"
-
-
-def number(value: Any) -> str:
-    """A value for a table: six digits, or its words; a dash for what does not exist."""
-    if value is None:
-        return NOTHING
-    if isinstance(value, bool):
-        return "yes" if value else "no"
-    if isinstance(value, str):
-        return value or NOTHING
-    if hasattr(value, "shape") and value.shape:
-        return f"array {' x '.join(map(str, value.shape))}"
-    if isinstance(value, list | tuple):
-        return f"array of {len(value)}"
-    return NOTHING if math.isnan(value) else f"{value:.6g}"
-
 
 _ROLE = re.compile(r":\w+:`~?(?:[\w.]+\.)?(\w+)`")
 

@@ -14,25 +14,32 @@ NOTHING = "–"
 """What stands where there is no value."""
 
 UNITS = {
-    "um": "µm",
-    "um/m": "µm/m",
     "N m": "N·m",
     "N m/A": "N·m/A",
-    "mm/s^2": "mm/s²",
+    "N m/rad": "N·m/rad",
+    "N m s/rad": "N·m·s/rad",
+    "N s": "N·s",
+    "N s/m": "N·s/m",
     "kg m^2": "kg·m²",
     "rad/(s V)": "rad/(s·V)",
-    "N s/m": "N·s/m",
     "ohm": "Ω",
     "1": "",
 }
 """Units as the field prints them, by how they are written in ASCII; a pure number (``1``) has none."""
 
+_MICRO = re.compile(r"\bu(?=(m|rad|s|V|N)\b)")
+_POWERS = {"^2": "²", "^3": "³"}
 _UNIT_OF_HEADER = re.compile(r"\(([^()]*(?:\([^()]*\))?)\)$")
 
 
 def unit(text: str) -> str:
-    """A unit for the eye; a unit that is not in :data:`UNITS` stays as it is."""
-    return UNITS.get(text, text)
+    """A unit for the eye: by :data:`UNITS`, else with µ for micro and with raised powers."""
+    if text in UNITS:
+        return UNITS[text]
+    text = _MICRO.sub("µ", text)
+    for plain, raised in _POWERS.items():
+        text = text.replace(plain, raised)
+    return text
 
 
 def header(text: str) -> str:
@@ -45,13 +52,14 @@ def header(text: str) -> str:
 
 
 def number(value: Any, digits: int = 4) -> str:
-    """A value in ``digits`` significant digits: 0.2518, 37,222, 1.2e-07; texts stay, a dash for what does not exist."""
-    if value is None or (isinstance(value, float) and math.isnan(value)):
+    """A value in ``digits`` significant digits: 0.2518, 37,222, 1.2e-07; texts stay, a dash for what does not exist.
+
+    Of an array only its shape; infinity reads *never*.
+    """
+    if value is None or isinstance(value, bool | str) or _shape(value):
+        return _word(value)
+    if math.isnan(value):
         return NOTHING
-    if isinstance(value, bool):
-        return "yes" if value else "no"
-    if isinstance(value, str):
-        return value or NOTHING
     if math.isinf(value):
         return "never" if value > 0 else "−∞"
     size = abs(value)
@@ -62,6 +70,38 @@ def number(value: Any, digits: int = 4) -> str:
     else:
         text = f"{value:.{digits}g}" if size >= 1e-4 else f"{value:.{max(2, digits - 2)}g}"
     return text.replace("-", "−", 1) if text.startswith("-") else text
+
+
+def finite(value: float | None, digits: int = 4) -> str:
+    """A value of which infinity says nothing, as of an interval that has no end: a dash for it."""
+    return number(value if value is not None and math.isfinite(value) else None, digits)
+
+
+def as_typed(value: Any) -> str:
+    """The value of a parameter as one types it, ``--set KEY=-1.5e+06``: six digits, ASCII; as :func:`number` else."""
+    if value is None or isinstance(value, bool | str) or _shape(value):
+        return _word(value)
+    return NOTHING if math.isnan(value) else f"{value:.6g}"
+
+
+def fixed(value: float | None, decimals: int) -> str:
+    """A value with that many decimals, whatever its size: a column of readings; a dash for what does not exist."""
+    if value is None or not math.isfinite(value):
+        return NOTHING
+    text = f"{value:,.{decimals}f}"
+    return text.replace("-", "−" if text.strip("-0.,") else "", 1)
+
+
+def _word(value: Any) -> str:
+    if isinstance(value, bool):
+        return "yes" if value else "no"
+    return f"array of {_shape(value)}" if _shape(value) else value or NOTHING
+
+
+def _shape(value: Any) -> str:
+    if isinstance(value, list | tuple):
+        return str(len(value))
+    return " × ".join(map(str, getattr(value, "shape", ())))
 
 
 @dataclass(frozen=True)

@@ -53,23 +53,6 @@ def columns_of(table: Table, roles: dict[str, str] | None = None) -> list[Column
     return found
 
 
-def table_rows(columns: list[Column]) -> list[tuple[str, ...]]:
-    """Name, unit, role, range and step of every column, as a table prints them."""
-    return [(c.name, c.unit, c.role, *_range(c)) for c in columns]
-
-
-def _range(c: Column) -> tuple[str, str, str]:
-    empty = f", {c.missing} without a value" if c.missing else ""
-    if c.kind == "words":
-        more = ", ..." if len(c.words) > MOST_WORDS else ""
-        return "", "", f"words: {', '.join(c.words[:MOST_WORDS])}{more}{empty}"
-    if c.low is None or c.high is None:
-        return "", "", f"no value{empty}"
-    if c.kind == "constant":
-        return f"{c.low:.6g}", f"{c.high:.6g}", f"constant{empty}"
-    return f"{c.low:.6g}", f"{c.high:.6g}", (f"steps of {c.step:.4g}" if c.step else "") + empty
-
-
 def sentences(seen: Seen) -> list[str]:
     """How the log is sampled and what was read of it; findings are apart."""
     log = seen.log

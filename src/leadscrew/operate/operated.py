@@ -669,7 +669,7 @@ def _of_controller(values: Mapping[str, Any]) -> dict[str, Any]:
 
 def _label(old: Mapping[str, Any]) -> str:
     """The setting before a change, in words."""
-    from leadscrew.figures.formats import number
+    from leadscrew.figures.table import as_typed
 
-    shown = [f"{k} = {number(v) if isinstance(v, float | int) else v}" for k, v in list(old.items())[:3]]
+    shown = [f"{k} = {as_typed(v) if isinstance(v, float | int) else v}" for k, v in list(old.items())[:3]]
     return ", ".join(shown) + (f" and {len(old) - 3} more" if len(old) > 3 else "")

@@ -19,8 +19,9 @@ from leadscrew.analysis.circular.evaluation import Evaluation
 from leadscrew.analysis.circular.paths import SOURCES, Circle
 from leadscrew.analysis.circular.quantities import about
 from leadscrew.figures.ballbar import COLOURS, WORDS, division_um, polar
-from leadscrew.figures.formats import NOTHING
+from leadscrew.figures.table import fixed, number
 from leadscrew.report import page as html
+from leadscrew.report.report import Report, TextTable, head
 from leadscrew.util.atomic import atomic_folder
 from leadscrew.util.strict_json import strict
 
@@ -66,29 +67,18 @@ def picture(found: Evaluation) -> Figure:
     return figure
 
 
-SCHEMA_VERSION = 1
-
-QUANTITY_COLUMNS = ("quantity", "", "um")
-WITH_BAR_COLUMNS = ("quantity", "", "true path um", "ball bar um")
-REVERSAL_COLUMNS = ("reversal", "direction", "step um", "peak um", "lasts deg", "lasts ms")
-FAULT_COLUMNS = ("fault", "size um", "±", "draws um", "share %", "which is")
 WITHOUT_TEXT = "its text was not at hand: public abstracts and summaries were followed"
 UNITS = {
     "ppm": ("", "ppm"),
-    "urad": ("", "urad"),
+    "urad": ("", "µrad"),
     "ms": ("", "ms"),
     "lead_mm": ("lead ", "mm"),
-    "rise_deg": ("rise ", "deg"),
-    "decay_deg": ("decay ", "deg"),
-    "period_deg": ("period ", "deg"),
-    "zone_deg": ("within ", "deg"),
+    "rise_deg": ("rise ", "°"),
+    "decay_deg": ("decay ", "°"),
+    "period_deg": ("period ", "°"),
+    "zone_deg": ("within ", "°"),
 }
 """What a fault's further values are called, and their units."""
-
-
-def um(value: float | None) -> str:
-    """Micrometres to the nanometre, a dash for what there is not."""
-    return NOTHING if value is None else f"{value:.3f}".replace("-0.000", "0.000")
 
 
 def standard(edition: str) -> str:
@@ -107,27 +97,29 @@ def conditions(found: Evaluation) -> list[str]:
     ]
 
 
-def quantity_rows(found: Evaluation, bar: Evaluation | None = None) -> list[list[str]]:
+def quantity_table(found: Evaluation, bar: Evaluation | None = None) -> TextTable:
     """The quantities of the edition; with what the bar reads beside them."""
-    rows = [[n.name, n.symbol, um(n.value)] for n in found.named()]
-    if bar is not None:
-        for row, other in zip(rows, bar.named(), strict=True):
-            row.append(um(other.value))
-    return rows
+    rows = [[n.name, n.symbol, fixed(n.value, 3)] for n in found.named()]
+    title = standard(found.edition)
+    if bar is None:
+        return TextTable(("quantity", "", "µm"), rows, title=title)
+    rows = [[*row, fixed(other.value, 3)] for row, other in zip(rows, bar.named(), strict=True)]
+    return TextTable(("quantity", "", "true path (µm)", "ball bar (µm)"), rows, title=title)
 
 
-def reversal_rows(found: Evaluation) -> list[list[str]]:
+def reversal_table(found: Evaluation) -> TextTable:
     """One row for each reversal."""
     rows = []
     for r in found.reversals:
-        lasts = NOTHING if r.duration_deg is None else f"{r.duration_deg:.2f}"
-        seconds = NOTHING if r.duration_s is None else f"{1000.0 * r.duration_s:.4g}"
-        peak = um(r.height_um) if r.seen else NOTHING
-        rows.append([f"{r.axis}{r.end}", r.direction.upper(), um(r.step_um), peak, lasts, seconds])
-    return rows
+        seconds = None if r.duration_s is None else 1000.0 * r.duration_s
+        peak = r.height_um if r.seen else None
+        rows.append([f"{r.axis}{r.end}", r.direction.upper(), fixed(r.step_um, 3), fixed(peak, 3),
+                     fixed(r.duration_deg, 2), number(seconds)])  # fmt: skip
+    heads = ("reversal", "direction", "step (µm)", "peak (µm)", "lasts (°)", "lasts (ms)")
+    return TextTable(heads, rows, title="Reversals")
 
 
-def fault_rows(found: Evaluation, least_um: float = 0.0005) -> list[list[str]]:
+def fault_table(found: Evaluation, least_um: float = 0.0005) -> TextTable:
     """The faults, what draws most first; those that draw nothing are left out."""
     ranked = found.diagnosis.ranked()
     total = sum(f.drawn_um for f in ranked) or 1.0
@@ -135,36 +127,52 @@ def fault_rows(found: Evaluation, least_um: float = 0.0005) -> list[list[str]]:
     for f in ranked:
         if f.um is not None and f.drawn_um < least_um:
             continue
-        share = NOTHING if f.um is None else f"{100.0 * f.drawn_um / total:.0f}"
-        drawn = NOTHING if f.um is None else um(f.drawn_um)
-        rows.append([f.name, um(f.um), um(f.uncertainty_um), drawn, share, _more(f.more)])
-    return rows
+        known = f.um is not None
+        share, drawn = (100.0 * f.drawn_um / total, f.drawn_um) if known else (None, None)
+        rows.append([f.name, fixed(f.um, 3), fixed(f.uncertainty_um, 3), fixed(drawn, 3), fixed(share, 0),
+                     _more(f.more)])  # fmt: skip
+    heads = ("fault", "size (µm)", "±", "draws (µm)", "share (%)", "which is")
+    return TextTable(heads, rows, [False, *[True] * 4, False], title="Faults, by what they draw")
 
 
 def _more(values: dict[str, float]) -> str:
-    return ", ".join(f"{UNITS[k][0]}{v:.4g} {UNITS[k][1]}" for k, v in values.items() if k in UNITS)
+    return ", ".join(f"{UNITS[k][0]}{number(v)} {UNITS[k][1]}" for k, v in values.items() if k in UNITS)
 
 
 def sentences(found: Evaluation) -> list[str]:
     """The result in words, a line each."""
     d = found.diagnosis
     most = next((f for f in d.ranked() if f.um is not None), None)
-    said = []
+    lines = []
     if most is not None and most.drawn_um > 0.0:
-        said.append(f"{most.name} draws most: {um(most.drawn_um)} um of the circle's deviations, peak to peak")
-    said.append(f"no signature explains {um(d.left_rms_um)} um rms, {um(d.left_peak_um)} um at most")
-    said.append(f"condition number of the signatures: {d.condition:.3g}; ± is the scatter of the fit alone, one sigma")
-    said.append(f"names and quantities of {standard(found.edition)}; {WITHOUT_TEXT}")
-    return said
+        lines.append(f"{most.name} draws most: {fixed(most.drawn_um, 3)} µm of the circle's deviations, peak to peak")
+    lines.append(f"no signature explains {fixed(d.left_rms_um, 3)} µm rms, {fixed(d.left_peak_um, 3)} µm at most")
+    lines.append(f"condition number of the signatures: {d.condition:.3g}; ± is the scatter of the fit alone, one sigma")
+    lines.append(f"names and quantities of {standard(found.edition)}; {WITHOUT_TEXT}")
+    return lines
 
 
 def summary(found: Evaluation, bar: Evaluation | None = None) -> dict[str, Any]:
     """The result as the one JSON object that ``leadscrew ballbar --json`` prints."""
     return {
-        "schema_version": SCHEMA_VERSION, "kind": "leadscrew ballbar", "subject": found.test.name,
+        **head("ballbar"), "subject": found.test.name,
         "standard": standard(found.edition), "standard_at_hand": False, **found.as_dict(),
         "bar": None if bar is None else bar.as_dict(), "sentences": sentences(found),
     }  # fmt: skip
+
+
+def report_of(found: Evaluation, bar: Evaluation | None = None) -> Report:
+    """The report of ``leadscrew ballbar``."""
+    read = [] if bar is None else [f"ball bar: {bar.test.sampling}"]
+    return Report(
+        summary(found, bar),
+        parts=[
+            *conditions(found), *read, quantity_table(found, bar), fault_table(found),
+            *([reversal_table(found)] if found.reversals else []), *sentences(found),
+        ],
+        notes=found.notes(),
+        page=lambda folder: write(found, folder, bar),
+    )  # fmt: skip
 
 
 def write(found: Evaluation, folder: str | Path, bar: Evaluation | None = None) -> None:
@@ -185,15 +193,14 @@ def page(found: Evaluation, drawn: Figure, bar: Evaluation | None = None) -> str
     """A page that opens anywhere, offline."""
     title = f"Circular test: {found.test.name}" if found.test.name else "Circular test"
     before = [*conditions(found), *(f"note: {n}" for n in found.notes())]
-    columns = QUANTITY_COLUMNS if bar is None else WITH_BAR_COLUMNS
     parts = [
         *html.paragraphs(before),
         html.picture(drawn, "ballbar", "polar plot of the radial deviations"),
-        html.table(standard(found.edition), columns, quantity_rows(found, bar)),
+        html.table(quantity_table(found, bar)),
         *([] if bar is None else html.paragraphs([f"ball bar: {bar.test.sampling}"])),
-        html.table("Faults, by what they draw", FAULT_COLUMNS, fault_rows(found)),
+        html.table(fault_table(found)),
         *html.paragraphs(sentences(found)),
     ]
     if found.reversals:
-        parts.append(html.table("Reversals", REVERSAL_COLUMNS, reversal_rows(found)))
+        parts.append(html.table(reversal_table(found)))
     return html.page(title, parts)

@@ -1,8 +1,10 @@
-"""The folder of a comparison, and its picture."""
+"""A comparison: its tables, its picture, its folder."""
 
 from __future__ import annotations
 
 import json
+import math
+from collections.abc import Iterator
 from pathlib import Path
 
 from matplotlib.ticker import MaxNLocator
@@ -11,11 +13,13 @@ from leadscrew import controller_file
 from leadscrew.figures import style
 from leadscrew.figures.figure import Figure
 from leadscrew.figures.formats import metric_unit
+from leadscrew.figures.table import NOTHING, as_typed, number, unit
+from leadscrew.report.report import Report, TextTable, head
 from leadscrew.report.tuned import page, parquet, save_figures, strip
 from leadscrew.tune import tuned
-from leadscrew.tune.compare import METRICS, RANKING, Comparison, Contest, confidence, metric_rows, ranking_rows
+from leadscrew.tune.compare import Comparison, Contest, confidence
 from leadscrew.tune.objective import Goal
-from leadscrew.tune.statistics import per_plant
+from leadscrew.tune.statistics import Interval, per_plant
 from leadscrew.util.atomic import atomic_folder
 from leadscrew.util.escape import file_name
 from leadscrew.util.strict_json import strict
@@ -57,9 +61,9 @@ def figure(found: Comparison, asked: Contest) -> Figure:
         ax.set_yticks([-a for a in range(len(found.results))], names)
         ax.xaxis.set_major_locator(MaxNLocator(6))
         ax.set_ylim(0.5 - len(found.results), 0.5)
-        unit = metric_unit(loop, loop.metrics[w.metric])
+        of_metric = unit(metric_unit(loop, loop.metrics[w.metric]))
         where = f", {w.scenario}" if w.scenario else ", worst scenario" if len(found.scenarios) > 1 else ""
-        ax.set_xlabel(f"{w.metric.replace('_', ' ')}{f' ({unit})' if unit not in ('', '1') else ''}{where}")
+        ax.set_xlabel(f"{w.metric.replace('_', ' ')}{f' ({of_metric})' if of_metric else ''}{where}")
         ax.grid(color="0.92", linewidth=0.6)
         ax.set_axisbelow(True)
     for ax in axes.ravel()[len(wanted) :]:
@@ -67,6 +71,64 @@ def figure(found: Comparison, asked: Contest) -> Figure:
     runs = "one run: nothing varies" if found.same_run else f"{found.unseen} plants that no tuning saw; bar: median"
     drawn.suptitle(runs, fontsize="medium")
     return drawn
+
+
+def spread(interval: Interval) -> str:
+    """A number with its interval."""
+    if math.isnan(interval.low) and not math.isnan(interval.value):
+        return number(interval.value)
+    return f"{number(interval.value)} [{number(interval.low)}, {number(interval.high)}]"
+
+
+def ranking_table(found: Comparison) -> TextTable:
+    """The ranking."""
+    rows = []
+    goal = found.goals[0]
+    key = f"{goal.metric}{f'@{goal.scenario}' if goal.scenario else ''}"
+    for i, r in enumerate(found.results):
+        effort = f"{r.tuned.used} evaluations" if r.tuned else "as it is"
+        order = ""
+        if i < len(found.pairs):
+            pair = found.pairs[i]
+            shown = "" if pair.shown else " (not shown)"
+            order = "no spread" if math.isnan(pair.order) else f"{number(100 * pair.order, 3)} % of resamples{shown}"
+        rank = str(i + 1) if r.standings[key].judged else NOTHING
+        rows.append([rank, r.name, effort, f"{found.unseen - r.bad} of {found.unseen}",
+                     spread(r.standings[key].mean), order])  # fmt: skip
+    heads = ("rank", "controller", "effort", "plants kept", "first goal, mean [95 %]", "before the next one in")
+    return TextTable(heads, rows, [True, False, False, True, False, False], title="Ranking")
+
+
+def metric_table(found: Comparison) -> TextTable:
+    """Every metric of every contender."""
+    rows = [
+        [key, unit(found.units.get(key, "")), r.name, spread(s.mean), spread(s.p95), number(s.worst),
+         f"{s.judged} of {found.unseen}"]
+        for key in found.results[0].standings
+        for r, s in ((r, r.standings[key]) for r in found.results)
+    ]  # fmt: skip
+    heads = ("metric", "unit", "controller", "mean [95 %]", "95th percentile [95 %]", "worst seen", "judged")
+    return TextTable(heads, rows, [False, False, False, False, False, True, True], title="Metrics")
+
+
+def settings(found: Comparison) -> Iterator[str]:
+    """What each tuned contender was run with."""
+    for result in found.results:
+        if result.tuned is not None:
+            values = ", ".join(f"{k} = {as_typed(v)}" for k, v in result.tuned.values.items())
+            yield f"{result.name}: {values}; {result.tuned.verdict()}"
+
+
+def report_of(found: Comparison, asked: Contest) -> Report:
+    """The report of ``leadscrew compare``."""
+    bound = confidence(found)
+    return Report(
+        {**head("compare"), **found.as_dict()},
+        parts=[ranking_table(found), metric_table(found), *settings(found)],
+        verdict=" ".join([found.sentence(), *([f"{bound}."] if bound else [])]),
+        notes=found.notes,
+        page=lambda folder: write(found, asked, folder),
+    )
 
 
 def write(found: Comparison, asked: Contest, folder: str | Path) -> None:
@@ -87,6 +149,6 @@ def write(found: Comparison, asked: Contest, folder: str | Path) -> None:
             if r.tuned is not None:
                 controller_file.write(beside / f"{stem}.toml", tuned.controller_of(jobs[r.name], r.tuned))
         noted = [*filter(None, [confidence(found)]), *(f"note: {n}" for n in found.notes)]
-        tables = [("Ranking", RANKING, ranking_rows(found)), ("Metrics", METRICS, metric_rows(found))]
+        tables = [ranking_table(found), metric_table(found)]
         html = page("Comparison", [found.sentence().rstrip("."), *noted], tables, drawn)
         (beside / "report.html").write_text(html, "utf-8")

@@ -10,11 +10,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from leadscrew.analysis.cutting_force import ChipAndEdge, Kienzle, PowerLaw, kienzle, r_squared, specific_force
-from leadscrew.figures.formats import NOTHING
 from leadscrew.figures.style import BLACK, BLUE, GREEN, ORANGE, VERMILION
+from leadscrew.figures.table import NOTHING, finite, fixed
+from leadscrew.figures.table import unit as shown_unit
 from leadscrew.identify.cutting_force import ForceFit, LawFit
 from leadscrew.identify.estimation import Interval, Parameter
 from leadscrew.report import page as html
+from leadscrew.report.report import Report, TextTable, head
 from leadscrew.util import escape
 from leadscrew.util.atomic import atomic_folder
 from leadscrew.util.escape import one_line
@@ -101,57 +103,46 @@ def _plain_ticks(ax: Any) -> None:
         axis.set_minor_formatter(NullFormatter())
 
 
-SCHEMA_VERSION = 1
-LAW_COLUMNS = ("parameter", "value", "95 % from", "to", "unit", "law")
-FIT_COLUMNS = ("fit", "rms %", "worst %", "left out %", "rms N", "R2 of F", "R2 of ln F", "R2 of ln kc", "condition")
-ROW_COLUMNS = ("row", "feed mm/rev", "depth mm", "force N", "kc N/mm2", "law N", "off %", "left out %")
-AT_COLUMNS = ("feed mm/rev", "depth mm", "force N", "95 % from", "to", "")
-NUMBERS = {*LAW_COLUMNS[1:4], *FIT_COLUMNS[1:], *ROW_COLUMNS, *AT_COLUMNS[:5]}
-"""Columns to be set to the right."""
-
-
-def num(value: float | None, digits: int = 4) -> str:
-    """A number with some significant digits, a dash for none."""
-    return NOTHING if value is None or not np.isfinite(value) else f"{value:.{digits}g}"
-
-
-def law_rows(fit: ForceFit, drawn: Mapping[str, Parameter] | None = None) -> list[list[str]]:
+def law_table(fit: ForceFit, drawn: Mapping[str, Parameter] | None = None) -> TextTable:
     """Parameters with their intervals: power law, Kienzle's, chip and edge; ``drawn`` are bootstrap intervals."""
     found, same, law = fit.chosen.parameters, kienzle(fit.law, fit.kappa_deg), "F = Kf a f^P"
     kf, exponent = found["kf"], found.get("exponent")
     rows = [_row("Kf", kf, "N/mm^(1+P)", law)]
     if exponent is None:
-        rows.append(["P", num(fit.law.exponent), NOTHING, NOTHING, "given", law])
+        rows.append(["P", finite(fit.law.exponent), NOTHING, NOTHING, "given", law])
     else:
         rows.append(_row("P", exponent, "", law))
     for name, interval in (drawn or {}).items():
         rows.append(_row({"kf": "Kf", "exponent": "P"}[name], interval, "", "the same, bootstrap"))
     chip = f"F = kc11 b h^(1-mc), {fit.kappa_deg:g} deg"
-    rows.append(_row("kc11", _kc11(fit), "N/mm2", chip))
+    rows.append(_row("kc11", _kc11(fit), "N/mm^2", chip))
     if exponent is not None:
         rows.append(_row("mc", Interval(same.mc, 1.0 - exponent.high, 1.0 - exponent.low), "", chip))
-    middle = f"at {num(_middle(fit.table.feed), 3)} mm/rev, {num(_middle(fit.table.depth), 3)} mm"
-    rows.append(_row("kc", fit.chosen.middle, "N/mm2", middle))
+    middle = f"at {finite(_middle(fit.table.feed), 3)} mm/rev, {finite(_middle(fit.table.depth), 3)} mm"
+    rows.append(_row("kc", fit.chosen.middle, "N/mm^2", middle))
     for name, other in fit.others.items():
         if isinstance(other.law, ChipAndEdge):
-            rows.append(_row("Ktc", other.parameters["ktc"], "N/mm2", "F = Ktc a f + Kte b"))
+            rows.append(_row("Ktc", other.parameters["ktc"], "N/mm^2", "F = Ktc a f + Kte b"))
             rows.append(_row("Kte", other.parameters["kte"], "N/mm", "F = Ktc a f + Kte b"))
         elif "depth_exponent" in other.parameters and name:
             rows.append(_row("q", other.parameters["depth_exponent"], "", "F = K a^q f^P"))
-    return rows
+    heads = ("parameter", "value", "95 % from", "to", "unit", "law")
+    return TextTable(heads, rows, [False, *[True] * 3, False, False], title="Parameters")
 
 
-def fit_rows(fit: ForceFit, beside: Kienzle | None = None) -> list[list[str]]:
+def fit_table(fit: ForceFit, beside: Kienzle | None = None) -> TextTable:
     """Errors of every fit on the same rows, and of a law from elsewhere."""
     rows = [_fit_row(f"power law, {fit.chosen.method}", fit.chosen)]
     rows += [_fit_row(name, other) for name, other in fit.others.items()]
     if beside is not None:
-        said = errors(fit, beside)
+        left = errors(fit, beside)
         name = f"given: kc11 {beside.kc11:g}, mc {beside.mc:g}"
-        r2 = said["r2"]
-        rows.append([name, num(said["rms_percent"], 3), num(said["worst_percent"], 3), NOTHING, num(said["rms_n"], 3),
-                     *_r2(r2), NOTHING])  # fmt: skip
-    return rows
+        r2 = left["r2"]
+        rows.append([name, finite(left["rms_percent"], 3), finite(left["worst_percent"], 3), NOTHING,
+                     finite(left["rms_n"], 3), *_r2(r2), NOTHING])  # fmt: skip
+    heads = ("fit", "rms (%)", "worst (%)", "left out (%)", "rms (N)", "R² of F", "R² of ln F", "R² of ln kc",
+             "condition")  # fmt: skip
+    return TextTable(heads, rows, [False, *[True] * 8], title="Fits")
 
 
 def errors(fit: ForceFit, law: Kienzle) -> dict[str, Any]:
@@ -171,25 +162,27 @@ def errors(fit: ForceFit, law: Kienzle) -> dict[str, Any]:
     }  # fmt: skip
 
 
-def cut_rows(fit: ForceFit) -> list[list[str]]:
+def cut_table(fit: ForceFit) -> TextTable:
     """One row for each cut."""
     t = fit.table
     kc, modelled = specific_force(t.force, t.feed, t.depth), fit.law.force(t.feed, t.depth)
-    return [
-        [str(t.rows[i]), num(t.feed[i]), num(t.depth[i]), f"{t.force[i]:.1f}", f"{kc[i]:.0f}", f"{modelled[i]:.1f}",
-         f"{fit.chosen.residual_percent[i]:+.1f}",
-         NOTHING if np.isnan(fit.chosen.left_out_percent[i]) else f"{fit.chosen.left_out_percent[i]:+.1f}"]
+    rows = [
+        [str(t.rows[i]), finite(t.feed[i]), finite(t.depth[i]), fixed(t.force[i], 1), fixed(kc[i], 0),
+         fixed(modelled[i], 1), fixed(fit.chosen.residual_percent[i], 1), fixed(fit.chosen.left_out_percent[i], 1)]
         for i in range(len(t.force))
     ]  # fmt: skip
+    heads = ("row", "feed (mm/rev)", "depth (mm)", "force (N)", "kc (N/mm²)", "law (N)", "off (%)", "left out (%)")
+    return TextTable(heads, rows, [True] * 8, title="Cuts")
 
 
-def at_rows(fit: ForceFit, cuts: Sequence[tuple[float, float]]) -> list[list[str]]:
+def at_table(fit: ForceFit, cuts: Sequence[tuple[float, float]]) -> TextTable:
     """Forces of cuts that were not made."""
     rows = []
     for feed, depth in cuts:
         found, inside = fit.force(feed, depth)
-        rows.append([num(feed), num(depth), *(num(x) for x in found), "" if inside else "outside the table"])
-    return rows
+        rows.append([finite(feed), finite(depth), *(finite(x) for x in found), "" if inside else "outside the table"])
+    heads = ("feed (mm/rev)", "depth (mm)", "force (N)", "95 % from", "to", "")
+    return TextTable(heads, rows, [True] * 5 + [False], title="Forces asked for")
 
 
 def settings(fit: ForceFit) -> list[str]:
@@ -221,20 +214,21 @@ def ratios(fit: ForceFit) -> dict[str, tuple[float, float, float]]:
 def sentences(fit: ForceFit) -> list[str]:
     """The result in words, a line each."""
     t, chosen = fit.table, fit.chosen
-    said = [
-        f"{len(t.force)} cuts, feed {num(t.feed.min())} to {num(t.feed.max())} mm/rev, depth {num(t.depth.min())} to "
-        f"{num(t.depth.max())} mm, main force {num(t.force.min())} to {num(t.force.max())} N",
-        f"a cut that the fit has not seen is off by {num(chosen.left_out_rms_percent, 3)} % (root mean square)",
+    lines = [
+        f"{len(t.force)} cuts, feed {finite(t.feed.min())} to {finite(t.feed.max())} mm/rev, depth "
+        f"{finite(t.depth.min())} to {finite(t.depth.max())} mm, main force {finite(t.force.min())} to "
+        f"{finite(t.force.max())} N",
+        f"a cut that the fit has not seen is off by {finite(chosen.left_out_rms_percent, 3)} % (root mean square)",
     ]
     if fit.depth is not None and fit.depth.p_value >= 0.05:
         q = fit.depth.exponent
-        said.append(
+        lines.append(
             f"in proportion to the depth: exponent {q.value:.3f} ({q.low:.3f} to {q.high:.3f}), p = "
             f"{fit.depth.p_value:.2g} for 1"
         )
     for name, (middle, low, high) in ratios(fit).items():
-        said.append(f"{name.replace('_', ' ')} over main force: {middle:.3g} (median; {low:.3g} to {high:.3g})")
-    return said
+        lines.append(f"{name.replace('_', ' ')} over main force: {middle:.3g} (median; {low:.3g} to {high:.3g})")
+    return lines
 
 
 def summary(
@@ -245,7 +239,7 @@ def summary(
     t, same = fit.table, kienzle(fit.law, fit.kappa_deg)
     depth = fit.depth
     return {
-        "schema_version": SCHEMA_VERSION, "kind": "leadscrew identify cutting-force", "file": source,
+        **head("identify cutting-force"), "file": source,
         "columns": dict(t.columns), "cuts": len(t.force), "repeated_rows": [list(x) for x in t.repeated],
         "law": {"kf": fit.law.kf, "exponent": fit.law.exponent, "exponent_given": fit.exponent_given},
         "kienzle": {**same._asdict(), "kc11_low": _kc11(fit).low, "kc11_high": _kc11(fit).high},
@@ -260,6 +254,22 @@ def summary(
                  for row in zip(t.rows, t.feed.tolist(), t.depth.tolist(), t.force.tolist(), strict=True)],
         "set": settings(fit), "sentences": sentences(fit), "notes": list(fit.notes),
     }  # fmt: skip
+
+
+def report_of(
+    fit: ForceFit, file: Path, *, beside: Kienzle | None = None, cuts: Sequence[tuple[float, float]] = (),
+    drawn: Mapping[str, Parameter] | None = None,
+) -> Report:  # fmt: skip
+    """The report of ``leadscrew identify cutting-force``."""
+    return Report(
+        summary(fit, str(file), beside=beside, cuts=cuts, drawn=drawn),
+        parts=[
+            law_table(fit, drawn), fit_table(fit, beside), cut_table(fit), *([at_table(fit, cuts)] if cuts else []),
+            *sentences(fit), for_simulation(fit, "--set "),
+        ],
+        notes=fit.notes,
+        page=lambda folder: write(fit, file.name, folder, beside=beside, cuts=cuts, drawn=drawn),
+    )  # fmt: skip
 
 
 def experiment(fit: ForceFit, source: str) -> str:
@@ -303,12 +313,12 @@ def _page(
     parts = [
         *html.paragraphs(lines),
         html.picture(figure, "cutting_force", "force against feed, and residuals"),
-        html.table("Parameters", LAW_COLUMNS, law_rows(fit, drawn), NUMBERS),
-        html.table("Fits", FIT_COLUMNS, fit_rows(fit, beside), NUMBERS),
-        html.table("Cuts", ROW_COLUMNS, cut_rows(fit), NUMBERS),
+        html.table(law_table(fit, drawn)),
+        html.table(fit_table(fit, beside)),
+        html.table(cut_table(fit)),
     ]
     if cuts:
-        parts.append(html.table("Forces asked for", AT_COLUMNS, at_rows(fit, cuts), NUMBERS))
+        parts.append(html.table(at_table(fit, cuts)))
     return html.page(title, parts)
 
 
@@ -322,19 +332,19 @@ def _kc11(fit: ForceFit) -> Interval:
     return Interval(value, value / reach, value * reach)
 
 
-def _row(name: str, found: Interval | Parameter, unit: str, law: str) -> list[str]:
-    return [name, num(found.value), num(found.low), num(found.high), unit, law]
+def _row(name: str, value: Interval | Parameter, unit: str, law: str) -> list[str]:
+    return [name, *(finite(x) for x in (value.value, value.low, value.high)), shown_unit(unit), law]
 
 
 def _fit_row(name: str, fit: LawFit) -> list[str]:
-    return [name, num(fit.rms_percent, 3), num(fit.worst_percent, 3), num(fit.left_out_rms_percent, 3),
-            num(fit.rms_n, 3), *_r2(fit.r2),
-            num(fit.condition, 2)]  # fmt: skip
+    return [name, finite(fit.rms_percent, 3), finite(fit.worst_percent, 3), finite(fit.left_out_rms_percent, 3),
+            finite(fit.rms_n, 3), *_r2(fit.r2),
+            finite(fit.condition, 2)]  # fmt: skip
 
 
 def _r2(found: Mapping[str, float]) -> list[str]:
     values = [found[name] for name in ("force", "log force", "log specific force")]
-    return [NOTHING if np.isnan(x) else f"{x:.3f}" for x in values]
+    return [fixed(x, 3) for x in values]
 
 
 def _others(fit: ForceFit) -> Iterator[tuple[str, dict[str, Any]]]:

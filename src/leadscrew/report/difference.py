@@ -10,8 +10,11 @@ from collections.abc import Callable, Iterator
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
+from rich.text import Text
 
+from leadscrew.figures.table import as_typed, unit
 from leadscrew.kernel.parameters import entries
+from leadscrew.report.report import Report, TextTable, head
 
 if TYPE_CHECKING:
     from leadscrew.kernel.block import Block
@@ -48,6 +51,24 @@ def parameters(a: Block, b: Block) -> list[ParameterDifference]:
             ParameterDifference(key, left.default if left else None, right.default if right else None, some.unit)
         )
     return rows
+
+
+COLOURS = {"+": "green", "-": "red", "@": "cyan"}
+"""Of the lines of a difference, by their first character."""
+
+
+def report_of(study: str, first: Block, second: Block, a: str, b: str) -> Report:
+    """The report of ``leadscrew diff``."""
+    lines, rows = equations(first, second, a, b), parameters(first, second)
+    cells = [(r.key, as_typed(r.a), as_typed(r.b), unit(r.unit)) for r in rows]
+    table = TextTable(("parameter", a, b, "unit"), cells, [False, True, True, False])
+    return Report(
+        {**head("diff"), "study": study, "a": a, "b": b, "equations": lines, "parameters": [r._asdict() for r in rows]},
+        parts=[
+            (lambda _: [Text(x, COLOURS.get(x[:1], "")) for x in lines]) if lines else "The equations are the same.",
+            table if rows else "The parameters are the same.",
+        ],
+    )
 
 
 def _reached(block: Block) -> Iterator[Callable[..., Any]]:

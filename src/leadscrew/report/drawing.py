@@ -22,14 +22,14 @@ from leadscrew.util.errors import BlockError, LeadscrewError
 
 if TYPE_CHECKING:
     from leadscrew.figures.figure import Figure
-    from leadscrew.report.report import Report
+    from leadscrew.report.report import StudyReport
     from leadscrew.study_data import Study
 
 MOST_COPIES = 3
 """Copies of this process; each measures anew what its figures show."""
 
 Progress = Callable[[str, float], None]
-Draw = Callable[["Report", Progress], dict[str, "Drawn"]]
+Draw = Callable[["StudyReport", Progress], dict[str, "Drawn"]]
 
 
 class Drawn(NamedTuple):
@@ -55,7 +55,7 @@ def drawn(name: str, draw: Callable[[], Figure]) -> Drawn:
         raise BlockError(f"{name} could not be drawn: {type(error).__name__}: {error}") from error
 
 
-def draw_all(report: Report, progress: Progress) -> dict[str, Drawn]:
+def draw_all(report: StudyReport, progress: Progress) -> dict[str, Drawn]:
     """All figures of a report, by name, drawn here and now."""
     pictures = list(report.pictures())
     found = {}
@@ -65,7 +65,7 @@ def draw_all(report: Report, progress: Progress) -> dict[str, Drawn]:
     return found
 
 
-def draw_none(report: Report, progress: Progress) -> dict[str, Drawn]:
+def draw_none(report: StudyReport, progress: Progress) -> dict[str, Drawn]:
     """A report without figures."""
     return {}
 
@@ -116,7 +116,7 @@ class _Crew:
                 return
             yield at
 
-    def collected(self, report: Report, progress: Progress, receivers: Sequence[Any]) -> dict[str, Drawn]:
+    def collected(self, report: StudyReport, progress: Progress, receivers: Sequence[Any]) -> dict[str, Drawn]:
         pictures = {picture.name: picture for picture in report.pictures()}
         found: dict[str, Drawn] = {}
 

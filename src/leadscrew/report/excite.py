@@ -2,32 +2,27 @@
 
 from __future__ import annotations
 
-import math
 from collections import defaultdict
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from leadscrew.figures.formats import NOTHING
 from leadscrew.figures.style import BLUE, GREEN, ORANGE, PURPLE, SKY, VERMILION
+from leadscrew.figures.table import finite, fixed, unit
 from leadscrew.identify.excite.design import PASSES, Proposal
 from leadscrew.identify.excite.files import SHOWN
+from leadscrew.report.report import File, Report, TextTable, head
 from leadscrew.util import escape
 
 if TYPE_CHECKING:
+    from pathlib import Path
+
     from leadscrew.figures.figure import Figure
 
-SCHEMA_VERSION = 1
-COLUMNS = ("parameter", "believed", "unit", "95 % +-", "percent", "target", "verdict")
-NUMBERS = ("believed", "95 % +-", "percent", "target")
-PART_COLUMNS = ("part", "s", "speed up to", "travel", "strokes")
+VERDICTS = {"told": "identifiable", "not told": "not identifiable"}
 COLOURS = {
     "sliding": BLUE, "speeding up": VERMILION, "creeping": GREEN, "pre-sliding": PURPLE, "lost motion": ORANGE,
 }  # fmt: skip
-
-
-def _num(value: float) -> str:
-    return f"{value:.3g}" if math.isfinite(value) else NOTHING
 
 
 def unit_of(key: str, proposal: Proposal) -> str:
@@ -43,17 +38,20 @@ def unit_of(key: str, proposal: Proposal) -> str:
     return by_name.get(name, force)
 
 
-def rows(proposal: Proposal) -> list[list[str]]:
+def table(proposal: Proposal) -> TextTable:
     """A row for each parameter that is wanted."""
-    return [
-        [p.key, _num(p.value), unit_of(p.key, proposal), _num(p.half), _num(p.percent), _num(p.target), p.verdict]
+    rows = [
+        [p.key, finite(p.value, 3), unit(unit_of(p.key, proposal)), finite(p.half, 3), finite(p.percent, 3),
+         finite(p.target, 3), VERDICTS.get(p.verdict, p.verdict)]
         for p in proposal.predicted
-    ]
+    ]  # fmt: skip
+    heads = ("parameter", "believed", "unit", "95 % ±", "%", "target (%)", "verdict")
+    return TextTable(heads, rows, [False, True, False, True, True, True, False])
 
 
-def part_rows(proposal: Proposal) -> list[list[str]]:
+def part_table(proposal: Proposal) -> TextTable:
     """A row for each purpose: seconds, speeds, travel, strokes, over the whole move."""
-    unit, scale = SHOWN[proposal.belief.unit]
+    length, scale = SHOWN[proposal.belief.unit]
     move, seen = proposal.move, proposal.samples
     seconds: dict[str, float] = defaultdict(float)
     numbers: dict[str, list[int]] = defaultdict(list)
@@ -67,9 +65,10 @@ def part_rows(proposal: Proposal) -> list[list[str]]:
         travel = scale * float(np.ptp(seen.position[part]))
         speed = scale * float(np.abs(seen.velocity[part]).max())
         found.append(
-            [purpose, f"{seconds[purpose]:.1f}", f"{speed:.3g} {unit}/s", f"{travel:.4g} {unit}", str(len(mine))]
-        )
-    return found
+            [purpose, fixed(seconds[purpose], 1), f"{finite(speed, 3)} {length}/s", f"{finite(travel)} {length}",
+             str(len(mine))]
+        )  # fmt: skip
+    return TextTable(("part", "time (s)", "speed up to", "travel", "strokes"), found)
 
 
 def sentences(proposal: Proposal) -> list[str]:
@@ -77,7 +76,7 @@ def sentences(proposal: Proposal) -> list[str]:
     unit, scale = SHOWN[proposal.belief.unit]
     belief, seen = proposal.belief, proposal.samples
     low, high = scale * float(seen.position.min()), scale * float(seen.position.max())
-    said = [
+    lines = [
         f"{proposal.move.duration:.1f} s in {PASSES} equal passes, from {low:.4g} to {high:.4g} {unit}; every sample "
         "keeps position, speed, acceleration" + (" and jerk" if proposal.limits.jerk else ""),
         f"intervals are of one pass, for a sensor noise of {1e3 * scale * belief.noise:.3g} "
@@ -85,14 +84,24 @@ def sentences(proposal: Proposal) -> list[str]:
         + (f" and a force of {belief.force_noise:.3g} {belief.force_unit} that no model explains"
            if belief.force_noise else ""),
     ]  # fmt: skip
-    said += [f"{p.key}: {p.why}" for p in proposal.predicted if p.verdict != "identifiable"]
-    return said
+    lines += [f"{p.key}: {p.why}" for p in proposal.predicted if p.verdict != "identifiable"]
+    return lines
 
 
 def summary(proposal: Proposal) -> dict[str, Any]:
     """The one JSON object of ``leadscrew excite --json``."""
-    return {"schema_version": SCHEMA_VERSION, "kind": "leadscrew excite", **proposal.as_dict(),
-            "sentences": sentences(proposal)}  # fmt: skip
+    return {**head("excite"), **proposal.as_dict(), "sentences": sentences(proposal)}
+
+
+def report_of(proposal: Proposal, out: Path | None) -> Report:
+    """The report of ``leadscrew excite``."""
+    return Report(
+        summary(proposal),
+        parts=[table(proposal), part_table(proposal), *sentences(proposal)],
+        notes=["nothing is written without --out DIR"] if out is None else [],
+        files=[File("out", out, "what to do with the program and the recorder: README.md")],
+        figure=lambda: picture(proposal),
+    )
 
 
 def picture(proposal: Proposal, title: str = "") -> Figure:

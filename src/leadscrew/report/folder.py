@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from leadscrew.report.drawing import Draw, draw_all
-from leadscrew.report.report import KIND, Report
+from leadscrew.report.report import KIND, StudyReport
 from leadscrew.util import reading
 from leadscrew.util.atomic import replace_folder, replaceable_folder
 from leadscrew.util.errors import DataError
@@ -60,7 +60,7 @@ def run_folder(key: str) -> str:
 
 
 def put(
-    report: Report,
+    report: StudyReport,
     folder: str | Path,
     *,
     wall_s: float,
@@ -97,7 +97,7 @@ def put(
     return target / "report.html"
 
 
-def data(report: Report, wall_s: float, page: Path) -> dict[str, Any]:
+def data(report: StudyReport, wall_s: float, page: Path) -> dict[str, Any]:
     """The report as the one JSON object that a command prints."""
     from leadscrew._version import __version__
     from leadscrew.studies import claims

@@ -9,9 +9,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from leadscrew.analysis.following import ALL, Followed, Following, Told
-from leadscrew.figures.formats import NOTHING
 from leadscrew.figures.style import BLUE, GREEN, ORANGE, PURPLE, SKY, VERMILION
+from leadscrew.figures.table import NOTHING, finite, fixed, unit
 from leadscrew.report import page as html
+from leadscrew.report.report import Report, TextTable, head
 from leadscrew.util import escape
 from leadscrew.util.atomic import atomic_folder
 from leadscrew.util.strict_json import strict
@@ -20,9 +21,8 @@ if TYPE_CHECKING:
     from leadscrew.figures.figure import Figure
 
 
-SCHEMA_VERSION = 1
-NUMBERS = ("rows", "moving", "max", "rms", "mean fwd", "mean back", "step", "lag ms", "95 % +-", "Kv 1/s", "shift ms",
-           "+-", "in order")  # fmt: skip
+NUMBERS = ("rows", "moving", "max", "rms", "mean forward", "mean backward", "step", "lag (ms)", "±", "Kv (1/s)",
+           "shift (ms)", "±", "in order")  # fmt: skip
 """Lags are from the rows ``moving``, shifts from those ``in order``, with their neighbours in one stretch."""
 CSV_COLUMNS = (
     "log", "axis", "phase", "unit", "rows", "moving", "max", "rms", "mean_forward", "mean_backward", "rounding_step",
@@ -31,27 +31,13 @@ CSV_COLUMNS = (
 )  # fmt: skip
 
 
-def num(value: float, digits: int = 3) -> str:
-    """A number with some significant digits, a dash for none."""
-    return NOTHING if not np.isfinite(value) else f"{value:.{digits}g}"
-
-
 def _told(told: Told, scale: float) -> tuple[str, str]:
     """A value to the decimals that its interval deserves, and half of the interval."""
     half = scale * told.half
     if not np.isfinite(half):
         return NOTHING, NOTHING
     decimals = max(0, 1 - int(np.floor(np.log10(half)))) if half > 0.0 else 3
-    return f"{scale * told.value:.{decimals}f}", f"{half:.{decimals}f}"
-
-
-def columns_of(found: Following, first: str = "axis") -> tuple[str, ...]:
-    """Names of the columns of :func:`phase_rows`, or of :func:`log_rows` with ``log`` first; units where known."""
-    return (
-        *(("axis", "phase") if first == "axis" else ("log", "axis")),
-        *(["unit"] if _named(found) else []),
-        *NUMBERS,
-    )
+    return fixed(scale * told.value, decimals), fixed(half, decimals)
 
 
 def _named(found: Following) -> bool:
@@ -62,26 +48,37 @@ def _values(row: Followed) -> list[str]:
     lag, half = _told(row.lag, 1e3)
     shift, wide = _told(row.shift, 1e3)
     return [
-        str(row.rows), str(row.moving), num(row.worst), num(row.rms), num(row.mean_forward), num(row.mean_backward),
-        num(row.step), lag, half, _told(row.gain, 1.0)[0], shift, wide,
-        str(row.shift.rows or NOTHING),
+        finite(row.rows), finite(row.moving), finite(row.worst, 3), finite(row.rms, 3), finite(row.mean_forward, 3),
+        finite(row.mean_backward, 3), finite(row.step, 3), lag, half, _told(row.gain, 1.0)[0], shift, wide,
+        finite(row.shift.rows or None),
     ]  # fmt: skip
 
 
-def phase_rows(found: Following) -> list[list[str]]:
+def phase_table(found: Following) -> TextTable:
     """Axis and phase, all logs together."""
-    named = _named(found)
-    return [[row.axis, row.phase, *([row.unit or NOTHING] if named else []), *_values(row)] for row in found.together]
+    return _table(found, "phase", [(row.axis, row.phase, row) for row in found.together], "By axis and phase")
 
 
-def log_rows(found: Following) -> list[list[str]]:
+def log_table(found: Following) -> TextTable:
     """Log and axis, all phases together."""
+    rows = [(row.axis, Path(row.source).name, row) for row in found.each if row.phase == ALL]
+    return _table(found, "log", rows, "By log and axis")
+
+
+def _table(found: Following, second: str, rows: list[tuple[str, str, Followed]], title: str) -> TextTable:
     named = _named(found)
-    return [
-        [Path(row.source).name, row.axis, *([row.unit or NOTHING] if named else []), *_values(row)]
-        for row in found.each
-        if row.phase == ALL
-    ]
+    return TextTable(
+        ("axis", second, *(["unit"] if named else []), *NUMBERS),
+        [[axis, what, *([unit(row.unit) or NOTHING] if named else []), *_values(row)] for axis, what, row in rows],
+        [False, False, *([False] if named else []), *[True] * len(NUMBERS)],
+        title=title,
+    )
+
+
+def odd_table(found: Following) -> TextTable:
+    """All that is odd about the logs."""
+    rows = [[Path(s).name, f.kind, f.sentence] for s, seen in found.findings.items() for f in seen]
+    return TextTable.words(("log", "kind", "what"), rows, title="What is odd about the logs")
 
 
 def odd(found: Following) -> list[str]:
@@ -90,19 +87,19 @@ def odd(found: Following) -> list[str]:
     for source, findings in found.findings.items():
         for finding in findings:
             kinds.setdefault(finding.kind, []).append((Path(source).name, finding.sentence))
-    said = []
+    lines = []
     for kind, seen in kinds.items():
         logs = len({source for source, _ in seen})
         more = f" ({logs} logs have such a note)" if logs > 1 else ""
-        said.append(f"{kind}{more}: {seen[0][0]}: {seen[0][1]}")
-    return said
+        lines.append(f"{kind}{more}: {seen[0][0]}: {seen[0][1]}")
+    return lines
 
 
 def sentences(found: Following) -> list[str]:
     """What the numbers mean and what they cannot say."""
-    logs, unit = len(found.findings), "" if _named(found) else " in the unit of the log"
-    said = [
-        f"{logs} log{'s' * (logs > 1)}, a row every {found.period:g} s; error = command - actual{unit}; "
+    logs, of = len(found.findings), "" if _named(found) else " in the unit of the log"
+    lines = [
+        f"{logs} log{'s' * (logs > 1)}, a row every {found.period:g} s; error = command - actual{of}; "
         "lag is the slope of error against commanded speed over the rows that move, Kv its inverse, shift the lag of "
         "the velocities over rows in order",
         f"what happens within {found.period:g} s is not in the log: a peak of error as an axis speeds up or reverses "
@@ -111,9 +108,9 @@ def sentences(found: Following) -> list[str]:
     if any(row.lag.why.startswith("one way") for row in found.together):
         one = sorted({row.axis for row in found.together if row.lag.why.startswith("one way") and row.phase == ALL})
         if one:
-            said.append(f"{', '.join(one)} moved one way only: an offset of the position would count as lag")
+            lines.append(f"{', '.join(one)} moved one way only: an offset of the position would count as lag")
     common = _common(found)
-    return said + ([common] if common else [])
+    return lines + ([common] if common else [])
 
 
 def _common(found: Following) -> str:
@@ -133,12 +130,23 @@ def _common(found: Following) -> str:
 def summary(found: Following) -> dict[str, Any]:
     """The one JSON object of ``leadscrew following-error --json``."""
     return {
-        "schema_version": SCHEMA_VERSION, "kind": "leadscrew following-error", "period_s": found.period,
+        **head("following-error"), "period_s": found.period,
         "logs": list(found.findings), "together": [r.as_dict() for r in found.together],
         "each": [r.as_dict() for r in found.each],
         "findings": {s: [f._asdict() for f in seen] for s, seen in found.findings.items()},
         "sentences": sentences(found),
     }  # fmt: skip
+
+
+def report_of(found: Following, each: bool = False) -> Report:
+    """The report of ``leadscrew following-error``; ``each``: also a table of every log."""
+    return Report(
+        summary(found),
+        parts=[phase_table(found), *([log_table(found)] if each else []), *odd(found), *sentences(found)],
+        figure=lambda: picture(found),
+        csv=lambda: csv_text(found),
+        page=lambda folder: write(found, folder, picture(found)),
+    )
 
 
 def csv_text(found: Following) -> str:
@@ -178,13 +186,12 @@ def write(found: Following, folder: str | Path, figure: Figure) -> None:
 
 def page(found: Following, figure: Figure) -> str:
     """One HTML page with the picture inside."""
-    odd = [[Path(s).name, f.kind, f.sentence] for s, seen in found.findings.items() for f in seen]
     parts = [
         *html.paragraphs(sentences(found)),
         html.picture(figure, "following", "lag and error by axis and phase"),
-        html.table("By axis and phase", columns_of(found), phase_rows(found), NUMBERS),
-        html.table("By log and axis", columns_of(found, "log"), log_rows(found), NUMBERS),
-        html.table("What is odd about the logs", ("log", "kind", "what"), odd, NUMBERS),
+        html.table(phase_table(found)),
+        html.table(log_table(found)),
+        html.table(odd_table(found)),
     ]
     return html.page("Following error", parts)
 

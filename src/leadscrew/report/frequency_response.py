@@ -7,20 +7,22 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from leadscrew.figures.style import BLUE, GREEN, VERMILION
+from leadscrew.figures.table import finite, fixed
+from leadscrew.report.report import Report, TextTable, head
 from leadscrew.util import escape
 
 if TYPE_CHECKING:
+    from pathlib import Path
+
     from leadscrew.analysis.frequency_response import FrequencyResponse
     from leadscrew.figures.figure import Figure
 
-SCHEMA_VERSION = 1
-COLUMNS = ("Hz", "gain", "dB", "from dB", "to dB", "phase deg", "+- deg", "coherence")
 ROWS = 24
 """Of the printed table, evenly on a logarithmic scale; files and JSON have all."""
 
 
-def rows(found: FrequencyResponse, level: float = 0.95, most: int | None = ROWS) -> list[tuple[str, ...]]:
-    """Rows of the table: all, or about ``most`` evenly over the logarithm of the frequency."""
+def table(found: FrequencyResponse, level: float = 0.95, most: int | None = ROWS) -> TextTable:
+    """All frequencies, or about ``most`` evenly over their logarithm."""
     places = np.arange(len(found.frequencies))
     if most is not None and len(places) > most:
         wanted = np.geomspace(found.frequencies[0], found.frequencies[-1], most)
@@ -29,17 +31,19 @@ def rows(found: FrequencyResponse, level: float = 0.95, most: int | None = ROWS)
     with np.errstate(divide="ignore"):
         ends = 20.0 * np.log10(np.stack([low, high]))
     phase, wide = np.degrees(found.phase), np.degrees(found.phase_confidence(level))
-    return [
-        (f"{found.frequencies[k]:.5g}", f"{found.gain[k]:.4g}", f"{found.gain_db[k]:.2f}", f"{ends[0, k]:.2f}",
-         f"{ends[1, k]:.2f}", f"{phase[k]:.1f}", f"{wide[k]:.2g}", f"{found.coherence[k]:.4f}")
+    heads = ("f (Hz)", "gain", "gain (dB)", "from (dB)", "to (dB)", "phase (°)", "± (°)", "coherence")
+    rows = [
+        [finite(found.frequencies[k], 5), finite(found.gain[k]), fixed(found.gain_db[k], 2), fixed(ends[0, k], 2),
+         fixed(ends[1, k], 2), fixed(phase[k], 1), finite(wide[k], 2), fixed(found.coherence[k], 4)]
         for k in places
     ]  # fmt: skip
+    return TextTable(heads, rows, [True] * 8)
 
 
 def sentences(found: FrequencyResponse, loop: bool = False) -> list[str]:
     """What was measured and how, and the figures that a loop is judged by."""
     how = "periods" if found.method == "periodic" else "independent segments"
-    said = [
+    lines = [
         f"{found.method}: {found.averages:.3g} {how} of {found.segment_s:g} s, {len(found.frequencies)} frequencies "
         f"from {found.frequencies[0]:g} to {found.frequencies[-1]:g} Hz; coherence {found.coherence.min():.3f} to "
         f"{found.coherence.max():.3f}, median {np.median(found.coherence):.4f}"
@@ -49,15 +53,15 @@ def sentences(found: FrequencyResponse, loop: bool = False) -> list[str]:
 
         m = measured_margins(found)
         if m.gain_margin is not None and m.phase_crossover_hz is not None:
-            said.append(f"gain margin {m.gain_margin:.3f} ({20.0 * np.log10(m.gain_margin):.2f} dB) at "
+            lines.append(f"gain margin {m.gain_margin:.3f} ({20.0 * np.log10(m.gain_margin):.2f} dB) at "
                         f"{m.phase_crossover_hz:.4g} Hz")  # fmt: skip
         if m.phase_margin_deg is not None and m.gain_crossover_hz is not None:
-            said.append(f"phase margin {m.phase_margin_deg:.1f} deg at {m.gain_crossover_hz:.4g} Hz")
+            lines.append(f"phase margin {m.phase_margin_deg:.1f} deg at {m.gain_crossover_hz:.4g} Hz")
         if m.sensitivity is not None:
-            said.append(f"largest sensitivity Ms = {m.sensitivity:.3f} at {m.sensitivity_hz:.4g} Hz")
-        if len(said) == 1:
-            said.append("no crossover where the coherence is high enough: no margin told by this log")
-    return said
+            lines.append(f"largest sensitivity Ms = {m.sensitivity:.3f} at {m.sensitivity_hz:.4g} Hz")
+        if len(lines) == 1:
+            lines.append("no crossover where the coherence is high enough: this log cannot determine a margin")
+    return lines
 
 
 def summary(found: FrequencyResponse, source: str, loop: bool, level: float = 0.95) -> dict[str, Any]:
@@ -65,9 +69,24 @@ def summary(found: FrequencyResponse, source: str, loop: bool, level: float = 0.
     from leadscrew.analysis.frequency_response import measured_margins
 
     return {
-        "schema_version": SCHEMA_VERSION, "kind": "leadscrew frequency-response", "log": source, "loop_gain": loop,
+        **head("frequency-response"), "log": source, "loop_gain": loop,
         "margins": measured_margins(found)._asdict() if loop else None, **found.as_dict(level),
     }  # fmt: skip
+
+
+def report_of(
+    found: FrequencyResponse, log: Path, names: tuple[str, str], excitation: str | None, loop: bool, level: float
+) -> Report:
+    """The report of ``leadscrew frequency-response``; ``names`` are the input and the output."""
+    of = {"input": names[0], "output": names[1], "excitation": excitation}
+    title = f"{log.name}: loop gain" if loop else f"{log.name}: {names[0]} to {names[1]}"
+    return Report(
+        {**summary(found, str(log), loop, level), **of},
+        parts=[table(found, level), *sentences(found, loop)],
+        notes=found.notes,
+        figure=lambda: picture(found, title, level),
+        csv=lambda: csv(found, level),
+    )
 
 
 def csv(found: FrequencyResponse, level: float = 0.95) -> str:

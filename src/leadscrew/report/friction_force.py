@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from leadscrew.analysis.friction import friction_velocity
-from leadscrew.figures.formats import NOTHING
 from leadscrew.figures.style import BLACK, BLUE, GREEN, ORANGE, SKY, VERMILION
+from leadscrew.figures.table import finite, fixed, unit
 from leadscrew.friction.static_map import TwoSided
 from leadscrew.identify.friction_force.result import (
     DAHL,
@@ -27,6 +27,7 @@ from leadscrew.identify.friction_force.result import (
     settings,
 )
 from leadscrew.report import page as html
+from leadscrew.report.report import Report, TextTable, head
 from leadscrew.util import escape
 from leadscrew.util.atomic import atomic_folder
 from leadscrew.util.strict_json import strict
@@ -100,74 +101,67 @@ def _against_speed(fit: FrictionForceFit, ax: Any, um: float, way: str) -> None:
     ax.set(xlabel=f"speed ({way}/s)", ylabel=f"friction ({r.force_unit})", title="fitted samples")
 
 
-SCHEMA_VERSION = 1
-KIND = "leadscrew identify friction-force"
-MODEL_COLUMNS = ("model", "fitted rms", "hold-out rms", "of amplitude %", "worst", "better %", "condition")
-VALUE_COLUMNS = ("parameter", "value", "95 % from", "to", "unit", "")
-BIN_COLUMNS = ("speed", "friction", "95 % from", "to", "strokes")
-NUMBERS = {*MODEL_COLUMNS[1:], *VALUE_COLUMNS[1:4], *BIN_COLUMNS}
-"""Columns to be set to the right."""
-
-
-def num(value: float, digits: int = 4) -> str:
-    """A number with some significant digits, a dash for none."""
-    return f"{value:.{digits}g}" if np.isfinite(value) else NOTHING
-
-
-def model_rows(fit: FrictionForceFit) -> list[list[str]]:
+def model_table(fit: FrictionForceFit) -> TextTable:
     """Errors of every model, on what it was fitted to and on the hold-out; with the other load below."""
     rows = [_model_row(m, fit.models, "") for m in fit.models.values()]
     other = {"coefficient": ", coefficient", "force": ", force"}
-    return rows + [_model_row(m, fit.others, other[m.load]) for m in fit.others.values()]
+    rows += [_model_row(m, fit.others, other[m.load]) for m in fit.others.values()]
+    heads = ("model", "fitted rms", "hold-out rms", "of amplitude (%)", "worst", "better (%)", "condition")
+    return TextTable(heads, rows, [False, *[True] * 6], title=f"Models ({fit.record.force_unit})")
 
 
 def _model_row(m: ModelFit, among: dict[str, ModelFit], suffix: str) -> list[str]:
     percent = m.training_percent if np.isnan(m.holdout_percent) else m.holdout_percent
-    better = NOTHING if m.name == MAP else f"{better_percent(among, m.name):.1f}"
-    return [m.name + suffix, num(m.training_rms), num(m.holdout_rms), num(percent, 3), num(m.holdout_worst, 3), better,
-            num(m.condition, 2)]  # fmt: skip
+    better = fixed(None if m.name == MAP else better_percent(among, m.name), 1)
+    return [m.name + suffix, finite(m.training_rms), finite(m.holdout_rms), finite(percent, 3),
+            finite(m.holdout_worst, 3), better, finite(m.condition, 2)]  # fmt: skip
 
 
-def value_rows(model: ModelFit) -> list[list[str]]:
+def value_table(model: ModelFit) -> TextTable:
     """Parameters of a model with their intervals; what is not identifiable says why."""
     rows = []
     for key, p in model.parameters.items():
-        word = p.note if p.identifiable else f"{'not identifiable' if p.how == 'fitted' else p.how}: {p.note}"
-        rows.append([key, num(p.value, 5), num(p.low, 5), num(p.high, 5), "" if p.unit == "1" else p.unit, word])
-    return rows
+        word = (
+            p.note if p.identifiable else f"not identifiable: {p.note}" if p.how == "fitted" else f"{p.how}: {p.note}"
+        )
+        rows.append([key, finite(p.value, 5), finite(p.low, 5), finite(p.high, 5), unit(p.unit), word])
+    heads = ("parameter", "value", "95 % from", "to", "unit", "")
+    return TextTable(heads, rows, [False, *[True] * 3, False, False], title=model.name)
 
 
-def bin_rows(fit: FrictionForceFit) -> list[list[str]]:
+def bin_table(fit: FrictionForceFit) -> TextTable:
     """Binned force against speed."""
-    return [[num(b.speed), num(b.force), num(b.low), num(b.high), str(b.strokes)] for b in fit.bins]
+    rows = [[finite(b.speed), finite(b.force), finite(b.low), finite(b.high), str(b.strokes)] for b in fit.bins]
+    title = f"Sliding friction against speed ({fit.record.unit}/s)"
+    return TextTable(("speed", "friction", "95 % from", "to", "strokes"), rows, [True] * 5, title=title)
 
 
 def sentences(fit: FrictionForceFit) -> list[str]:
     """The result in words, a line each."""
     r, chosen = fit.record, fit.chosen
-    unit, way = r.force_unit, r.unit
+    force, way = r.force_unit, r.unit
     part = "hold-out" if fit.training < len(r.time) else "fitted part"
-    said = [
+    lines = [
         f"{len(r.time)} samples in {r.time[-1] - r.time[0]:.4g} s, {int(r.strokes[-1])} reversals over "
         f"{np.ptp(r.position):.3g} {way}; the first {fit.training} were fitted",
-        f"friction amplitude of the {part}: {fit.amplitude:.4g} {unit}; LuGre leaves {judged_rms(chosen):.3g} {unit} "
+        f"friction amplitude of the {part}: {fit.amplitude:.4g} {force}; LuGre leaves {judged_rms(chosen):.3g} {force} "
         f"rms, {100.0 * judged_rms(chosen) / fit.amplitude:.3g} % of it, {fit.better_percent(chosen.name):.3g} % less "
         "than Coulomb and viscous friction",
     ]
     if fit.load == "coefficient":
-        said.append(
+        lines.append(
             f"values are of the coefficient of friction, per newton of normal force (mean {fit.normal_mean:.5g} N "
             "while sliding); rows with 'force' take no notice of it"
         )
     least = min(fit.models.values(), key=lambda m: m.training_rms)
     if least.name != chosen.name:
-        said.append(f"nearest to the fitted part is {least.name}; LuGre is what plants and controllers take")
+        lines.append(f"nearest to the fitted part is {least.name}; LuGre is what plants and controllers take")
     if chosen.whiteness < 80.0:
-        said.append(
+        lines.append(
             "what LuGre leaves is not noise (it repeats from sample to sample): the shape is not quite LuGre's, and "
             "intervals say how well values repeat, not how right the shape is"
         )
-    return said
+    return lines
 
 
 def for_simulation(fit: FrictionForceFit) -> str:
@@ -178,9 +172,21 @@ def for_simulation(fit: FrictionForceFit) -> str:
 def summary(fit: FrictionForceFit) -> dict[str, Any]:
     """The result as the one JSON object that ``leadscrew identify friction-force --json`` prints."""
     return {
-        "schema_version": SCHEMA_VERSION, "kind": KIND, **fit.as_dict(), "set": settings(fit),
+        **head("identify friction-force"), **fit.as_dict(), "set": settings(fit),
         "sentences": sentences(fit),
     }  # fmt: skip
+
+
+def report_of(fit: FrictionForceFit, file: Path) -> Report:
+    """The report of ``leadscrew identify friction-force``."""
+    return Report(
+        {**summary(fit), "file": str(file)},
+        parts=[
+            model_table(fit), value_table(fit.chosen), *sentences(fit), *(f"to measure next: {a}" for a in fit.advice),
+        ],
+        notes=fit.notes,
+        page=lambda folder: write(fit, folder),
+    )  # fmt: skip
 
 
 def write(fit: FrictionForceFit, folder: str | Path) -> None:
@@ -201,13 +207,13 @@ def write(fit: FrictionForceFit, folder: str | Path) -> None:
 
 def _page(fit: FrictionForceFit, source: str, figure: Figure) -> str:
     title = f"Friction force: {source}"
-    lines = [*sentences(fit), *(f"note: {n}" for n in fit.notes), *(f"what to measure next: {a}" for a in fit.advice)]
+    lines = [*sentences(fit), *(f"note: {n}" for n in fit.notes), *(f"to measure next: {a}" for a in fit.advice)]
     parts = [
         *html.paragraphs(lines),
         html.picture(figure, "friction_force", "loops, force against speed, residual"),
-        html.table(f"Models ({fit.record.force_unit})", MODEL_COLUMNS, model_rows(fit), NUMBERS),
-        *(html.table(m.name, VALUE_COLUMNS, value_rows(m), NUMBERS) for m in reversed(fit.models.values())),
-        html.table(f"Sliding friction against speed ({fit.record.unit}/s)", BIN_COLUMNS, bin_rows(fit), NUMBERS),
+        html.table(model_table(fit)),
+        *(html.table(value_table(m)) for m in reversed(fit.models.values())),
+        html.table(bin_table(fit)),
         f"<h2>As a friction block</h2><pre>{escape.html(set_table(fit, source))}</pre>",
     ]
     return html.page(title, parts)

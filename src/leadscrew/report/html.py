@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
     from leadscrew.figures.figure import Figure
     from leadscrew.report.drawing import Drawn
-    from leadscrew.report.report import Report
+    from leadscrew.report.report import StudyReport
 
 LARGEST_SVG = 600_000
 """Bytes; a figure with more points than that is embedded as a picture of 160 dots an inch."""
@@ -67,7 +67,7 @@ def code(text: str) -> Markup:
     return Markup(re.sub("`([^`]+)`", r"<code>\1</code>", escaped(text)))
 
 
-def _without(report: Report, figures: Mapping[str, Drawn]) -> Report:
+def _without(report: StudyReport, figures: Mapping[str, Drawn]) -> StudyReport:
     """The report with the pictures that are drawn alone, and without a section that has nothing else."""
     sections = []
     for section in report.sections:
@@ -78,7 +78,7 @@ def _without(report: Report, figures: Mapping[str, Drawn]) -> Report:
     return replace(report, sections=sections, key_picture=key if key is not None and key.name in figures else None)
 
 
-def page(report: Report, manifest: Mapping[str, Any], figures: Mapping[str, Drawn]) -> str:
+def page(report: StudyReport, manifest: Mapping[str, Any], figures: Mapping[str, Drawn]) -> str:
     """The page of a report; pictures that are not in ``figures`` are left out."""
     from leadscrew.studies.claims import VERDICTS
 

@@ -10,18 +10,21 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from leadscrew.figures.formats import NOTHING
 from leadscrew.figures.style import BLACK, BLUE, GREEN, ORANGE, VERMILION
+from leadscrew.figures.table import NOTHING, finite, fixed
+from leadscrew.figures.table import unit as shown_unit
 from leadscrew.friction.static_map import Sliding, TwoSided
 from leadscrew.identify.axis.cascade import OBEYS
 from leadscrew.logs.measure import beyond_step
 from leadscrew.report import page as html
+from leadscrew.report.report import File, Report, TextTable, head
 from leadscrew.util.atomic import atomic_folder
 from leadscrew.util.strict_json import strict
 
 if TYPE_CHECKING:
     from leadscrew.figures.figure import Figure
     from leadscrew.identify.axis.result import AxisFit, Judged, Parameter
+    from leadscrew.logs.finding import Finding
 
 
 PREFIXES = ((1.0, ""), (1e-3, "m"), (1e-6, "u"), (1e-9, "n"))
@@ -47,13 +50,6 @@ TRADES = 100.0
 """Condition number from which parameters trade with one another."""
 
 
-def num(value: float | None, digits: int = 4) -> str:
-    """A number with some significant digits, a dash for none; of more than four, zeros at the end count."""
-    if value is None or not math.isfinite(value):
-        return NOTHING
-    return f"{value:.{digits}g}" if digits <= 4 else f"{value:#.{digits}g}"
-
-
 def digits_of(parameter: Parameter) -> int:
     """Significant digits that show a parameter's interval: four, and up to seven where it is narrow."""
     half = 0.5 * (parameter.high - parameter.low)
@@ -62,18 +58,25 @@ def digits_of(parameter: Parameter) -> int:
     return min(max(4, math.floor(math.log10(abs(parameter.value) / half)) + 2), 7)
 
 
+def shown(value: float, digits: int) -> str:
+    """A value of a parameter; of more than four digits, zeros at the end count."""
+    if digits <= 4 or not math.isfinite(value) or not value:
+        return finite(value)
+    return fixed(value, max(0, digits - 1 - math.floor(math.log10(abs(value)))))
+
+
 def scaled(value: float, unit: str, digits: int = 4) -> str:
     """A value in SI with the prefix that suits it: 3.1e-6 m is ``3.1 um``; a dash for none."""
     if not math.isfinite(value):
         return NOTHING
     factor, prefix = next(((f, p) for f, p in PREFIXES if abs(value) >= f), PREFIXES[-1] if value else PREFIXES[0])
-    return f"{value / factor:.{digits}g} {prefix}{unit}"
+    return f"{finite(value / factor, digits)} {shown_unit(prefix + unit)}"
 
 
 def display(largest: float, unit: str) -> tuple[float, str]:
     """Factor and unit for the axis of a picture whose largest value is this."""
     factor, prefix = next(((f, p) for f, p in PREFIXES if abs(largest) >= f), PREFIXES[0])
-    return 1.0 / factor, f"{prefix}{unit}"
+    return 1.0 / factor, shown_unit(prefix + unit)
 
 
 def merged(fit: AxisFit) -> dict[str, Parameter]:
@@ -129,63 +132,62 @@ def open_loop(fit: AxisFit) -> tuple[Judged | None, Judged | None]:
 
 
 def sentences(fit: AxisFit) -> list[str]:
-    """The result in words, a line each: what was fitted, how good it is on the hold-out, what is not identifiable."""
+    """The result in words, a line each: what was fitted, its error on validation data, what is not identifiable."""
     alike = "alike both ways" if fit.symmetric else "by direction"
-    said = [*fit.faults, f"{MODELS[fit.model]}, {alike}", fit.method.rstrip("."), *_judged(fit)]
+    lines = [*fit.faults, f"{MODELS[fit.model]}, {alike}", fit.method.rstrip("."), *_judged(fit)]
     if fit.condition > TRADES:
-        said.append(
-            f"condition number {num(fit.condition, 3)}: parameters trade with one another, so their intervals are wide"
+        lines.append(
+            f"condition number {finite(fit.condition, 3)}: parameters trade with one another, so their intervals are "
+            "wide"
         )
     if fit.missing:
         rows = merged(fit)
-        said.append(
-            "not identifiable from this log: "
-            f"{', '.join(k for k in fit.missing if k in rows or k not in fit.parameters)}"
-        )
-    said.append(
+        keys = [k for k in fit.missing if k in rows or k not in fit.parameters]
+        lines.append(f"not identifiable from this log: {', '.join(keys)}")
+    lines.append(
         f"known from {length(fit, fit.travel[0])} to {length(fit, fit.travel[1])}, up to "
-        f"{scaled(fit.top_speed, f'{fit.position_unit}/s')} and {num(fit.top_acceleration)} "
+        f"{scaled(fit.top_speed, f'{fit.position_unit}/s')} and {finite(fit.top_acceleration)} "
         f"{fit.position_unit}/s^2; what the model says beyond that is a guess"
     )
-    return said
+    return lines
 
 
 def _judged(fit: AxisFit) -> list[str]:
     seen, unseen = open_loop(fit)
     if unseen is None:
-        said = ["no hold-out: every error here is on data that the fit has seen, and says nothing about other data"]
+        lines = ["no hold-out: every error here is on data that the fit has seen, and says nothing about other data"]
     else:
-        said = [
+        lines = [
             f"on data that the fit has not seen ({unseen.start_s:g} to {unseen.end_s:g} s) the simulated position is "
-            f"off by {length(fit, unseen.rms)} rms, {num(unseen.nrmse_percent, 3)} % of its range"
+            f"off by {length(fit, unseen.rms)} rms, {finite(unseen.nrmse_percent, 3)} % of its range"
         ]
         if seen is not None and seen.rms > 0.0:
-            said.append(_beside(seen, unseen))
+            lines.append(_beside(seen, unseen))
     closed = closed_loop(fit)
     if closed is not None:
-        said.append(
+        lines.append(
             f"under the known controller ({closed.start_s:g} to {closed.end_s:g} s) the simulated position is off by "
             f"{length(fit, closed.rms)} rms; a controller hides faults of a model, so judge the model by the line above"
         )
         left = fit.cascade_left_percent
         if left is not None and left > OBEYS:
-            said.append(
-                f"the known controller leaves {num(left, 3)} % of the logged drive (allowed are {OBEYS:g} %): it did "
-                "not make this log, so its score says nothing; check kp, kv, ki, over and the unit of the command"
+            lines.append(
+                f"the known controller leaves {finite(left, 3)} % of the logged drive (allowed are {OBEYS:g} %): it "
+                "did not make this log, so its score says nothing; check kp, kv, ki, over and the unit of the command"
             )
-    return said
+    return lines
 
 
 def _beside(seen: Judged, unseen: Judged) -> str:
     """The error on unseen data beside that on the data of the fit; the force left tells what a larger one means."""
     ratio = unseen.rms / seen.rms
-    said = f"that is {f'{num(ratio, 3)} times' if ratio >= 1.0 else 'no more than'} the error on the data of the fit"
+    line = f"that is {f'{finite(ratio, 3)} times' if ratio >= 1.0 else 'no more than'} the error on the data of the fit"
     if ratio <= ENDS_WELL or unseen.nrmse_percent <= NEGLIGIBLE:
-        return said
-    forces = f"{num(unseen.force_percent, 3)} % of the force is left there, {num(seen.force_percent, 3)} % here"
+        return line
+    forces = f"{finite(unseen.force_percent, 3)} % of the force is left there, {finite(seen.force_percent, 3)} % here"
     if unseen.force_percent > FORCE_ENDS_WELL * seen.force_percent:
-        return f"{said}; {forces}{TOO_GOOD}"
-    return f"{said}; {forces}, so small forces add up in the position"
+        return f"{line}; {forces}{TOO_GOOD}"
+    return f"{line}; {forces}, so small forces add up in the position"
 
 
 def closed_loop(fit: AxisFit) -> Judged | None:
@@ -199,15 +201,7 @@ def notes(fit: AxisFit, findings: Iterable[str] = ()) -> list[str]:
     return [note for note in dict.fromkeys([*findings, *fit.notes]) if note not in fit.faults]
 
 
-SCHEMA_VERSION = 1
-PARAMETER_COLUMNS = ("parameter", "value", "95 % from", "to", "unit", "how", "what")
-SCORE_COLUMNS = ("stretch", "from s", "to s", "rms", "worst", "% of range", "force rms", "% of force", "white %")
-RECORD_COLUMNS = ("of the log", "value")
-NUMBERS = {*PARAMETER_COLUMNS[1:4], *SCORE_COLUMNS[1:], "value"}
-"""Columns to be set to the right."""
-
-
-def parameter_rows(fit: AxisFit, reasons: bool = True) -> list[list[str]]:
+def parameter_table(fit: AxisFit, reasons: bool = True) -> TextTable:
     """One row for each parameter: key, value, interval, unit, how it was found, what it is.
 
     With ``reasons`` also why it is not fitted, where it is not.
@@ -216,13 +210,14 @@ def parameter_rows(fit: AxisFit, reasons: bool = True) -> list[list[str]]:
     for key, p in merged(fit).items():
         note = why(p) if reasons else ""
         digits = digits_of(p)
-        rows.append([key, num(p.value, digits), num(p.low, digits), num(p.high, digits), p.unit, state_of(p),
-                     name_of(fit, key) + (f": {note}" if note else "")])  # fmt: skip
-    return rows
+        rows.append([key, *(shown(x, digits) for x in (p.value, p.low, p.high)), shown_unit(p.unit),
+                     state_of(p), name_of(fit, key) + (f": {note}" if note else "")])  # fmt: skip
+    heads = ("parameter", "value", "95 % from", "to", "unit", "how", "what")
+    return TextTable(heads, rows, [False, *[True] * 3, False, False, False], title="Parameters")
 
 
 def reason_lines(fit: AxisFit) -> list[str]:
-    """What is to be said of single parameters, a line for each reason with the keys that it is about."""
+    """What holds for single parameters, a line for each reason with the keys that it is about."""
     found: dict[str, list[str]] = {}
     for key, p in merged(fit).items():
         if why(p):
@@ -230,44 +225,48 @@ def reason_lines(fit: AxisFit) -> list[str]:
     return [f"{', '.join(keys)}: {reason}" for reason, keys in found.items()]
 
 
-def score_rows(fit: AxisFit) -> list[list[str]]:
+def score_table(fit: AxisFit) -> TextTable:
     """Errors by stretch of the log: of the simulated position, and of the drive's force by inverse dynamics."""
     force = force_unit(fit)
-    return [
-        [j.what, num(j.start_s), num(j.end_s), length(fit, j.rms), length(fit, j.worst), num(j.nrmse_percent, 3),
-         f"{num(j.rms_force, 3)} {force}", num(j.force_percent, 3), num(j.whiteness, 3)]
+    rows = [
+        [j.what, finite(j.start_s), finite(j.end_s), length(fit, j.rms), length(fit, j.worst),
+         finite(j.nrmse_percent, 3), f"{finite(j.rms_force, 3)} {force}", finite(j.force_percent, 3),
+         finite(j.whiteness, 3)]
         for j in fit.judged
     ]  # fmt: skip
+    heads = ("part", "from (s)", "to (s)", "rms", "worst", "% of range", "force rms", "% of force", "white (%)")
+    return TextTable(heads, rows, [False, *[True] * 8], title="Errors by part of the log")
 
 
-def compared_table(fit: AxisFit) -> tuple[list[str], list[list[str]]]:
+def compared_table(fit: AxisFit) -> TextTable:
     """Models that were tried: headers and rows, in the words of the fitter."""
     keys = list(dict.fromkeys(key for row in fit.compared for key in row))
     rows = [[_cell(fit, key, row.get(key)) for key in keys] for row in fit.compared]
-    return [_header(key) for key in keys], rows
+    return TextTable([_header(key) for key in keys], rows, title="Models compared")
 
 
-def correlation_table(fit: AxisFit) -> tuple[list[str], list[list[str]]]:
+def correlation_table(fit: AxisFit) -> TextTable:
     """Correlations of the estimates, below the diagonal."""
     keys = [k for k in fit.parameters if k in fit.correlation]
-    rows = [[row, *(num(fit.correlation[row].get(column), 2) if j < i else "" for j, column in enumerate(keys[:-1]))]
+    rows = [[row, *(finite(fit.correlation[row].get(column), 2) if j < i else "" for j, column in enumerate(keys[:-1]))]
             for i, row in enumerate(keys) if i]  # fmt: skip
-    return ["", *keys[:-1]], rows
+    return TextTable(["", *keys[:-1]], rows, [False, *[True] * len(keys[:-1])], title="Correlation of the estimates")
 
 
-def record_rows(fit: AxisFit) -> list[list[str]]:
+def record_table(fit: AxisFit) -> TextTable:
     """What the log is like: what a reader needs to judge the fit."""
     unit = fit.position_unit
-    return [
+    rows = [
         ["period", scaled(fit.period, "s")],
         ["step of the encoder", length(fit, fit.encoder_step) if fit.encoder_step > 0.0 else "not seen"],
         ["noise of the position, rms", length(fit, fit.noise) + _rounding(fit)],
         ["travel", f"{length(fit, fit.travel[0])} to {length(fit, fit.travel[1])}"],
         ["largest speed", scaled(fit.top_speed, f"{unit}/s")],
-        ["largest acceleration", f"{num(fit.top_acceleration)} {unit}/s^2"],
-        ["largest drive", f"{num(fit.top_drive, 4)} {fit.drive_unit}"],
-        ["condition number of the fit", num(fit.condition, 3)],
+        ["largest acceleration", f"{finite(fit.top_acceleration)} {unit}/s^2"],
+        ["largest drive", f"{finite(fit.top_drive, 4)} {fit.drive_unit}"],
+        ["condition number of the fit", finite(fit.condition, 3)],
     ]
+    return TextTable.words(("of the log", "value"), rows, title="The log")
 
 
 def _rounding(fit: AxisFit) -> str:
@@ -281,7 +280,7 @@ def summary(fit: AxisFit) -> dict[str, Any]:
     seen, unseen = open_loop(fit)
     ratio = unseen.rms / seen.rms if seen is not None and unseen is not None and seen.rms > 0.0 else None
     return {
-        "schema_version": SCHEMA_VERSION, "kind": "leadscrew identify axis", **fit.as_dict(),
+        **head("identify axis"), **fit.as_dict(),
         "holdout_over_training": ratio, "sentences": sentences(fit),
     }  # fmt: skip
 
@@ -294,7 +293,7 @@ def _cell(fit: AxisFit, key: str, value: Any) -> str:
     if isinstance(value, bool):
         return "yes" if value else "no"
     if isinstance(value, float):
-        return length(fit, value) if "rms" in key and "force" not in key else num(value, 3)
+        return length(fit, value) if "rms" in key and "force" not in key else finite(value, 3)
     return "" if value is None else str(value)
 
 
@@ -454,7 +453,7 @@ def residual_figure(fit: AxisFit) -> Figure | None:
     left.axhline(0.0, color=BLACK, linewidth=0.6)
     unit = force_unit(fit)
     left.set(xlabel="time (s)", ylabel=f"residual force ({unit})")
-    left.set_title(f"{j.what}: {num(j.rms_force, 3)} {unit} rms, {num(j.force_percent, 3)} % of the force")
+    left.set_title(f"{j.what}: {finite(j.rms_force, 3)} {unit} rms, {finite(j.force_percent, 3)} % of the force")
     lags = autocorrelation(j.force_left)
     bound = 1.96 / np.sqrt(np.count_nonzero(np.isfinite(j.force_left)))
     times = np.arange(len(lags)) * (j.time[-1] - j.time[0]) / (len(j.time) - 1)
@@ -519,7 +518,7 @@ def friction_figure(fit: AxisFit) -> Figure | None:
 
 
 def interval_figure(fit: AxisFit) -> Figure | None:
-    """Half of each 95 % interval in percent of the value; filled where the log tells the parameter."""
+    """Half of each 95 % interval in percent of the value; filled where the log determines the parameter."""
     from matplotlib.ticker import StrMethodFormatter
 
     from leadscrew.figures.figure import Figure
@@ -542,7 +541,7 @@ def interval_figure(fit: AxisFit) -> Figure | None:
     ax.set_yticks(range(len(rows)), list(rows))
     ax.xaxis.set_major_formatter(StrMethodFormatter("{x:g}"))
     ax.axvline(100.0, color=GREEN, linewidth=1.0, linestyle=":")
-    ax.plot([], [], "o", color=BLUE, label="identifiable")
+    ax.plot([], [], "o", color=BLUE, label="identifiable from the log")
     ax.plot([], [], "D", color=VERMILION, fillstyle="none", label="not identifiable")
     figure.legend(loc="outside lower center", ncols=2, frameon=False, fontsize="small")
     ax.grid(axis="x", color="0.92", linewidth=0.6)
@@ -557,6 +556,19 @@ def _tidy(*axes: Any) -> None:
         ax.margins(x=0)
 
 
+def report_of(fit: AxisFit, findings: Sequence[Finding], files: Sequence[File]) -> Report:
+    """The report of ``leadscrew identify axis``; ``findings`` are those of the check of the log."""
+    return Report(
+        {**summary(fit), "findings": [f._asdict() for f in findings]},
+        parts=[
+            parameter_table(fit, False), score_table(fit), *([compared_table(fit)] if fit.compared else []),
+            *sentences(fit), *reason_lines(fit), *(f"to measure next: {a}" for a in fit.advice),
+        ],
+        notes=notes(fit, (f.sentence for f in findings)),
+        files=files,
+    )  # fmt: skip
+
+
 MACHINE = "axis.toml"
 
 
@@ -568,10 +580,10 @@ def write(
     Complete, or not at all.
 
     Args:
-        fit: what was found.
+        fit: the result.
         folder: new, or empty.
         machine: writes the machine file to the path that it is given; none is written without.
-        findings: what the check of the log said, for the page.
+        findings: the findings of the check of the log, for the page.
 
     Raises:
         DataError: the folder exists already and is not empty, or cannot be written.
@@ -597,19 +609,19 @@ def page_of(
         *html.paragraphs(sentences(fit)),
         html.bullets("Notes", notes(fit, findings)),
         html.bullets("What to measure next", fit.advice),
-        html.table("Parameters", PARAMETER_COLUMNS, parameter_rows(fit), NUMBERS),
+        html.table(parameter_table(fit)),
         '<p class="quiet">Intervals are of 95 %. A parameter that is fixed or given has none.</p>',
-        html.table("Errors by part of the log", SCORE_COLUMNS, score_rows(fit), NUMBERS),
+        html.table(score_table(fit)),
         '<p class="quiet">Position: simulated from the drive alone, from the measured state at the start of the part. '
         "Force: what inverse dynamics leaves. White: share of its autocorrelations within the bounds of white noise, "
         "95 % for noise alone.</p>",
         *(html.picture(figure, name, caption, caption) for name, (caption, figure) in drawn.items()),
     ]
     if fit.compared:
-        parts.append(html.table("Models compared", *compared_table(fit), right=NUMBERS))
+        parts.append(html.table(compared_table(fit)))
     if len(fit.correlation) > 1:
-        parts.append(html.table("Correlation of the estimates", *correlation_table(fit), right=NUMBERS))
-    parts.append(html.table("The log", RECORD_COLUMNS, record_rows(fit), NUMBERS))
+        parts.append(html.table(correlation_table(fit)))
+    parts.append(html.table(record_table(fit)))
     if with_machine:
         parts.append(f"<p><code>{MACHINE}</code>, beside this page, is the axis as a machine file: a name wherever a "
                      "study is named.</p>")  # fmt: skip

@@ -9,11 +9,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from leadscrew.figures.formats import NOTHING
 from leadscrew.figures.style import BLACK, BLUE, GREEN, ORANGE, VERMILION
+from leadscrew.figures.table import NOTHING, finite, fixed, unit
 from leadscrew.identify.estimation import Parameter, quantile
 from leadscrew.identify.linear.result import LinearFit
 from leadscrew.report import page as html
+from leadscrew.report.report import File, Report, TextTable, head
 from leadscrew.util import escape
 from leadscrew.util.atomic import atomic_folder
 from leadscrew.util.strict_json import strict
@@ -22,26 +23,17 @@ if TYPE_CHECKING:
     from leadscrew.figures.figure import Figure
 
 
-SCHEMA_VERSION = 1
 WIDE = 500.0
 """Percent of the value that half an interval may be wide, for its ends to be worth printing."""
-PARAMETER_COLUMNS = ("parameter", "value", "95 % from", "to", "unit", "")
-CANDIDATE_COLUMNS = ("model", "delay s", "training rms", "hold-out rms", "")
-STRETCH_COLUMNS = ("part", "from s", "to s", "rms", "worst", "% of range", "fit %")
-NUMBERS = {*PARAMETER_COLUMNS[1:4], *CANDIDATE_COLUMNS[1:4], *STRETCH_COLUMNS[1:]}
-"""Columns to be set to the right."""
 
 
-def num(value: float, digits: int = 4) -> str:
-    """A number with some significant digits, a dash for none."""
-    return f"{value:.{digits}g}" if np.isfinite(value) else NOTHING
-
-
-def parameter_rows(fit: LinearFit) -> list[list[str]]:
+def parameter_table(fit: LinearFit) -> TextTable:
     """Gain, poles, zeros, delay, offset; then the coefficients."""
     rows = [_row(_name(fit, key), p) for key, p in fit.parameters.items()]
     rows.append(_row("input offset" if fit.structure.integrators else "output offset", fit.offset))
-    return rows + [_row(key, p) for key, p in fit.coefficients.items()]
+    rows += [_row(key, p) for key, p in fit.coefficients.items()]
+    heads = ("parameter", "value", "95 % from", "to", "unit", "")
+    return TextTable(heads, rows, [False, *[True] * 3, False, False], title="Parameters")
 
 
 def _name(fit: LinearFit, key: str) -> str:
@@ -52,24 +44,28 @@ def _name(fit: LinearFit, key: str) -> str:
 
 def _row(name: str, p: Parameter) -> list[str]:
     if p.low == p.high:
-        return [name, num(p.value, 5), NOTHING, NOTHING, p.unit, "given"]
+        return [name, finite(p.value, 5), NOTHING, NOTHING, unit(p.unit), "given"]
     if not p.identifiable and p.percent > WIDE:
-        return [name, num(p.value, 5), NOTHING, NOTHING, p.unit, "not identifiable"]
-    return [name, num(p.value, 5), num(p.low, 5), num(p.high, 5), p.unit, "" if p.identifiable else "not identifiable"]
-
-
-def candidate_rows(fit: LinearFit) -> list[list[str]]:
-    """All structures that were tried, simplest first."""
+        return [name, finite(p.value, 5), NOTHING, NOTHING, unit(p.unit), "not identifiable"]
     return [
-        [
-            c.structure.text,
-            num(_delay(fit, c.delay_s), 3),
-            _sized(fit, c.train_rms),
-            _sized(fit, c.holdout_rms),
-            c.against,
-        ]
+        name,
+        finite(p.value, 5),
+        finite(p.low, 5),
+        finite(p.high, 5),
+        unit(p.unit),
+        "" if p.identifiable else "not identifiable",
+    ]
+
+
+def candidate_table(fit: LinearFit) -> TextTable:
+    """All structures that were tried, simplest first."""
+    rows = [
+        [c.structure.text, finite(_delay(fit, c.delay_s), 3), finite(c.train_rms), finite(c.holdout_rms), c.against]
         for c in fit.candidates
     ]
+    of = _of(fit)
+    heads = ("model", "delay (s)", f"training rms{of}", f"hold-out rms{of}", "")
+    return TextTable(heads, rows, [False, True, True, True, False], title="Models tried")
 
 
 def _delay(fit: LinearFit, delay_s: float) -> float:
@@ -77,47 +73,43 @@ def _delay(fit: LinearFit, delay_s: float) -> float:
     return delay_s if delay_s > 1e-4 * fit.period else 0.0
 
 
-def _sized(fit: LinearFit, value: float) -> str:
-    """In the output's unit."""
-    return num(value) + (f" {fit.output_unit}" if fit.output_unit != "1" and np.isfinite(value) else "")
+def _of(fit: LinearFit) -> str:
+    """The output's unit, for a head."""
+    return f" ({unit(fit.output_unit)})" if unit(fit.output_unit) else ""
 
 
-def stretch_rows(fit: LinearFit) -> list[list[str]]:
+def stretch_table(fit: LinearFit) -> TextTable:
     """Errors of simulation on training and hold-out."""
-    return [
-        [
-            s.what,
-            num(s.start_s),
-            num(s.end_s),
-            _sized(fit, s.rms),
-            _sized(fit, s.worst),
-            num(s.nrmse_percent, 3),
-            f"{s.fit_percent:.2f}",
-        ]
+    rows = [
+        [s.what, finite(s.start_s), finite(s.end_s), finite(s.rms), finite(s.worst), finite(s.nrmse_percent, 3),
+         fixed(s.fit_percent, 2)]
         for s in fit.stretches
-    ]
+    ]  # fmt: skip
+    of = _of(fit)
+    heads = ("part", "from (s)", "to (s)", f"rms{of}", f"worst{of}", "% of range", "fit (%)")
+    return TextTable(heads, rows, [False, *[True] * 6], title="Errors of simulation")
 
 
 def polynomial(values: Sequence[float] | np.ndarray) -> str:
     """``s^2 + 144.8 s + 166.3``."""
-    said: list[str] = []
+    lines: list[str] = []
     degree = len(values) - 1
     for k, value in enumerate(values):
         power = degree - k
         if value == 0.0 and len(values) > 1:
             continue
-        size = num(abs(value), 5)
+        size = f"{abs(value):.5g}"
         factor = "" if power == 0 else "s" if power == 1 else f"s^{power}"
         text = factor if size == "1" and factor else f"{size} {factor}".strip()
-        said.append((("- " if value < 0.0 else "+ ") if said else ("-" if value < 0.0 else "")) + text)
-    return " ".join(said)
+        lines.append((("- " if value < 0.0 else "+ ") if lines else ("-" if value < 0.0 else "")) + text)
+    return " ".join(lines)
 
 
 def equation(fit: LinearFit) -> str:
     """The transfer function in one line."""
     above, below = polynomial(fit.numerator), polynomial(fit.denominator)
     above = f"({above})" if " " in above and fit.structure.zeros else above
-    return f"{above} / ({below}) exp(-{num(_delay(fit, fit.delay_s))} s)"
+    return f"{above} / ({below}) exp(-{_delay(fit, fit.delay_s):.4g} s)"
 
 
 def sentences(fit: LinearFit) -> list[str]:
@@ -130,10 +122,10 @@ def sentences(fit: LinearFit) -> list[str]:
         else "asked for"
     )
     return [
-        f"{fit.input_name} ({fit.input_unit}) to {fit.output_name} ({fit.output_unit}), every {num(fit.period)} s: "
+        f"{fit.input_name} ({fit.input_unit}) to {fit.output_name} ({fit.output_unit}), every {finite(fit.period)} s: "
         f"{equation(fit)}",
         f"{fit.structure.text}: {how}; {fit.method}",
-        f"the input speaks from {num(low, 3)} to {num(high, 3)} Hz; condition number {num(fit.condition, 2)}",
+        f"the input speaks from {finite(low, 3)} to {finite(high, 3)} Hz; condition number {finite(fit.condition, 2)}",
         f"residual: {fit.whiteness:.0f} % of autocorrelations as of white noise (95 expected); with the input before "
         f"{fit.missed:.1f}, after {fit.feedback:.1f} deviations (above 4 is no chance)",
     ]  # fmt: skip
@@ -142,9 +134,23 @@ def sentences(fit: LinearFit) -> list[str]:
 def summary(fit: LinearFit, log: str) -> dict[str, Any]:
     """The one JSON object of ``leadscrew identify linear --json``."""
     return {
-        "schema_version": SCHEMA_VERSION, "kind": "leadscrew identify linear", "log": log, **fit.as_dict(),
+        **head("identify linear"), "log": log, **fit.as_dict(),
         "sentences": sentences(fit),
     }  # fmt: skip
+
+
+def report_of(fit: LinearFit, log: Path, files: Sequence[File] = ()) -> Report:
+    """The report of ``leadscrew identify linear``."""
+    return Report(
+        summary(fit, str(log)),
+        parts=[
+            parameter_table(fit), candidate_table(fit), stretch_table(fit), *sentences(fit),
+            *(f"to measure next: {a}" for a in fit.advice),
+        ],
+        notes=fit.notes,
+        files=files,
+        page=lambda folder: write(fit, folder),
+    )  # fmt: skip
 
 
 def write(fit: LinearFit, folder: str | Path) -> None:
@@ -164,14 +170,14 @@ def write(fit: LinearFit, folder: str | Path) -> None:
 
 def _page(fit: LinearFit, drawn: dict[str, Any]) -> str:
     title = f"Linear model: {fit.input_name} to {fit.output_name}"
-    lines = [*sentences(fit), *(f"note: {n}" for n in fit.notes), *(f"next: {a}" for a in fit.advice)]
+    lines = [*sentences(fit), *(f"note: {n}" for n in fit.notes), *(f"to measure next: {a}" for a in fit.advice)]
     parts = [
         f"<p>{escape.html(fit.source)}</p>",
         *html.paragraphs(lines),
-        html.table("Errors of simulation", STRETCH_COLUMNS, stretch_rows(fit), NUMBERS),
-        html.table("Parameters", PARAMETER_COLUMNS, parameter_rows(fit), NUMBERS),
+        html.table(stretch_table(fit)),
+        html.table(parameter_table(fit)),
         *(html.picture(figure, name, caption, caption) for name, (figure, caption) in drawn.items()),
-        html.table("Models tried", CANDIDATE_COLUMNS, candidate_rows(fit), NUMBERS),
+        html.table(candidate_table(fit)),
     ]
     return html.page(title, parts)
 

@@ -4,17 +4,20 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from leadscrew.figures.formats import first_line, metric_unit, number
+from leadscrew.figures.formats import first_line, metric_unit
+from leadscrew.figures.table import NOTHING, fixed, number, unit
+from leadscrew.report.report import File, Part, Report, TextTable, Verbatim, head
 from leadscrew.tune.montecarlo import MonteCarlo
 from leadscrew.tune.parameter_drift import Crossing, Envelope
 from leadscrew.tune.sensitivity import UNKNOWN, SobolIndex
-from leadscrew.tune.worst import Worst, write
+from leadscrew.tune.statistics import Yield
+from leadscrew.tune.worst import DIVERGED, Worst, write
 from leadscrew.util import reading
 from leadscrew.util.atomic import replace_folder, replaceable_folder
 from leadscrew.util.errors import DataError
@@ -115,9 +118,6 @@ def _ours(folder: Path) -> bool:
         return False
 
 
-SCHEMA_VERSION = 1
-
-
 @dataclass
 class Findings:
     """All that a report says."""
@@ -164,8 +164,7 @@ def summary(findings: Findings, folder: str | Path | None = None) -> dict[str, A
     origin = {k: v for k, v in found.job.of(found.job.where[0]).origin.items() if k != "scenario"}
     quantile = ("percent", "value", "low", "high")
     made = {
-        "schema_version": SCHEMA_VERSION,
-        "kind": KIND,
+        **head("montecarlo"),
         "notes": notes(findings),
         **origin,
         "scenarios": list(found.job.where),
@@ -222,6 +221,122 @@ def _life(findings: Findings, envelope: Envelope) -> dict[str, Any]:
     }
 
 
+# ---- on a terminal
+SHOWN = (1, 5, 50, 95, 99)
+"""Percents of the quantiles that a terminal shows."""
+LOST = 3
+"""Exit code where every run diverges."""
+
+
+def report_of(findings: Findings, out: Path) -> Report:
+    """The report of ``leadscrew montecarlo``, which is written to ``out``."""
+    found, cost = findings.found, findings.cost
+    several = len(found.samples.scenarios) > 1
+    memory = "" if cost["peak_memory_mib"] is None else f", {cost['peak_memory_mib']:.0f} MiB at most"
+    lost, verdict = bool(found.diverged.all()), ""
+    if lost:
+        first = min(float(at.min()) for at in (v[v == v] for v in found.samples.diverged_at.values()) if len(at))
+        verdict = f"all {len(found)} runs diverged, the first at {first:g} s"
+    return Report(
+        {**summary(findings, out), "report": str(out / "report.html")},
+        parts=[
+            _spread_table(findings, several),
+            *without_value(found),
+            _yield_table(findings),
+            *_sensitivity_parts(findings, several),
+            *_life_parts(findings),
+            *([Verbatim(_again(findings, out))] if findings.worst else []),
+            f"{cost['runs']} runs in {cost['seconds']:.2f} s, {cost['runs_per_s']:,.0f} runs/s on {cost['crew']}"
+            f"{memory}; {int(found.diverged.sum())} diverged",
+        ],
+        verdict=verdict,
+        notes=[n for n in (alike(found),) if n],
+        files=[File("", out / "report.html", "the report")],
+        code=LOST if lost else 0,
+    )
+
+
+def _spread_table(findings: Findings, several: bool) -> TextTable:
+    rows = []
+    for s in findings.found.spreads:
+        at = {q.percent: number(q.value) for q in s.quantiles}
+        where = [s.scenario] if several else []
+        without = str(s.diverged + s.without or "")
+        rows.append([s.metric, *where, *(at[p] for p in SHOWN), unit(findings.unit(s.metric)), without])
+    where = ["scenario"] if several else []
+    heads = ["metric", *where, *(f"{p} %" for p in SHOWN), "unit", "without"]
+    return TextTable(heads, rows, [False, *[False] * several, *[True] * len(SHOWN), False, True])
+
+
+def _yield_table(findings: Findings) -> TextTable:
+    found = findings.found
+    rows = [[text, *_yield(y)] for text, y in found.yields.items()]
+    rows.append(["all together" if rows else "did not diverge", *_yield(found.joint)])
+    return TextTable(["tolerance", "passed", "yield", "95 % interval"], rows, [False, True, True, False])
+
+
+def _yield(found: Yield) -> list[str]:
+    part = [f"{number(100.0 * x)} %" for x in (found.value, found.low, found.high)]
+    ends = f"{part[1]} to {part[2]}" if found.low == found.low else NOTHING
+    return [f"{found.passed} of {found.runs}", part[0], ends]
+
+
+def _sensitivity_parts(findings: Findings, several: bool) -> Iterator[Part]:
+    """Which runs fail, rank correlations, Sobol indices; each where there are any."""
+    where = ["scenario"] if several else []
+    rows = [
+        [f.tolerance, f.key, fixed(f.larger, 3), f"{fixed(f.larger_low, 3)} to {fixed(f.larger_high, 3)}",
+         f"{number(f.low)} to {number(f.high)}", f"{f.failed} of {f.inside} fail"]
+        for f in findings.found.failures
+    ]  # fmt: skip
+    if rows:
+        heads = ["which runs fail", "parameter", "larger in failed", "95 % interval", "all failures within", "there"]
+        yield TextTable(heads, rows, [False, False, True, False, False, False])
+    rows = [
+        [c.metric, *([c.scenario] if several else []), c.key, fixed(c.value, 3),
+         f"{fixed(c.low, 3)} to {fixed(c.high, 3)}", fixed(c.partial, 3)]
+        for c in findings.found.correlations
+        if c.value == c.value
+    ]  # fmt: skip
+    if rows:
+        heads = ["metric", *where, "parameter", "rank correlation", "95 % interval", "partial"]
+        yield TextTable(heads, rows, [*[False] * (2 + several), True, False, True])
+    rows = [
+        [s.metric, *([s.scenario] if several else []), s.key,
+         f"{s.first:.3f} ± {s.first_width:.3f}" if s.first_known else "not known",
+         f"{s.total:.3f} ± {s.total_width:.3f}" if s.total_known else "not known"]
+        for s in findings.sobol
+        if s.first == s.first
+    ]  # fmt: skip
+    if rows:
+        yield TextTable.words(["metric", *where, "parameter", "Sobol, first order", "total"], rows)
+    yield from filter(None, (unknown(findings), missing(findings)))
+
+
+def _life_parts(findings: Findings) -> Iterator[Part]:
+    life, end = findings.envelope, findings.crossing
+    if life is None or end is None:
+        return
+    rows = [[number(at, 3), *_yield(y)] for at, y in zip(life.life, life.yields, strict=True)]
+    yield TextTable(["life", "passed", "yield", "95 % interval"], rows, [True, True, True, False])
+    level = f"{100.0 * end.level:g} %"
+    if end.life != end.life:
+        yield f"the yield does not fall below {level} within this life"
+    else:
+        last = "beyond this life" if end.high != end.high else number(end.high)
+        span = "" if end.low != end.low else f" (95 %: {number(end.low)} to {last})"
+        yield f"the yield falls below {level} at {number(end.life)} of the life{span}"
+
+
+def _again(findings: Findings, out: Path) -> Iterator[str]:
+    """The commands that run the worst again."""
+    yield "The worst runs, to run again:"
+    for w in findings.worst:
+        what = f"{w.of} at {number(w.value)} s" if w.of == DIVERGED else f"{w.of} {number(w.value)}"
+        yield f"  {findings.replay(w, out)}   # run {w.run}, {what}"
+
+
+# ---- the folder
 def write_report(findings: Findings, folder: str | Path, figures: bool = True) -> Path:
     """Writes the folder beside its place, then puts it there; a report of ours that is there is replaced.
 
@@ -323,25 +438,20 @@ def _bars(findings: Findings, rows: Any, numbers: Any) -> dict[str, dict[str, di
 
 def percent(part: float | None) -> str:
     """A part of one as percents."""
-    return short(None if part is None else 100.0 * part)
+    return number(None if part is None else 100.0 * part)
 
 
-def short(value: float | None) -> str:
-    """Four digits, as many as a sample is good for."""
-    return number(value) if value is None else f"{value:.4g}"
-
-
-def render(findings: Findings, said: Mapping[str, Any], folder: Path, drawn: Sequence[tuple[str, str, str]]) -> str:
+def render(findings: Findings, data: Mapping[str, Any], folder: Path, drawn: Sequence[tuple[str, str, str]]) -> str:
     """The page, from what the summary says; ``drawn`` are name, caption and source of each figure."""
     from leadscrew.report.folder import manifest
     from leadscrew.report.html import template
 
     made = manifest(findings.found.wall_s)
     made.pop("wall time of the study")
-    return template("montecarlo.html.j2", number=number, percent=percent, short=short).render(
-        said=said,
-        title=f"{Path(str(said['study'])).name} under {said['controller']}" if said["controller"] else said["study"],
-        several=len(said["scenarios"]) > 1,
+    return template("montecarlo.html.j2", number=number, percent=percent).render(
+        said=data,
+        title=f"{Path(str(data['study'])).name} under {data['controller']}" if data["controller"] else data["study"],
+        several=len(data["scenarios"]) > 1,
         groups=[
             ("Distributions", [d for d in drawn if d[0] in findings.shown]),
             ("Which runs fail", [d for d in drawn if d[0].startswith("fails_")]),

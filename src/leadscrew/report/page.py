@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Container, Sequence
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from leadscrew.figures.formats import NOTHING
 from leadscrew.report.html import embedded
 from leadscrew.util.escape import html as escape
 
 if TYPE_CHECKING:
     from leadscrew.figures.figure import Figure
+    from leadscrew.report.report import TextTable
 
 
 def page(title: str, parts: Sequence[str], style: str = "") -> str:
@@ -49,21 +49,14 @@ def picture(figure: Figure, name: str, alt: str, caption: str = "") -> str:
     return f'<figure><img alt="{escape(alt)}" src="{embedded(figure, name)}">{below}</figure>'
 
 
-def table(
-    title: str, columns: Sequence[str], rows: Sequence[Sequence[str]], right: Container[str] | None = None
-) -> str:
-    """A table below a heading; columns in ``right`` stand to the right, without it every cell that is a number."""
+def table(shown: TextTable) -> str:
+    """A table below its heading; columns of numbers stand to the right."""
 
-    def cell(column: str, text: str) -> str:
-        number = _is_number(text) if right is None else column in right
-        return f'<td class="n">{escape(text)}</td>' if number else f"<td>{escape(text)}</td>"
+    def cells(tag: str, texts: Sequence[str]) -> str:
+        return "".join(
+            f'<{tag} class="n">{escape(text)}</{tag}>' if right else f"<{tag}>{escape(text)}</{tag}>"
+            for text, right in zip(texts, shown.numeric, strict=True)
+        )
 
-    head = "".join(f"<th>{escape(c)}</th>" for c in columns)
-    body = "".join(
-        "<tr>" + "".join(cell(c, text) for c, text in zip(columns, row, strict=True)) + "</tr>" for row in rows
-    )
-    return f'<h2>{escape(title)}</h2><div class="wide"><table><tr>{head}</tr>{body}</table></div>'
-
-
-def _is_number(text: str) -> bool:
-    return text == NOTHING or text.lstrip("-").replace(".", "", 1).isdigit()
+    head, body = cells("th", shown.heads), "".join(f"<tr>{cells('td', row)}</tr>" for row in shown.rows)
+    return f'<h2>{escape(shown.title)}</h2><div class="wide"><table><tr>{head}</tr>{body}</table></div>'

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from leadscrew.analysis.positioning import OneWay, Positioning
-from leadscrew.figures.formats import NOTHING
 from leadscrew.figures.positioning import draw
+from leadscrew.figures.table import NOTHING, fixed, number
 from leadscrew.report import page as html
+from leadscrew.report.report import File, Report, TextTable, Verbatim, head
 from leadscrew.util import escape
 from leadscrew.util.atomic import atomic_folder
 from leadscrew.util.strict_json import strict
@@ -17,19 +19,10 @@ from leadscrew.util.strict_json import strict
 if TYPE_CHECKING:
     from leadscrew.figures.figure import Figure
 
-SCHEMA_VERSION = 1
 STANDARD = "ISO 230-2:2014"
 
-TARGET_COLUMNS = ("target mm", "mean + um", "mean - um", "s + um", "s - um", "reversal um", "R um")
-RESULT_COLUMNS = ("quantity", "", "direction +", "direction -", "both", "unit")
 
-
-def um(value: float | None) -> str:
-    """Micrometres with two decimals, a dash for what was not measured."""
-    return NOTHING if value is None else f"{value:.2f}".replace("-0.00", "0.00")
-
-
-def target_rows(test: Positioning) -> list[list[str]]:
+def target_table(test: Positioning) -> TextTable:
     """One row for each target."""
     rows = []
     for i, target in enumerate(test.targets_mm):
@@ -37,58 +30,60 @@ def target_rows(test: Positioning) -> list[list[str]]:
         spreads = [None if way is None else float(way.s[i]) for way in (test.up, test.down)]
         both = test.both
         last = (None, None) if both is None else (float(both.reversal_at[i]), float(both.repeatability_at[i]))
-        rows.append([f"{target:g}", *map(um, (*means, *spreads, *last))])
-    return rows
+        rows.append([number(target, 6), *(fixed(x, 2) for x in (*means, *spreads, *last))])
+    heads = ("target (mm)", "mean + (µm)", "mean − (µm)", "s + (µm)", "s − (µm)", "reversal (µm)", "R (µm)")
+    return TextTable(heads, rows, title="Targets")
 
 
-def result_rows(test: Positioning) -> list[list[str]]:
+def result_table(test: Positioning) -> TextTable:
     """The quantities of the axis: by direction, and both."""
     up, down, both = test.up, test.down, test.both
 
     def of(name: str) -> list[str]:
-        return [um(None if way is None else getattr(way, name)) for way in (up, down, both)]
+        return [fixed(None if way is None else getattr(way, name), 2) for way in (up, down, both)]
 
-    only = [
-        (NOTHING, NOTHING, um(None if both is None else getattr(both, n)))
-        for n in ("mean_error", "reversal", "mean_reversal")
+    def only(name: str) -> list[str]:
+        return [NOTHING, NOTHING, fixed(None if both is None else getattr(both, name), 2)]
+
+    rows = [
+        ["accuracy", "A", *of("accuracy"), "µm"],
+        ["repeatability", "R", *of("repeatability"), "µm"],
+        ["systematic error", "E", *of("systematic"), "µm"],
+        ["mean bidirectional error", "M", *only("mean_error"), "µm"],
+        ["reversal value, largest", "B", *only("reversal"), "µm"],
+        ["reversal value, mean", "", *only("mean_reversal"), "µm"],
     ]
-    return [
-        ["accuracy", "A", *of("accuracy"), "um"],
-        ["repeatability", "R", *of("repeatability"), "um"],
-        ["systematic error", "E", *of("systematic"), "um"],
-        ["mean bidirectional error", "M", *only[0], "um"],
-        ["reversal value, largest", "B", *only[1], "um"],
-        ["reversal value, mean", "", *only[2], "um"],
-    ]
+    heads = ("quantity", "", "direction +", "direction −", "both", "unit")
+    return TextTable(heads, rows, [False, False, True, True, True, False], title="Axis")
 
 
 def sentences(test: Positioning) -> list[str]:
     """The result in words, a line each."""
     travel = f"between {test.targets_mm[0]:g} and {test.targets_mm[-1]:g} mm"
-    said = []
+    lines = []
     if test.both is None:
         way, name = (test.up, "+") if test.up is not None else (test.down, "-")
         assert way is not None
-        said += _one_way(way, name, travel)
+        lines += _one_way(way, name, travel)
     else:
         both, left = test.both, test.compensated().both
         assert left is not None
-        said += [
-            f"bidirectional accuracy of positioning {travel}: A = {um(both.accuracy)} um",
-            f"bidirectional repeatability of positioning: R = {um(both.repeatability)} um",
-            f"bidirectional systematic error: E = {um(both.systematic)} um; mean bidirectional error: "
-            f"M = {um(both.mean_error)} um",
-            f"reversal value: B = {um(both.reversal)} um (mean {um(both.mean_reversal)} um)",
-            f"at these targets a compensation of each direction's mean leaves A = {um(left.accuracy)} um",
+        lines += [
+            f"bidirectional accuracy of positioning {travel}: A = {fixed(both.accuracy, 2)} µm",
+            f"bidirectional repeatability of positioning: R = {fixed(both.repeatability, 2)} µm",
+            f"bidirectional systematic error: E = {fixed(both.systematic, 2)} µm; mean bidirectional error: "
+            f"M = {fixed(both.mean_error, 2)} µm",
+            f"reversal value: B = {fixed(both.reversal, 2)} µm (mean {fixed(both.mean_reversal, 2)} µm)",
+            f"at these targets a compensation of each direction's mean leaves A = {fixed(left.accuracy, 2)} µm",
         ]
-    return said
+    return lines
 
 
 def _one_way(way: OneWay, name: str, travel: str) -> list[str]:
     return [
-        f"unidirectional accuracy of positioning {travel}, direction {name}: A = {um(way.accuracy)} um",
-        f"unidirectional repeatability of positioning: R = {um(way.repeatability)} um",
-        f"unidirectional systematic error: E = {um(way.systematic)} um",
+        f"unidirectional accuracy of positioning {travel}, direction {name}: A = {fixed(way.accuracy, 2)} µm",
+        f"unidirectional repeatability of positioning: R = {fixed(way.repeatability, 2)} µm",
+        f"unidirectional systematic error: E = {fixed(way.systematic, 2)} µm",
     ]
 
 
@@ -109,14 +104,28 @@ def summary(test: Positioning, source: str) -> dict[str, Any]:
     """The result as the one JSON object that ``leadscrew positioning --json`` prints."""
     left = test.compensated().both
     return {
-        "schema_version": SCHEMA_VERSION, "kind": "leadscrew positioning", "file": source, "standard": STANDARD,
+        **head("positioning"), "file": source, "standard": STANDARD,
         **test.as_dict(), "accuracy_if_compensated": None if left is None else left.accuracy,
         "uncertainty": None, "sentences": sentences(test), "notes": test.notes(),
     }  # fmt: skip
 
 
-def write(test: Positioning, source: str, folder: str | Path, more: dict[str, str] | None = None) -> None:
-    """Writes ``report.html``, ``positioning.json``, ``positioning.png`` and texts of one's own, complete or not at all.
+def report_of(test: Positioning, source: str, files: Sequence[File] = (), then: str = "") -> Report:
+    """The report of ``leadscrew positioning``; ``then`` says what to do with a file."""
+    return Report(
+        summary(test, source),
+        parts=[
+            target_table(test), result_table(test), *sentences(test),
+            *([Verbatim(then.splitlines())] if then else []),
+        ],
+        notes=test.notes(),
+        files=files,
+        page=lambda folder: write(test, source, folder),
+    )  # fmt: skip
+
+
+def write(test: Positioning, source: str, folder: str | Path) -> None:
+    """Writes ``report.html``, ``positioning.json`` and ``positioning.png``, complete or not at all.
 
     Raises:
         DataError: the folder exists already and is not empty, or cannot be written.
@@ -127,8 +136,6 @@ def write(test: Positioning, source: str, folder: str | Path, more: dict[str, st
         found = json.dumps(strict(summary(test, source)), indent=1, allow_nan=False)
         (beside / "positioning.json").write_text(found + "\n", encoding="utf-8")
         (beside / "report.html").write_text(page(test, source, drawn), encoding="utf-8")
-        for name, text in (more or {}).items():
-            (beside / name).write_text(text, encoding="utf-8")
 
 
 def page(test: Positioning, source: str, drawn: Figure) -> str:
@@ -143,7 +150,7 @@ def page(test: Positioning, source: str, drawn: Figure) -> str:
     parts = [
         *html.paragraphs(lines),
         html.picture(drawn, "positioning", "deviation against target"),
-        html.table("Axis", RESULT_COLUMNS, result_rows(test)),
-        html.table("Targets", TARGET_COLUMNS, target_rows(test)),
+        html.table(result_table(test)),
+        html.table(target_table(test)),
     ]
     return html.page(title, parts)

@@ -12,13 +12,15 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from leadscrew import resolve
-from leadscrew.figures.formats import integrated, number
+from leadscrew.figures.formats import integrated
 from leadscrew.figures.style import BLACK, BLUE, GREEN, ORANGE, PURPLE, SKY, VERMILION
+from leadscrew.figures.table import as_typed, number, unit
 from leadscrew.kernel.parameters import ParameterSpec
 from leadscrew.operate.change import Change
 from leadscrew.operate.operated import Event, Rerun, Session
 from leadscrew.operate.profile import Profile
 from leadscrew.report.page import page, paragraphs, picture, table
+from leadscrew.report.report import TextTable
 from leadscrew.util.atomic import atomic_write
 from leadscrew.util.errors import LeadscrewError
 
@@ -227,8 +229,9 @@ def _machine(operated: Operated) -> str:
 
 def _at_start(changes: Mapping[str, Any], operated: Operated) -> str:
     sheet = {**operated.sheet, **operated.at_start}
-    rows = [(k, number(_shown(v)), sheet[k].unit if k in sheet else "") for k, v in changes.items()]
-    return table("Changed at the start", ("parameter", "value", "unit"), rows) if rows else ""
+    rows = [(k, as_typed(v), unit(sheet[k].unit) if k in sheet else "") for k, v in changes.items()]
+    heads = ("parameter", "value", "unit")
+    return table(TextTable(heads, rows, [False, True, False], title="Changed at the start")) if rows else ""
 
 
 def _done(account: _Account, operated: Operated) -> str:
@@ -243,9 +246,9 @@ def _done(account: _Account, operated: Operated) -> str:
                     str(i + 1) if j == 0 else "",
                     f"{event.period * operated.period_s:g}",
                     key,
-                    number(_shown(change.old.get(key))),
-                    number(_shown(new.get(key))),
-                    entry.unit if entry is not None else "",
+                    as_typed(change.old.get(key)),
+                    as_typed(new.get(key)),
+                    unit(entry.unit) if entry is not None else "",
                     event.how,
                     event.why or "hand",
                 )
@@ -253,25 +256,23 @@ def _done(account: _Account, operated: Operated) -> str:
     columns = ("no.", "t (s)", "parameter", "before", "after", "unit", "how", "by")
     if not rows:
         return "<p>Nothing was changed.</p>"
-    return table("What was done", columns, rows, right=("no.", "t (s)", "before", "after"))
-
-
-def _shown(value: Any) -> Any:
-    return f"{np.size(value)} numbers" if isinstance(value, list) else value
+    return table(TextTable(columns, rows, [True, True, False, True, True, False, False, False], title="What was done"))
 
 
 def _figures(account: _Account, period_s: float) -> str:
     rows, columns = [], ["after no.", "from (s)", "to (s)"]
     for e in account.errors:
-        unit = f" ({e.unit})" if e.unit else ""
-        columns += [f"{e.label}: rms{unit}", f"largest{unit}"]
+        of = f" ({unit(e.unit)})" if e.unit else ""
+        columns += [f"{e.label}: rms{of}", f"largest{of}"]
     for stretch in account.stretches:
         if stretch.rows:
             first = stretch.first * period_s
-            said = ", ".join(map(str, stretch.events)) or "start"
+            after = ", ".join(map(str, stretch.events)) or "start"
             figures = [number(float(x)) for pair in zip(stretch.rms, stretch.largest, strict=True) for x in pair]
-            rows.append((said, f"{first:g}", f"{first + stretch.rows * period_s:g}", *figures))
-    return table("Error under each setting", columns, rows, right=columns[1:]) if rows and account.errors else ""
+            rows.append((after, f"{first:g}", f"{first + stretch.rows * period_s:g}", *figures))
+    right = [False, *[True] * (len(columns) - 1)]
+    shown = TextTable(columns, rows, right, title="Error under each setting")
+    return table(shown) if rows and account.errors else ""
 
 
 def _caption(account: _Account) -> str:

@@ -9,7 +9,7 @@ from typing import Any
 
 from leadscrew.figures.formats import plain
 from leadscrew.figures.table import NOTHING, number, unit
-from leadscrew.report.report import KIND, KeyNumber, Picture, Report, Section, TextTable
+from leadscrew.report.report import KIND, KeyNumber, Picture, Section, StudyReport, TextTable
 from leadscrew.studies.claims import SCHEMA_VERSION, VERDICTS, Claim
 from leadscrew.studies.exhibits import Experiment, FigureOf
 from leadscrew.studies.results import Miss, Results
@@ -26,7 +26,7 @@ _MINUS = re.compile(r"(?<![\w.])-(?=\d)")
 """A hyphen that is a minus."""
 
 
-def report_of(results: Results, saved: Sequence[tuple[str, str]] = (), command: str = "") -> Report:
+def report_of(results: Results, saved: Sequence[tuple[str, str]] = (), command: str = "") -> StudyReport:
     """The report; ``saved``: key and folder of each run that is saved beside it, ``command``: how to make it again."""
     study = results.study
     pictures = [picture_of(results, f) for f in results.figures]
@@ -41,7 +41,7 @@ def report_of(results: Results, saved: Sequence[tuple[str, str]] = (), command: 
         Section("Limits", study.limits, anchor="limits"),
         Section("Runs", RUNS_EXPLAINED, [runs_table(results, saved)] if saved else (), anchor="runs"),
     ]
-    return Report(
+    return StudyReport(
         name=study.name,
         title=study.title,
         citation=study.paper,
@@ -58,7 +58,7 @@ def report_of(results: Results, saved: Sequence[tuple[str, str]] = (), command: 
     )
 
 
-def summary_of(results: Results, command: str = "") -> Report:
+def summary_of(results: Results, command: str = "") -> StudyReport:
     """Conclusion, key claims and key figure alone, as the demo shows them."""
     from dataclasses import replace
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import io
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
@@ -73,10 +72,3 @@ def learned_figure(found: Compensation) -> Figure:
         axes.axhline(0.0, color=BLACK, lw=0.5)
         axes.legend(loc="center left", bbox_to_anchor=(1.0, 0.5), frameon=False)
     return figure
-
-
-def picture(figure: Figure, suffix: str) -> bytes:
-    """The bytes of a picture."""
-    held = io.BytesIO()
-    figure.savefig(held, format=suffix.removeprefix(".").lower(), dpi=130)
-    return held.getvalue()

@@ -10,8 +10,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from leadscrew import controller_file
-from leadscrew.figures.formats import metric_unit, number
+from leadscrew.figures.formats import metric_unit
 from leadscrew.figures.style import BLACK, BLUE, ORANGE, VERMILION
+from leadscrew.figures.table import as_typed, number, unit
+from leadscrew.report.report import File, Report, TextTable, head
 from leadscrew.tune.job import Job
 from leadscrew.tune.measure import Samples
 from leadscrew.tune.objective import Constraint, Goal
@@ -26,20 +28,15 @@ if TYPE_CHECKING:
     from leadscrew.figures.figure import Figure
 
 
-Table = tuple[str, Sequence[str], Sequence[Sequence[str]]]
-"""A title, names of columns, rows."""
-
-
 def units(job: Job) -> dict[str, str]:
     """The unit of each metric."""
     loop = job.loop(job.where[0])
     return {name: metric_unit(loop, metric) for name, metric in loop.metrics.items()}
 
 
-def rows(tuned: Tuned, job: Job) -> list[list[str]]:
+def score_table(tuned: Tuned, job: Job) -> TextTable:
     """Goals and constraints: before, on the plants of the search, held out, bound, met on both."""
-    found = []
-    of = units(job)
+    rows, of = [], units(job)
     for wanted in (*tuned.goals, *tuned.constraints):
         key = str(wanted)
         values = [m.values[key] for m in (tuned.before_held_out, tuned.trained, tuned.held_out)]
@@ -48,29 +45,49 @@ def rows(tuned: Tuned, job: Job) -> list[list[str]]:
             bound = f"{'≤' if wanted.at_most else '≥'} {number(wanted.bound)}"
             met = "yes" if all(wanted.met(v) for v in values[1:]) else "NO"
         name = key.split("<=")[0].split(">=")[0]
-        found.append([name, of[wanted.metric].replace("1", "") if of[wanted.metric] == "1" else of[wanted.metric],
-                      *map(number, values), bound, met])  # fmt: skip
-    return found
+        rows.append([name, unit(of[wanted.metric]), *map(number, values), bound, met])
+    heads = ("goal, constraint", "unit", "before, held out", "tuned, trained", "tuned, held out", "bound", "met")
+    return TextTable(heads, rows, [False, False, True, True, True, False, False], title="Scores")
 
 
-COLUMNS = ("goal, constraint", "unit", "before, held out", "tuned, trained", "tuned, held out", "bound", "met")
+def setting_table(tuned: Tuned) -> TextTable:
+    """What varied: before, after, range."""
+    rows = [[k, as_typed(tuned.present[k]), as_typed(v), tuned.vary[k]] for k, v in tuned.values.items()]
+    return TextTable(("parameter", "before", "tuned", "range"), rows, [False, True, True, False], title="Setting")
 
 
-def settings(tuned: Tuned) -> list[list[str]]:
-    """What varied: before, found, range."""
-    return [[k, number(tuned.present[k]), number(v), tuned.vary[k]] for k, v in tuned.values.items()]
-
-
-def front_table(tuned: Tuned) -> tuple[list[str], list[list[str]]]:
-    """The Pareto front: columns and rows."""
+def front_table(tuned: Tuned) -> TextTable:
+    """The Pareto front."""
     goals = [str(g) for g in tuned.goals]
-    columns = ["", *goals, *(f"{g}, held out" for g in goals), *tuned.vary]
-    found = [
+    heads = ["", *goals, *(f"{g}, held out" for g in goals), *tuned.vary]
+    rows = [
         [f"{i}{' taken' if m.chosen else ''}", *(number(m.trained.values[g]) for g in goals),
-         *(number(m.held_out.values[g]) for g in goals), *(number(m.values[k]) for k in tuned.vary)]
+         *(number(m.held_out.values[g]) for g in goals), *(as_typed(m.values[k]) for k in tuned.vary)]
         for i, m in enumerate(tuned.front, 1)
     ]  # fmt: skip
-    return columns, found
+    return TextTable(heads, rows, [False, *[True] * (len(heads) - 1)], title="Pareto front")
+
+
+def report_of(job: Job, tuned: Tuned, folder: Path | None, files: Sequence[Path]) -> Report:
+    """The report of ``leadscrew tune``; ``folder`` and ``files`` are written."""
+    name = tuned.controller or tuned.study
+    setting = "the setting; a name wherever a controller is named"
+    loop = "the whole loop, because more than the controller varied"
+    written = [File("", path, what) for path, what in zip(files, (setting, loop), strict=False)]
+    return Report(
+        {**head("tune"), **tuned.as_dict(), "files": [str(f) for f in files]},
+        parts=[
+            f"{name}: {tuned.used} of {tuned.budget} evaluations by {tuned.optimiser}, seed {tuned.seed}; "
+            f"{tuned.runs} runs in {tuned.wall_s:.3g} s, {tuned.crew}",
+            setting_table(tuned),
+            score_table(tuned, job),
+            *([front_table(tuned)] if tuned.front else []),
+        ],
+        verdict=tuned.verdict(),
+        notes=tuned.notes,
+        files=[*written, File("report", folder, "the report: report.html, tune.json, figures, held-out runs")],
+        code=0 if tuned.feasible and tuned.holds else 1,
+    )
 
 
 def write(job: Job, tuned: Tuned, folder: str | Path) -> None:
@@ -91,12 +108,7 @@ def write(job: Job, tuned: Tuned, folder: str | Path) -> None:
             for i, member in enumerate(tuned.front, 1):
                 file = controller_of(job, tuned, member.values)
                 controller_file.write(beside / f"front_{i}.toml", file)
-        tables: list[Table] = [
-            ("Scores", COLUMNS, rows(tuned, job)),
-            ("Setting", ("parameter", "before", "tuned", "range"), settings(tuned)),
-        ]
-        if tuned.front:
-            tables.append(("Pareto front", *front_table(tuned)))
+        tables = [score_table(tuned, job), setting_table(tuned), *([front_table(tuned)] if tuned.front else [])]
         said = (
             f"{tuned.used} of {tuned.budget} evaluations by {tuned.optimiser}, seed {tuned.seed}; "
             f"{', '.join(s for s in tuned.scenarios if s)}"
@@ -120,34 +132,13 @@ def parquet(samples: Samples, path: Path, more: Mapping[str, Any] | None = None)
     pq.write_table(pa.table({**samples.as_columns(), **(more or {})}), path)
 
 
-def page(title: str, sentences: Sequence[str], tables: Sequence[Table], drawn: Mapping[str, Figure]) -> str:
+def page(title: str, sentences: Sequence[str], tables: Sequence[TextTable], drawn: Mapping[str, Figure]) -> str:
     """A page that opens anywhere, offline."""
     from leadscrew.report import page as html
 
-    parts = html.paragraphs(sentences)
-    for name, columns, lines in tables:
-        numbers = [_numbers([line[i] for line in lines]) for i in range(len(columns))]
-        head = "".join(_cell("th", c, right) for c, right in zip(columns, numbers, strict=True))
-        body = "".join(
-            f"<tr>{''.join(_cell('td', c, right) for c, right in zip(line, numbers, strict=True))}</tr>"
-            for line in lines
-        )
-        parts.append(f'<h2>{escape.html(name)}</h2><div class="wide"><table><tr>{head}</tr>{body}</table></div>')
+    parts = [*html.paragraphs(sentences), *map(html.table, tables)]
     parts += [html.picture(figure, name, name) for name, figure in drawn.items()]
     return html.page(title, parts, style="td { white-space: nowrap; }")
-
-
-def _numbers(texts: Sequence[str]) -> bool:
-    """Whether a column holds numbers; it stands to the right then, its title too."""
-    try:
-        return bool([float(t) for t in texts if t])
-    except ValueError:
-        return False
-
-
-def _cell(tag: str, text: str, right: bool) -> str:
-    kind = ' class="n"' if right else ""
-    return f"<{tag}{kind}>{escape.html(text)}</{tag}>"
 
 
 def figures(tuned: Tuned, units: dict[str, str] | None = None) -> dict[str, Figure]:
@@ -163,9 +154,9 @@ def _plain(ax: Axes) -> None:
 
 def label(wanted: Goal, units: dict[str, str]) -> str:
     """What an axis is called."""
-    unit = units.get(wanted.metric, "")
+    of = unit(units.get(wanted.metric, ""))
     where = f"\n{wanted.scenario}" if wanted.scenario else ""
-    return f"{wanted.statistic} {wanted.metric.replace('_', ' ')}{f' ({unit})' if unit and unit != '1' else ''}{where}"
+    return f"{wanted.statistic} {wanted.metric.replace('_', ' ')}{f' ({of})' if of else ''}{where}"
 
 
 def search(tuned: Tuned, units: dict[str, str]) -> Figure:
@@ -219,8 +210,8 @@ def held_out(tuned: Tuned, units: dict[str, str]) -> Figure:
         ax.margins(y=0.12)
         ax.set_xticks([0, 1], ["before", "tuned"])
         ax.set_xlim(-0.5, 1.5)
-        unit = units.get(metric, "")
-        ax.set_ylabel(f"{metric.replace('_', ' ')}{f' ({unit})' if unit and unit != '1' else ''}")
+        of = unit(units.get(metric, ""))
+        ax.set_ylabel(f"{metric.replace('_', ' ')}{f' ({of})' if of else ''}")
         ax.set_title(scenario, fontsize="small")
         _plain(ax)
     for ax in axes[len(shown) :]:

@@ -23,7 +23,7 @@ from typing import Any
 
 import numpy as np
 
-from leadscrew.figures.formats import NOTHING, number
+from leadscrew.figures.table import number
 from leadscrew.kernel import validate
 from leadscrew.kernel.parameters import nearest
 from leadscrew.tune.checkpoints import Journal
@@ -32,7 +32,7 @@ from leadscrew.tune.job import Job, held
 from leadscrew.tune.measure import Progress, Samples, same_run
 from leadscrew.tune.objective import Constraint, Goal, constraint, contradiction, goal
 from leadscrew.tune.space import Space
-from leadscrew.tune.statistics import Interval, Pair, Standing, bad_plants, paired, per_plant, plain, standing
+from leadscrew.tune.statistics import Pair, Standing, bad_plants, paired, per_plant, plain, standing
 from leadscrew.tune.tuned import Marks, Tuned, marks
 from leadscrew.tune.tuner import BUDGET, Given, Plan, Rounds, done, held_out_plants, plan
 from leadscrew.util.errors import LeadscrewError, NameUnknown, ValueRefused, entry_point
@@ -403,61 +403,6 @@ def _efforts(found: Comparison) -> str:
     return ", ".join(parts)
 
 
-def spread(interval: Interval) -> str:
-    """A number with its interval."""
-    if math.isnan(interval.low) and not math.isnan(interval.value):
-        return number(interval.value)
-    return f"{number(interval.value)} [{number(interval.low)}, {number(interval.high)}]"
-
-
-RANKING = ("rank", "controller", "effort", "plants kept", "first goal, mean [95 %]", "before the next one in")
-
-
-def ranking_rows(found: Comparison) -> list[list[str]]:
-    """The ranking."""
-    rows = []
-    goal = found.goals[0]
-    key = f"{goal.metric}{f'@{goal.scenario}' if goal.scenario else ''}"
-    for i, r in enumerate(found.results):
-        effort = f"{r.tuned.used} evaluations" if r.tuned else "as it is"
-        order = ""
-        if i < len(found.pairs):
-            pair = found.pairs[i]
-            shown = "" if pair.shown else " (not shown)"
-            order = "no spread" if math.isnan(pair.order) else f"{100 * pair.order:.3g} % of resamples{shown}"
-        rank = str(i + 1) if r.standings[key].judged else NOTHING
-        rows.append([rank, r.name, effort, f"{found.unseen - r.bad} of {found.unseen}",
-                     spread(r.standings[key].mean), order])  # fmt: skip
-    return rows
-
-
-METRICS = ("metric", "unit", "controller", "mean [95 %]", "95th percentile [95 %]", "worst seen", "judged")
-
-
-def metric_rows(found: Comparison) -> list[list[str]]:
-    """Every metric of every contender."""
-    return [
-        [
-            key,
-            found.units.get(key, ""),
-            r.name,
-            spread(s.mean),
-            spread(s.p95),
-            number(s.worst),
-            f"{s.judged} of {found.unseen}",
-        ]
-        for key in found.results[0].standings
-        for r, s in ((r, r.standings[key]) for r in found.results)
-    ]
-
-
 def worse_than_seen(unseen: int) -> float:
     """The part of all plants that may be worse than the worst seen, with 95 % confidence at most."""
     return float(1.0 - 0.05 ** (1.0 / unseen))
-
-
-def setting(result: Result) -> str:
-    """What a contender was run with."""
-    if result.tuned is None:
-        return ""
-    return ", ".join(f"{k} = {number(v)}" for k, v in result.tuned.values.items())

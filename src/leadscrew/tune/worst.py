@@ -10,7 +10,7 @@ import numpy as np
 
 from leadscrew import names, toml_file
 from leadscrew.experiment import SCHEMA_VERSION, Experiment
-from leadscrew.figures.formats import number
+from leadscrew.figures.table import as_typed
 from leadscrew.tune.job import typed
 from leadscrew.tune.montecarlo import MonteCarlo
 from leadscrew.util.atomic import atomic_write
@@ -89,7 +89,7 @@ def write(found: MonteCarlo, rows: tuple[Worst, ...], folder: str | Path) -> lis
     for row in rows:
         path = Path(folder) / row.file
         what = "diverged" if row.of == DIVERGED else row.of
-        said = f"run {row.run} of {len(found)}: {what}{' at' if row.of == DIVERGED else ' ='} {number(row.value)}"
+        said = f"run {row.run} of {len(found)}: {what}{' at' if row.of == DIVERGED else ' ='} {as_typed(row.value)}"
         atomic_write(toml(experiment(found, row.run, row.scenario), said), path)
         made.append(path)
     return made
