@@ -23,7 +23,7 @@ help:
 	@echo "make outdated newer releases of what is installed, and the advisories that the index knows"
 	@echo "make bench   speed, beside C, plain Python and other libraries"
 	@echo "make peers   other fuzzy toolboxes to be measured against, in an environment of their own, .peers"
-	@echo "make lint    ruff, mypy, layers and circles of imports"
+	@echo "make lint    ruff, mypy, layers and circles of imports, words"
 	@echo "make docs    the HTML documentation, in docs/_build/html"
 	@echo "make clean   removes what the other targets made, .venv included"
 
@@ -64,6 +64,7 @@ lint: .venv/.dev
 	$(BIN)/mypy
 	$(BIN)/lint-imports
 	$(BIN)/python -m tests.circles
+	$(BIN)/python -m tests.words
 
 docs: .venv/.docs
 	$(BIN)/python -m sphinx -W --keep-going -q -b html docs docs/_build/html

@@ -28,7 +28,7 @@ class Scenario:
     params: Any
     doc: str
     duration_s: float
-    """How long a simulation of it runs unless told otherwise."""
+    """How long a simulation of it runs by default."""
 
 
 class Assumption(NamedTuple):

@@ -69,7 +69,7 @@ def test_a_gain_behind_the_pid_is_no_static_map():
         table_pid,
         block("torque_pid"),
         pd_dob(kp_slow=0.0, kd_slow=0.0),
-        look_ahead(pd_dob(kp_slow=0.0, kd_slow=0.0), acts_late_s=1e-4, seen_late_s=1e-4),
+        look_ahead(pd_dob(kp_slow=0.0, kd_slow=0.0), actuation_delay_s=1e-4, measurement_delay_s=1e-4),
         *(CONTROLLERS[f"ours.{k}"] for k in ("pid_ff", "cascade", "pid_dob_150", "resonant_full", "repetitive")),
         learned_feed_forward(table_pid, rate=0.0),
     ],

@@ -38,7 +38,7 @@ def climb(p, s, command, feedback, dt):
 
 
 def reading(raw, force=None, k=0):
-    """A reading; the filtered force is the raw one unless told otherwise."""
+    """A reading; the filtered force is the raw one by default."""
     return CutReading(raw if force is None else force, raw, 0.01 * k, 0.4 * k)
 
 

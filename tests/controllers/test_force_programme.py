@@ -38,7 +38,7 @@ def test_the_feed_is_set_for_the_cut_ahead_and_in_the_air_for_the_next_one_or_th
     assert aim(1.0, 0.6, 0.04) == pytest.approx(0.6)
     assert aim(1.0, 0.6, 0.2) == 1.0
     assert aim(1.0, 0.0, 0.04) == 1.0  # the tool is about to leave: still the depth that is cut
-    assert aim(1.0, 0.1, 0.04) == 1.0  # shallower than least_depth: not ahead of time
+    assert aim(1.0, 0.1, 0.04) == 1.0  # shallower than min_depth: not ahead of time
     assert aim(0.0, 0.6, 5.0, last=1.0) == 0.6  # in the air: the cut that comes
     assert aim(0.0, 0.0, NEVER_S, last=0.8) == 0.8  # none comes: the last one
     assert aim(0.0, 0.0, NEVER_S) == 0.0  # never cut

@@ -40,7 +40,7 @@ def moving(t, a=30.0, v=2.0):
 
 
 def test_the_inner_law_sees_the_command_of_the_time_when_its_torque_acts():
-    block = look_ahead(error_only, acts_late_s=3e-4)
+    block = look_ahead(error_only, actuation_delay_s=3e-4)
     p, now = block.prepare(block.params, DT), moving(0.1)
     s, e = block.step(p, block.state, now, now.position - 1e-4, DT)
     assert tuple(s) == pytest.approx(tuple(moving(0.1003)), rel=1e-12)
@@ -49,7 +49,10 @@ def test_the_inner_law_sees_the_command_of_the_time_when_its_torque_acts():
 
 def test_a_perfectly_followed_command_shows_no_error_through_a_filter():
     """Filtered by ``1 / (tau s + 1)`` an accelerated motion is ``x - tau v + tau^2 a`` once the filter has settled."""
-    tau, block = 1.0 / (2.0 * math.pi * 1000.0), look_ahead(error_only, seen_late_s=1.0 / (2.0 * math.pi * 1000.0))
+    tau, block = (
+        1.0 / (2.0 * math.pi * 1000.0),
+        look_ahead(error_only, measurement_delay_s=1.0 / (2.0 * math.pi * 1000.0)),
+    )
     p, now = block.prepare(block.params, DT), moving(0.1)
     late = now.position - tau * now.velocity + tau**2 * now.acceleration
     _, e = block.step(p, block.state, now, late, DT)
@@ -74,7 +77,7 @@ def through(sensor, block):
 def test_it_takes_away_the_error_of_a_filtered_scale():
     """1 kHz late at 3.9 rad/s is 1 um of the table."""
     sensor = filtered_ruler(resolution_mm=1e-5 / 1.5923)
-    block = look_ahead(pd_dob, seen_late_s=1.0 / (2.0 * math.pi * 1000.0))
+    block = look_ahead(pd_dob, measurement_delay_s=1.0 / (2.0 * math.pi * 1000.0))
     plain, ahead = (errors_um(through(sensor, b).run(2.0)) for b in (pd_dob, block))
     assert plain[1] == pytest.approx(0.707, rel=0.02) and ahead[1] < 0.1 * plain[1]
 
@@ -87,7 +90,7 @@ def test_the_parameters_are_those_of_the_inner_controller():
 
 
 def test_from_rest_the_first_output_after_an_align_is_the_last_one_before():
-    block, here = look_ahead(pd_dob, acts_late_s=DT, seen_late_s=1e-4), Motion(0.2, 0.0, 0.0)
+    block, here = look_ahead(pd_dob, actuation_delay_s=DT, measurement_delay_s=1e-4), Motion(0.2, 0.0, 0.0)
     p = block.prepare(block.params, DT)
     _, u = block.step(p, block.align(p, here, 0.2 + 3e-5, 4.0), here, 0.2 + 3e-5, DT)
     assert u == pytest.approx(4.0, abs=1e-9)
@@ -96,7 +99,7 @@ def test_from_rest_the_first_output_after_an_align_is_the_last_one_before():
 @pytest.mark.sweep
 @pytest.mark.parametrize("inner", [pd_dob, super_twisting])
 def test_all_engines_give_the_same_bits(inner):
-    loop = stage_loop(look_ahead(inner, acts_late_s=DT, seen_late_s=1e-4), "fast", encoder_mm=1e-5)
+    loop = stage_loop(look_ahead(inner, actuation_delay_s=DT, measurement_delay_s=1e-4), "fast", encoder_mm=1e-5)
     fast, plain = (loop.run(0.02, record=("output", "actual"), engine=engine) for engine in ("llvm", "python"))
     assert all(np.array_equal(fast[column], plain[column]) for column in plain.signals)
 

@@ -79,7 +79,7 @@ def test_the_family_is_the_printed_and_the_corrected_law_to_the_last_bit(name, t
 @pytest.mark.slow
 def test_the_scaled_controller_is_a_member_of_the_family():
     same = {f: getattr(ROBUST, f) for f in ROBUST._fields if f in vud_family.params._fields}
-    member = vud_family(**{k: v for k, v in same.items() if np.ndim(v) == 0}, output_from="none", inputs_held=True)
+    member = vud_family(**{k: v for k, v in same.items() if np.ndim(v) == 0}, output_from="none", hold_inputs=True)
     a, b = (lathe(c, -170.0).run(1.0, record="output") for c in (vud_scaled(**ROBUST._asdict()), member))
     assert np.array_equal(a["output"].view(np.int64), b["output"].view(np.int64))
 

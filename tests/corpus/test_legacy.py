@@ -74,3 +74,15 @@ def test_a_saved_run_with_a_limit_is_built_again():
 def test_a_limit_of_a_users_own_block_keeps_its_name():
     assert renamed({"controller.max_output": 3.0}, {"controller.max_output": 1.0}) == {"controller.max_output": 3.0}
     assert renamed({"controller.max_output": 3.0}, {"controller.gain": 1.0}) == {"controller.max_output": 3.0}
+
+
+@pytest.mark.parametrize(
+    ("study", "controller", "scenario", "old", "new"),
+    [
+        ("grey_turning", "ours.constant_force", "fig6_fixed_depth", "plant.servo.most", "plant.servo.max_feed"),
+        ("sofnn_tangent", "ours.sofnn_tuned", "wave_fabric", "controller.most", "controller.max_offset"),
+    ],
+)
+def test_a_key_of_010_is_the_one_of_today(study, controller, scenario, old, new):
+    found = Experiment(study, controller, scenario, {old: 12.0}).loop()
+    assert found.parameters[new] == 12.0 and parse([f"{old}=12"], found.sheet) == {new: 12.0}

@@ -50,7 +50,7 @@ def test_a_newton_that_the_model_lacks_is_a_newton_of_force_left():
 
 @pytest.mark.slow
 def test_nothing_of_a_fit_but_its_judgement_depends_on_the_hold_out():
-    """The drive of the unseen half is another one altogether: parameters, choice and intervals keep their bits."""
+    """The drive of the validation half is another one altogether: parameters, choice and intervals keep their bits."""
     push = np.zeros(8000)
     push[4900:] = 30.0 * np.sin(np.arange(3100) / 200.0)
     fits = [identify_axis(shoved(push=p), refine="none", holdout=0.4) for p in (0.0, push)]

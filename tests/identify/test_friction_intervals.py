@@ -101,7 +101,7 @@ def test_one_piece_that_does_not_fit_is_named_among_many_that_do():
     random = np.random.default_rng(3)
     parts = {0.1 * i: random.standard_normal(60) for i in range(20)}
     parts[0.5] = 2.2 * random.standard_normal(60)
-    assert "around the stand-still at 0.5 s" in Residuals.of(parts).why_not
+    assert "around the standstill at 0.5 s" in Residuals.of(parts).why_not
 
 
 def reading(speed, n=400, noise=0.0):

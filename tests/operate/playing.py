@@ -32,7 +32,7 @@ class Played:
 
 
 def loop_of(study: str, controller: str | None = None, scenario: str | None = None, **changes: Any):
-    """The operated loop of a study: its profile's controller and scenario unless told otherwise."""
+    """The operated loop of a study: its profile's controller and scenario by default."""
     profile = profile_of(study)
     changes = {k.replace("__", "."): v for k, v in changes.items()}
     asked = Experiment(study, controller or profile.controller, scenario or profile.scenario, changes)

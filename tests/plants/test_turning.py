@@ -144,7 +144,7 @@ def force_by_scipy(plant, volt, samples, step=2e-5):
 
     def motion(t, y):
         feed, rate, _, depth, speed = y
-        asked = min(plant.servo.gain * volt, plant.servo.most)
+        asked = min(plant.servo.gain * volt, plant.servo.max_feed)
         to = float(depth_at(plant.depth, t))
         return (
             rate,

@@ -113,8 +113,8 @@ def test_a_bar_that_cannot_be_is_refused():
 
 
 def test_a_step_of_a_revolution_is_refused_and_a_quick_servo_is_none():
-    with pytest.raises(ValueRefused, match=r"spindle.most = 60000.0 1/min \(turning_lathe\): at most 59765.6"):
-        lathe(**{"spindle.most": 60000.0}).run(0.1)
+    with pytest.raises(ValueRefused, match=r"spindle.max_speed = 60000.0 1/min \(turning_lathe\): at most 59765.6"):
+        lathe(**{"spindle.max_speed": 60000.0}).run(0.1)
     with pytest.raises(ValueRefused, match=r"start.rpm = 60000.0 1/min \(turning_lathe\)"):
         lathe(**{"start.rpm": 60000.0}).run(0.1)
     assert math.isfinite(lathe(**{"servo.rate": 5000.0}).run(0.2)["actual.force"][-1])

@@ -357,7 +357,7 @@ EXAMPLE_MM = (11.3, 62.8, 118.1, 164.9, 222.6, 271.4, 329.7, 376.2, 431.5)
 def example() -> str:
     """A made test as a file: nothing of it was measured, and its first lines say how it was made."""
     head = (
-        "# A made example, not a measurement: a screw of 10 mm lead and 450 mm travel.\n"
+        "# A synthetic example, not a measurement: a screw of 10 mm lead and 450 mm travel.\n"
         "# deviation = 0.02 um/mm * target + 1.5 um * sin(2 pi target / 10 mm) -+ 2.1 um in direction +/-\n"
         "#   + 0.002 um/mm * target * run (the screw warms) + scatter of 0.5 um; rounded to 0.1 um.\n"
         "target_mm,direction,run,deviation_um\n"

@@ -123,7 +123,7 @@ def by_hand() -> Callable[[], float]:
     library, p = build("sofnn.c"), sofnn.params
     library.sofnn_learn.argtypes, library.sofnn_learn.restype = [ctypes.POINTER(ByHand), ctypes.c_long], ctypes.c_double
     made = ByHand(
-        k_e=p.k_e, k_ec=p.k_ec, k_d=p.k_d, keep=math.exp(-0.001 / p.filter_s), most=p.most, kg=p.kg, r=p.r, q=p.q,
+        k_e=p.k_e, k_ec=p.k_ec, k_d=p.k_d, keep=math.exp(-0.001 / p.filter_s), most=p.max_offset, kg=p.kg, r=p.r, q=p.q,
         cap=p.cap, leak=p.leak, clamp=p.clamp, reach=REACH_DEG, delay=p.delay,
     )  # fmt: skip
     made.table[:], made.prior[:] = TABLE.ravel().tolist(), W0.tolist()

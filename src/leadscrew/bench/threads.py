@@ -28,7 +28,7 @@ def rows(rounds: int, runs: int, errors: dict[str, float]) -> list[dict[str, Any
     said = "unknown" if before is None else f"{before:.2f}"
     remark = f"wall time; load {said} before" if idle else f"machine not idle: load {said}"
     facts: dict[str, Any] = {"integrator": INTEGRATORS["hold"], "error": errors.get("hold")}
-    what = f"{runs} runs of {PERIODS} periods, the door's work included"
+    what = f"{runs} runs of {PERIODS} periods, validation included"
     return [
         row("batch, 1 thread", what, runs / walls["1"], "runs/s", **facts),
         row("batch, 2 threads", what, runs / walls["2"], "runs/s", ratio=walls["1"] / walls["2"], at_least=1.7,

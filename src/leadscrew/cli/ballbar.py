@@ -124,7 +124,7 @@ def ballbar(
     engine: Engine = None,
     out: Folder = None,
     example: Annotated[
-        bool, typer.Option("--example", help="Write a made measurement to SUBJECT instead, to see such a file.")
+        bool, typer.Option("--example", help="Write a synthetic measurement to SUBJECT instead, to see such a file.")
     ] = False,
     trust: Trust = False,
     as_json: Json = False,

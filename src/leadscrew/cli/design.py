@@ -56,7 +56,7 @@ def npid(
         bool, typer.Option("--as-paper", help="Walk the paper's own procedure first, and put it beside this one.")
     ] = False,
     plot: Plot = None,
-    study: Annotated[str, typer.Option(help="Whose axis the controller file names.")] = STUDY,
+    study: Annotated[str, typer.Option(help="Study of the axis that the controller file names.")] = STUDY,
     as_json: Json = False,
 ) -> None:
     """Design a nonlinear PID: the smallest error within a proof of stability and a noise budget; says what binds.
@@ -264,7 +264,7 @@ def vud(
     floor: Annotated[float, typer.Option(help="Smallest factor.")] = 1e-4,
     output_tau: Annotated[float, typer.Option(help="Exponent of the output's factor (vud_beta_e).")] = 0.6,
     output_gain: Annotated[float, typer.Option(help="Gain of the output's factor (vud_beta_e).")] = 1.5,
-    study: Annotated[str, typer.Option(help="Whose axis the controller file names.")] = "vud_lathe",
+    study: Annotated[str, typer.Option(help="Study of the axis that the controller file names.")] = "vud_lathe",
     most: Annotated[int, typer.Option(help="Lines of a list before it is cut.")] = 60,
     as_json: Json = False,
 ) -> None:

@@ -403,9 +403,9 @@ def friction(
     ] = None,
     delay: Annotated[int, typer.Option(metavar="N", help="Periods from a logged torque to its act.")] = 0,
     controller: Annotated[
-        str, typer.Option("--controller", "-c", help="Whose believed friction the file sets.")
+        str, typer.Option("--controller", "-c", help="Controller with the believed friction that the file sets.")
     ] = "ours.pd_dob",
-    study: Annotated[str, typer.Option(help="Whose controller that is.")] = "fsmc_ballscrew",
+    study: Annotated[str, typer.Option(help="Study of that controller.")] = "fsmc_ballscrew",
     force: Annotated[
         str | None,
         typer.Option(metavar="COLUMN", help="Measured friction force: then as identify friction-force, -o a folder."),

@@ -34,6 +34,8 @@ def parse(pairs: Sequence[str], sheet: Mapping[str, ParameterSpec]) -> dict[str,
         key = key.strip()
         if not equals or not key:
             raise ValueRefused(f"--set {pair!r}: expected KEY=VALUE")
+        if key not in sheet:
+            key = next(iter(renamed({key: ""}, sheet)))  # by its key of today
         if key not in sheet and (limits := _old_limit(key, text, sheet)):
             changes |= limits
             continue

@@ -38,7 +38,7 @@ from leadscrew.util.errors import BlockError, ValueRefused, entry_point
 
 
 class RemovalRate(NamedTuple):
-    """Spindle speed for a fixed removal rate; off unless told otherwise."""
+    """Spindle speed for a fixed removal rate; off by default."""
 
     rate: Annotated[float, Unit("mm^3/s"), Ge(0), Doc("removal rate to hold, Q; 0: hold the programmed speed")] = 0.0
     gain: Annotated[float, Unit("1/s"), Gt(0), Doc("how fast the speed follows, g")] = 1.0

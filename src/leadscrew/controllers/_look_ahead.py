@@ -4,10 +4,11 @@
     y       = feedback + tau (y_r' - tau y_r'') + d y_r' + d^2 / 2 y_r''    the same move on, the lag taken away
     output  = inner(r, y)
 
-``d = acts_late_s``: computation, plus the lag of the drive. ``tau = seen_late_s``: lag of the sensor's filter. The
-error that the inner law sees, ``feedback + tau y_r' - tau^2 y_r'' - y_r``, is the one of now, without the ``tau v`` by
-which a filter bends it; what it knows of the machine (inertia, friction) it uses for the time at which its torque acts.
-It predicts the command alone: no lag is taken out of the feedback loop, so gains are to be tuned with it in place.
+``d = actuation_delay_s``: computation, plus the lag of the drive. ``tau = measurement_delay_s``: lag of the sensor's
+filter. The error that the inner law sees, ``feedback + tau y_r' - tau^2 y_r'' - y_r``, is the one of now, without the
+``tau v`` by which a filter bends it; what it knows of the machine (inertia, friction) it uses for the time at which its
+torque acts. It predicts the command alone: no lag is taken out of the feedback loop, so gains are to be tuned with it
+in place.
 
 The command is a :class:`~leadscrew.references.Motion`; ``y_r''`` is taken to stand still over ``d + tau``. With
 both zero it is the inner controller. Bumpless start as the inner controller's.
@@ -41,7 +42,7 @@ def moved_on(command, feedback, d, tau):
 
 
 @entry_point
-def look_ahead(inner: Block, name: str = "", acts_late_s: float = 0.0, seen_late_s: float = 0.0) -> Block:
+def look_ahead(inner: Block, name: str = "", actuation_delay_s: float = 0.0, measurement_delay_s: float = 0.0) -> Block:
     """The controller ``inner`` with look-ahead; its parameters are those of ``inner`` below ``inner.``.
 
     Raises:
@@ -49,24 +50,24 @@ def look_ahead(inner: Block, name: str = "", acts_late_s: float = 0.0, seen_late
     """
     part = wrapped(inner, "look_ahead")
     law = part.law
-    own: list[Any] = [("acts_late_s", ActsLate), ("seen_late_s", SeenLate)]
+    own: list[Any] = [("actuation_delay_s", ActsLate), ("measurement_delay_s", SeenLate)]
     params_type = around("LookAheadParams", inner.params, *own)
 
     def prepare(params: Any, dt: float) -> Any:
         ready = prepared(inner, dt, params.inner)
-        return around("LookAheadPlan", ready, *own)(ready, params.acts_late_s, params.seen_late_s)
+        return around("LookAheadPlan", ready, *own)(ready, params.actuation_delay_s, params.measurement_delay_s)
 
     def align(params, command, feedback, output):
         """The state from which the next output is ``output``."""
-        d, tau = params.acts_late_s, params.seen_late_s
+        d, tau = params.actuation_delay_s, params.measurement_delay_s
         return part.align(params.inner, advanced(command, d), moved_on(command, feedback, d, tau), output)
 
     def looking_ahead(p, s, command, feedback, dt):
         """The inner controller on a command and a feedback moved on to the time when its torque acts."""
-        d, tau = p.acts_late_s, p.seen_late_s
+        d, tau = p.actuation_delay_s, p.measurement_delay_s
         return law(p.inner, s, advanced(command, d), moved_on(command, feedback, d, tau), dt)
 
     return same_kind(
-        looking_ahead, part, params_type(inner.params, acts_late_s, seen_late_s), inner.state, "It looks ahead.",
-        motion=True, prepare=prepare, align=align, name=name or f"{inner.name}_look_ahead",
+        looking_ahead, part, params_type(inner.params, actuation_delay_s, measurement_delay_s), inner.state,
+        "It looks ahead.", motion=True, prepare=prepare, align=align, name=name or f"{inner.name}_look_ahead",
     )  # fmt: skip

@@ -122,7 +122,7 @@ class PdLearnedState(NamedTuple):
     error_step: Annotated[float, Unit("rad"), Doc("what the error gained in the last period")] = 0.0
     rate: Annotated[float, Unit("rad/s"), Doc("filtered rate of the error")] = 0.0
     acceleration: Annotated[float, Unit("rad/s^2"), Doc("commanded")] = 0.0
-    share: Annotated[float, Doc("bend of the bristles on the commanded motion")] = 0.0
+    share: Annotated[float, Doc("bristle deflection on the commanded motion")] = 0.0
     bent: Annotated[float, Unit("1/rad"), Doc("its slope by g")] = 0.0
     seen: Annotated[float, Doc("bend on the measured motion")] = 0.0
     damping: Annotated[float, Unit("N m s/rad"), Doc("damping of the bristles, sigma_1 (1 - side w)")] = 0.0

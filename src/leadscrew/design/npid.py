@@ -483,7 +483,7 @@ def design_npid(
     best = _best(grid, budget, alone)
     for shrink in (1.0, 0.3):
         best = _best([best, *_around(bench, used, base, best, none, top, shrink)], budget, alone)
-    proved = driven(loop, (1.0, max(best.slope, 1.0 + 1e-9)), asked=1.0)
+    proved = driven(loop, (1.0, max(best.slope, 1.0 + 1e-9)), factor=1.0)
     return NpidDesign(
         axis, work, law, used, found, limits, alone, best, free, _linear(bench, used, base, limits),
         _binding(best, limits), tuple(grid), proved,

@@ -42,7 +42,7 @@ if TYPE_CHECKING:
 
 
 STUDY = "vud_lathe"
-"""Whose axis a controller file names unless told otherwise."""
+"""Whose axis a controller file names by default."""
 
 
 @dataclass(frozen=True)

@@ -29,7 +29,7 @@ Whatever the sets, the error that they guarantee for the curvatures is ``h^2 / 8
 
 Rules come by look-up table and strength (:mod:`leadscrew.fuzzy.learning`, equations (11) to (16)); samples exactly
 between two sets are left out. The cells that no sample covers are filled by the steps asked for
-(:mod:`leadscrew.fuzzy.fill`): with an even number of sets ``servo_growth`` unless told otherwise, with an odd number
+(:mod:`leadscrew.fuzzy.fill`): with an even number of sets ``servo_growth`` by default, with an odd number
 ``antisymmetric`` and ``monotone``, both falling with e and ec. A cell without a rule is refused: the controller would
 have no duty there.
 

@@ -35,7 +35,7 @@ class CutLoad(NamedTuple):
     curvature: Annotated[float, Unit("1/mm"), Doc("its curvature")] = 0.0
     texture: Annotated[float, Unit("deg"), Doc("change of the steady shear")] = 0.0
     push: Annotated[float, Unit("deg"), Doc("change of the cut line's angle at once")] = 0.0
-    travel: Annotated[float, Unit("mm"), Doc("way along the line")] = 0.0
+    travel: Annotated[float, Unit("mm"), Doc("distance along the line")] = 0.0
 
 
 class CutLoadParams(NamedTuple):

@@ -356,5 +356,5 @@ def _no_twice(row: list[Token], where: str) -> None:
     seen: set[str] = set()
     for token in row:
         if token.text in seen:
-            raise DataError(f"{where}:{token.line}:{token.column}: {token.text!r} stands twice")
+            raise DataError(f"{where}:{token.line}:{token.column}: {token.text!r} is repeated")
         seen.add(token.text)

@@ -363,7 +363,7 @@ def _notes(
     if not several_depths:
         notes.append(f"one depth, {table.depth.mean():.4g} mm: in proportion to the depth is assumed, not tested")
     elif confounded:
-        notes.append("feed and depth change together in every row: their effects cannot be told apart")
+        notes.append("feed and depth change together in every row: their effects cannot be separated")
     elif depth is None:
         notes.append("too few cuts to test whether the force is in proportion to the depth")
     elif depth.p_value < 1.0 - CONFIDENCE:

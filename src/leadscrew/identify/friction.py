@@ -2,7 +2,7 @@
 
 1. Sliding, by linear least squares: ``F_C``, ``sigma_2``, the inertia and an offset
    (:mod:`leadscrew.identify.friction_record`).
-2. Around every stand-still, by simulation: ``sigma_0, sigma_1, F_S, v_s`` minimise what the log's position differs
+2. Around every standstill, by simulation: ``sigma_0, sigma_1, F_S, v_s`` minimise what the log's position differs
    from a model that is driven by the log's torque (:mod:`leadscrew.identify.friction_record`),
 
         minimise  sum_k rho((y_k - y_k(theta)) / noise),      rho(r) = 18 (sqrt(1 + r^2 / 9) - 1)
@@ -97,7 +97,7 @@ class Residuals(NamedTuple):
             for at, r in kept.items():
                 excess = _excess(*_size([r]), len(r))
                 if excess:
-                    why = f"{excess} around the stand-still at {at:.4g} s"
+                    why = f"{excess} around the standstill at {at:.4g} s"
                     break
         return cls(rms, slow, why)
 
@@ -220,7 +220,7 @@ def fit_friction(
     found = _limited(_distinct(record, pieces(record, slide)))
     if not found:
         raise DataError(
-            "the log has no stand-still in which the torque changes by half of Coulomb friction: let the axis reverse, "
+            "the log has no standstill in which the torque changes by half of Coulomb friction: let the axis reverse, "
             "or come to rest and move off again"
         )
     problem = _Problem(record, slide, known_inertia, found)

@@ -5,7 +5,7 @@ In sliding the momentum over a window of ``W`` samples is a straight line in wha
     mean T = F_C sign(v) + sigma_2 mean v + J (v_end - v_start) / (W dt) + offset
 
 with ``T`` held from each sample to the next (linear least squares; where neighbouring windows overlap, the standard
-errors say so). Around every stand-still lies a *piece* for the replay.
+errors say so). Around every standstill lies a *piece* for the replay.
 
 A piece of a log played back: the logged torque on a model of the stage that follows the logged position.
 
@@ -194,7 +194,7 @@ def sliding(record: Record) -> Sliding:
 
 
 def pieces(record: Record, slide: Sliding) -> list[Piece]:
-    """What the bristles can be seen in: around every stand-still of the log.
+    """What the bristles can be seen in: around every standstill of the log.
 
     Where the torque changes slowly and nothing accelerates a piece begins at rest, in the middle of the stand-still:
     there the bristles hold the torque. Elsewhere it begins while the axis still slides.

@@ -43,7 +43,7 @@ if TYPE_CHECKING:
     from leadscrew.kernel.run import Run
 
 RECORDED = ("command", "feedback", "output", "applied", "actual", "disturbance", "error", "true_error")
-"""What a run records unless told otherwise."""
+"""What a run records by default."""
 
 
 @entry_point

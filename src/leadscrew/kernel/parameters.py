@@ -250,11 +250,28 @@ def entries(value: Any, prefix: str = "") -> Iterator[ParameterSpec]:
             yield ParameterSpec(key, leaf_type(note, item), item, **note.found)
 
 
+OLD_KEYS: Mapping[str, tuple[str, ...]] = {
+    "most": ("max_offset", "max_feed", "max_speed", "max_shear"),
+    "least": ("min_share",),
+    "least_chip_mm": ("min_chip_mm",),
+    "least_force": ("min_force",),
+    "least_depth": ("min_depth",),
+    "acts_late_s": ("actuation_delay_s",),
+    "seen_late_s": ("measurement_delay_s",),
+    "inputs_held": ("hold_inputs",),
+}
+"""Last parts of parameter keys of version 0.1.0, and what they may be called today."""
+
+
 def renamed(changes: Mapping[str, Any], known: Mapping[str, Any]) -> dict[str, Any]:
     """The changes by the keys of today: the symmetric limit of version 0.1.0, 0 for none, gives both limits."""
     found: dict[str, Any] = {}
     for key, value in changes.items():
         head, point, last = key.rpartition(".")
+        new = [f"{head}{point}{name}" for name in OLD_KEYS.get(last, ()) if f"{head}{point}{name}" in known]
+        if key not in known and new:
+            found[new[0]] = value
+            continue
         ends = [f"{head}{point}{end}" for end in ("lower", "upper")]
         old = last in ("max_output", "max_torque") and key not in known and all(end in known for end in ends)
         if old and isinstance(value, int | float) and value >= 0.0:

@@ -87,18 +87,18 @@ def check_constant(arrays: Mapping[str, np.ndarray], step: float) -> list[Findin
     position, drive = arrays["position"], arrays["drive"]
     travel = float(np.ptp(position))
     if travel == 0.0:
-        said = f"the position is {position[0]:g} in every sample: the axis stands still; record a motion with reversals"
+        said = f"the position is {position[0]:g} in every sample: the axis is at rest; record a motion with reversals"
         found.append(Finding("standstill", "refused", said))
     elif (places := _places(position)) <= PLACES:
         said = (
-            f"the position takes only {places} different values within {travel:.3g}: the axis stands still and its "
+            f"the position takes only {places} different values within {travel:.3g}: the axis is at rest and its "
             "encoder chatters; record a motion of thousands of steps with reversals"
         )
         found.append(Finding("standstill", "refused", said))
     elif step > 0.0 and travel <= STANDS * step:
         said = (
-            f"the position moves by {travel:.3g} in all, {round(travel / step)} steps of the encoder: the axis stands "
-            "still; record a motion of thousands of steps with reversals"
+            f"the position moves by {travel:.3g} in all, {round(travel / step)} steps of the encoder: the axis is at "
+            "rest; record a motion of thousands of steps with reversals"
         )
         found.append(Finding("standstill", "refused", said))
     elif step > 0.0 and travel < 50.0 * step:
@@ -133,7 +133,7 @@ def check_motion(position: np.ndarray, noise: float, period: float) -> list[Find
     if period >= SLOW or travel >= NOISE_ONLY * noise:
         return []
     said = (
-        f"the position moves by {travel:.3g} in all, {travel / noise:.0f} times its noise: the axis stands still; "
+        f"the position moves by {travel:.3g} in all, {travel / noise:.0f} times its noise: the axis is at rest; "
         "record a motion with reversals"
     )
     return [Finding("standstill", "refused", said)]
@@ -217,7 +217,7 @@ def jumps(position: np.ndarray, period: float, step: float, noise: float) -> tup
 def slips(
     position: np.ndarray, period: float, found: np.ndarray, sizes: np.ndarray, scale: tuple[float, float]
 ) -> np.ndarray:
-    """Which jumps lead from stand-still to stand-still; ``scale``: encoder step and noise.
+    """Which jumps lead from standstill to standstill; ``scale``: encoder step and noise.
 
     Eight samples before and after, those up to the next jump, may move by 2.5 counts, 6 times the noise or a hundredth
     of the jump, on one of the two sides by a twentieth (the bristles give before they let go).
@@ -253,7 +253,7 @@ def _slip(
         _rise(drive[: max(k - BEFORE + 1, 1)]) * leap > 0.0 for k, leap in zip(found.tolist(), leaps, strict=True)
     )
     said = (
-        f"the position jumps {_listed(time, found, leaps, unit, place)}, from stand-still to stand-still: slips of "
+        f"the position jumps {_listed(time, found, leaps, unit, place)}, from standstill to standstill: slips of "
         f"the axis if the drive rose that way before them (it did before {rose} of {len(found)}), which the fit can "
         "use; else the encoder lost counts: check it and its cable"
     )

@@ -42,19 +42,19 @@ def from_axis(
     turned = values["force_per_drive"] < 0.0
     values["force_per_drive"] = abs(values["force_per_drive"])
     low, high = fit.travel
-    told: dict[str, Any] = {
+    record: dict[str, Any] = {
         "source": fit.source, "warning": "; ".join(fit.faults) or None,
         "model": fit.model, "symmetric": fit.symmetric, "method": fit.method,
         "drive_turned": turned or None, "seconds": max((j.end_s for j in fit.judged), default=10.0),
     }  # fmt: skip
     for judged in fit.judged:
-        told[judged.what.replace(", ", "_").replace(" ", "_").replace("-", "_")] = {
+        record[judged.what.replace(", ", "_").replace(" ", "_").replace("-", "_")] = {
             f"rms_{unit}": scale * judged.rms, "nrmse_percent": judged.nrmse_percent, "rms_force": judged.rms_force,
         }  # fmt: skip
     beyond = beyond_step(fit.noise, fit.encoder_step)
     if fit.encoder_step and not beyond:
-        told["noise"] = f"none beyond the rounding to steps of {scale * fit.encoder_step:.6g} {unit}"
-    told["fixed"] = {key: p.note or p.how for key, p in fit.parameters.items() if p.how != "fitted"}
+        record["noise"] = f"none beyond the rounding to steps of {scale * fit.encoder_step:.6g} {unit}"
+    record["fixed"] = {key: p.note or p.how for key, p in fit.parameters.items() if p.how != "fitted"}
     gains = {k: v for k, v in (cascade or {}).items() if k in ("kp", "kv", "ki")}
     gains |= {k: abs(gains[k]) / scale for k in ("kv", "ki") if k in gains}
     return MachineFile(
@@ -63,20 +63,20 @@ def from_axis(
         travel=(scale * low, scale * high), parameters=values, delay_s=delay,
         resolution=scale * fit.encoder_step, noise=scale * beyond,
         intervals={k: (p.low, p.high) for k, p in fit.parameters.items() if p.how == "fitted" and p.low <= p.high},
-        cascade=gains, identified=told, log=log or {},
+        cascade=gains, identified=record, log=log or {},
     )  # fmt: skip
 
 
 @entry_point
-def from_linear(told: dict[str, Any], name: str, limits: dict[str, Any], source: str) -> MachineFile:
+def from_linear(record: dict[str, Any], name: str, limits: dict[str, Any], source: str) -> MachineFile:
     """The machine of a linear model: ``numerator``, ``denominator``, ``delay_s``, ``position_unit``, ``drive_unit``,
     ``period`` (and ``resolution``, ``noise``); ``limits``: ``drive``, ``speed``, ``acceleration``, ``travel``.
     """
     return MachineFile(
-        name=name, model="linear", position_unit=told["position_unit"], drive_unit=told["drive_unit"],
-        period=float(told["period"]), drive=float(limits["drive"]), speed=float(limits["speed"]),
-        acceleration=float(limits["acceleration"]), travel=tuple(limits["travel"]), delay_s=float(told["delay_s"]),
-        parameters={key: [float(v) for v in told[key]] for key in ("numerator", "denominator")},
-        resolution=float(told.get("resolution", 0.0)), noise=float(told.get("noise", 0.0)),
+        name=name, model="linear", position_unit=record["position_unit"], drive_unit=record["drive_unit"],
+        period=float(record["period"]), drive=float(limits["drive"]), speed=float(limits["speed"]),
+        acceleration=float(limits["acceleration"]), travel=tuple(limits["travel"]), delay_s=float(record["delay_s"]),
+        parameters={key: [float(v) for v in record[key]] for key in ("numerator", "denominator")},
+        resolution=float(record.get("resolution", 0.0)), noise=float(record.get("noise", 0.0)),
         identified={"source": source},
     )  # fmt: skip

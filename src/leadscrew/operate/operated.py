@@ -123,7 +123,7 @@ class Session:
         self,
         record: str | Sequence[str] | None = None,
         look: Callable[[Operated, np.ndarray], None] | None = None,
-        told: Callable[[Event, Change], None] | None = None,
+        on_event: Callable[[Event, Change], None] | None = None,
     ) -> Rerun:
         """Runs the session again and compares its checksum.
 
@@ -131,7 +131,7 @@ class Session:
             record: signals to keep, as for ``Loop.run``: the standard ones unless given, ``()`` for none, ``*`` for
                 all, the name of a slot for its states. The checksum does not depend on it.
             look: called with the machine and every piece of rows (all columns) on the way.
-            told: called with every event and what it changed.
+            on_event: called with every event and what it changed.
 
         Raises:
             LeadscrewError: the machine cannot be built, an event is refused, or the recording is larger than memory.
@@ -153,8 +153,8 @@ class Session:
                 (same if operated.digest[:MARK] == event.mark else odd).append(event.period)
             if not operated.diverged:
                 made = operated.apply(event)
-                if told is not None:
-                    told(event, made)
+                if on_event is not None:
+                    on_event(event, made)
         operated.advance_to(self.periods, seen)
         again = operated.session()
         for period in self.marks.keys() & again.marks.keys():

@@ -96,7 +96,7 @@ class SimMachine:
         if operated.diverged:
             self.running = "diverged"
             self.message = operated.diverged
-            self._notice("error", f"The loop diverged and stands still: {operated.diverged}. Stop or reset it.")
+            self._notice("error", f"The loop diverged and is stopped: {operated.diverged}. Stop or reset it.")
         return frames
 
     def _seen(self, rows: np.ndarray, ghost: np.ndarray | None) -> list[Frame]:

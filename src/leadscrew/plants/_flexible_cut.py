@@ -67,7 +67,7 @@ class FlexibleCutParams(NamedTuple):
     nominal_feed: Annotated[float, Unit("mm/s"), Gt(0), Doc("speed for which the shear holds, f_0")] = 50.0
     grain_deg: Annotated[float, Unit("deg"), Doc("direction of the fibres, phi_g")] = 0.0
     axis_lag_s: Annotated[float, Unit("s"), Gt(0), Doc("lag of the tangential axis, tau_s")] = 0.02
-    most: Annotated[float, Unit("deg"), Gt(0), Doc("largest shear of the material")] = 14.0
+    max_shear: Annotated[float, Unit("deg"), Gt(0), Doc("largest shear of the material")] = 14.0
     softening: Annotated[float, Unit("mm"), Ge(0), Doc("how fast sharp curves stop to add shear")] = 0.0
     four_fold: Annotated[float, Unit("deg"), Doc("amplitude of a four-fold effect of the direction")] = 0.0
     ripple: Annotated[float, Unit("deg"), Ge(0), Doc("amplitude of a wave along the way")] = 0.0
@@ -84,7 +84,7 @@ class FlexibleCutState(NamedTuple):
     deviation: Annotated[float, Unit("deg"), Doc("of the cut's tangent, e")] = 0.0
     angle: Annotated[float, Unit("deg"), Doc("tangent of the cut")] = 0.0
     lateral: Annotated[float, Unit("mm"), Doc("of the cut, to the left of the line")] = 0.0
-    travel: Annotated[float, Unit("mm"), Doc("way along the line")] = 0.0
+    travel: Annotated[float, Unit("mm"), Doc("distance along the line")] = 0.0
 
 
 class CutLine(NamedTuple):
@@ -93,7 +93,7 @@ class CutLine(NamedTuple):
     deviation: Annotated[float, Unit("deg"), Doc("tangent of the cut less that of the programme")] = 0.0
     angle: Annotated[float, Unit("deg"), Doc("tangent of the cut")] = 0.0
     lateral: Annotated[float, Unit("mm"), Doc("deviation of the cut, to the left of the line")] = 0.0
-    travel: Annotated[float, Unit("mm"), Doc("way along the line")] = 0.0
+    travel: Annotated[float, Unit("mm"), Doc("distance along the line")] = 0.0
 
 
 def seen(s):
@@ -137,7 +137,7 @@ def flexible_cut(p, s, u, load, dt):
     )
     asked = steady_shear(p, material, load)
     held = min(max(s.held, asked - p.hysteresis), asked + p.hysteresis)
-    steady = p.most * math.tanh(held / p.most)
+    steady = p.max_shear * math.tanh(held / p.max_shear)
     shear = quiet(steady + (s.shear - steady) * math.exp(-dt / material.lag_s))
     offset = quiet(u + (s.offset - u) * math.exp(-dt / p.axis_lag_s))
     deviation = material.gain * offset + shear + load.push

@@ -8,7 +8,7 @@ new speed is implicit in the springs that stick (``K``, forces ``F_k``), in thei
     v' = (m v + h (u - sum F_k - sum F_slipped)) / (m + h (c + sigma_2) + h^2 K),        x' = x + h v'
 
 then all elements move by ``h`` at ``v'``, exactly. Stable at any step; first order in ``h``: raise the loop's
-``substeps`` until the result stands still (a step of 1 us to 10 us for the default numbers). For another number of
+``substeps`` until the result no longer changes (a step of 1 us to 10 us for the default numbers). For another number of
 elements: :func:`with_elements`.
 """
 

@@ -5,7 +5,8 @@
 At rest it stays at rest while the push is no larger than the static friction of its direction. The step is implicit in
 the friction's sign, so that sticking is exact and nothing rattles: no smoothed sign function, no speed below which the
 mass counts as stopped. First order in the integration step where the level of friction changes with speed: raise the
-loop's ``substeps`` until the result stands still. Without Stribeck and viscous terms the motion between stops is exact.
+loop's ``substeps`` until the result no longer changes. Without Stribeck and viscous terms the motion between stops is
+exact.
 
 Numbers: unit mass of Canudas de Wit et al. (1995), Table I.
 """

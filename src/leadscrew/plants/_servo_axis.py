@@ -60,7 +60,7 @@ class ServoAxisState(NamedTuple):
     """The drive's side, and the table."""
 
     position: Annotated[float, Unit("m")] = 0.0
-    speed: Annotated[float, Unit("m/s"), Doc("0 means that it stands")] = 0.0
+    speed: Annotated[float, Unit("m/s"), Doc("0: at rest")] = 0.0
     table: Annotated[float, Unit("m")] = 0.0
 
 

@@ -78,7 +78,7 @@ class TurningLatheState(NamedTuple):
     cross: Cross = Cross()
     feed: Annotated[float, Unit("mm/min"), Doc("speed of the carriage")] = 0.0
     feed_rate: Annotated[float, Unit("mm/(min s)"), Doc("its rate of change")] = 0.0
-    travel: Annotated[float, Unit("mm"), Doc("way of the carriage")] = 0.0
+    travel: Annotated[float, Unit("mm"), Doc("travel of the carriage")] = 0.0
     turns: Annotated[float, Doc("revolutions of the spindle")] = 0.0
     surface: Annotated[float, Unit("mm"), Doc("surface that the edge leaves")] = 0.0
     peak: Annotated[float, Unit("N"), Doc("largest force so far")] = 0.0
@@ -134,8 +134,8 @@ def planned(params: TurningLatheParams, dt: float) -> TurningLathePlan:
         ValueRefused: a dead time of 64 steps or more, a step that feed servo or spindle do not bear (see
             :func:`leadscrew.plants._turning.process.checked_step`), or a workpiece that is none.
     """
-    fast, started = params.spindle.most, params.start.rpm
-    fastest, name = (fast, "spindle.most") if fast >= started else (started, "start.rpm")
+    fast, started = params.spindle.max_speed, params.start.rpm
+    fastest, name = (fast, "spindle.max_speed") if fast >= started else (started, "start.rpm")
     late = checked_step(params.servo, fastest, name, dt, "turning_lathe")
     return TurningLathePlan(
         params.law, checked(params.work), spindle_hold(params.spindle, dt), feed_hold(params.servo, dt),

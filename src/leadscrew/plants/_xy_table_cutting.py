@@ -51,7 +51,7 @@ class XYTableCuttingParams(NamedTuple):
         Gt(0),
         Doc("acceleration at 1 V of load or force line: not the drive's, if that is off"),
     ] = 69380.0
-    spindle_hz: Annotated[float, Unit("Hz"), Ge(0), Le(1e5), Doc("revolutions a second; 0: it stands still")] = 0.0
+    spindle_hz: Annotated[float, Unit("Hz"), Ge(0), Le(1e5), Doc("revolutions a second; 0: at rest")] = 0.0
     spindle_v: Annotated[float, Unit("V"), Doc("force line once a revolution, as a voltage at the input")] = 0.0
     spindle_phase: Annotated[float, Unit("rad"), Doc("its angle at t = 0")] = 0.0
     teeth: Annotated[int, Ge(1), Le(100), Doc("teeth of the cutter")] = 2

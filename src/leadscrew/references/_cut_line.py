@@ -36,7 +36,7 @@ class TangentCommand(NamedTuple):
     curvature: Annotated[float, Unit("1/mm"), Doc("its curvature, positive to the left")] = 0.0
     heading_ahead: Annotated[float, Unit("deg"), Doc("tangent a few samples ahead")] = 0.0
     curvature_ahead: Annotated[float, Unit("1/mm"), Doc("curvature a few samples ahead")] = 0.0
-    travel: Annotated[float, Unit("mm"), Doc("way along the line")] = 0.0
+    travel: Annotated[float, Unit("mm"), Doc("distance along the line")] = 0.0
 
 
 Heading = Annotated[NDArray[np.float64], Unit("deg"), Doc("tangent at each sample, unwrapped")]

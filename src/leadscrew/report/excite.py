@@ -19,7 +19,6 @@ if TYPE_CHECKING:
 
     from leadscrew.figures.figure import Figure
 
-VERDICTS = {"told": "identifiable", "not told": "not identifiable"}
 COLOURS = {
     "sliding": BLUE, "speeding up": VERMILION, "creeping": GREEN, "pre-sliding": PURPLE, "lost motion": ORANGE,
 }  # fmt: skip
@@ -42,7 +41,7 @@ def table(proposal: Proposal) -> TextTable:
     """A row for each parameter that is wanted."""
     rows = [
         [p.key, finite(p.value, 3), unit(unit_of(p.key, proposal)), finite(p.half, 3), finite(p.percent, 3),
-         finite(p.target, 3), VERDICTS.get(p.verdict, p.verdict)]
+         finite(p.target, 3), p.verdict]
         for p in proposal.predicted
     ]  # fmt: skip
     heads = ("parameter", "believed", "unit", "95 % ±", "%", "target (%)", "verdict")

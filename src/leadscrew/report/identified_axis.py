@@ -43,7 +43,7 @@ ENDS_WELL = 2.0
 """Times the error on the training part that the error on the hold-out may be, before a sentence says so."""
 FORCE_ENDS_WELL = 1.5
 """The same for the force that inverse dynamics leaves: position adds up what is small, force does not."""
-TOO_GOOD = ": the model knows its own data too well, or the axis has changed, so go by the error on unseen data"
+TOO_GOOD = ": the model knows its own data too well, or the axis has changed, so go by the error on validation data"
 NEGLIGIBLE = 0.1
 """Percent of the range of the position below which the error on the hold-out is good whatever the ratio."""
 TRADES = 100.0

@@ -179,7 +179,7 @@ def html(session: Session, title: str = "") -> str:
         LeadscrewError: it cannot be run again.
     """
     account = _Account(session)
-    rerun = session.run(record=(), look=account.look, told=account.told)
+    rerun = session.run(record=(), look=account.look, on_event=account.told)
     operated, start = rerun.operated, session.start
     named = " ".join(str(x) for x in (start.study, start.controller, start.scenario) if x)
     parts = [

@@ -47,7 +47,7 @@ def drawn_figure(strokes: Sequence[Stroke], settings: Settings) -> Figure:
     if settings.swivel < top:
         for side in (-1.0, 1.0):
             rate.axhline(side * settings.swivel, color=VERMILION, lw=0.8, ls="--")
-    rate.set(xlabel="way / mm", ylabel="turn of the blade / deg/s", title=f"at F{settings.feed:g}")
+    rate.set(xlabel="distance / mm", ylabel="turn of the blade / deg/s", title=f"at F{settings.feed:g}")
     return figure
 
 
@@ -67,7 +67,7 @@ def learned_figure(found: Compensation) -> Figure:
         bottom.plot(s, one.new, color=GREEN, lw=1.2, label="next piece" if first else None)
         begun += one.stroke.length
     top.set(ylabel="error of the tangent / deg")
-    bottom.set(xlabel="way / mm", ylabel="offset of the axis / deg")
+    bottom.set(xlabel="distance / mm", ylabel="offset of the axis / deg")
     for axes in (top, bottom):
         axes.axhline(0.0, color=BLACK, lw=0.5)
         axes.legend(loc="center left", bbox_to_anchor=(1.0, 0.5), frameon=False)

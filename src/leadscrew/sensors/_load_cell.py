@@ -23,7 +23,7 @@ TINY = 1e-30
 
 Noise = Annotated[float, Unit("N"), Ge(0), Doc("standard deviation of one reading before the filter")]
 Keep = Annotated[float, Ge(0), Lt(1), Doc("coefficient of the filter, alpha; 0: none")]
-Count = Annotated[float, Unit("N"), Ge(0), Doc("smallest force told apart; 0: any")]
+Count = Annotated[float, Unit("N"), Ge(0), Doc("resolution of the force; 0: none")]
 
 
 class LoadCellParams(NamedTuple):
@@ -70,7 +70,7 @@ class CutReading(NamedTuple):
 
     force: Annotated[float, Unit("N"), Doc("main cutting force after the filter")] = 0.0
     raw: Annotated[float, Unit("N"), Doc("the same before the filter")] = 0.0
-    travel: Annotated[float, Unit("mm"), Doc("way of the carriage")] = 0.0
+    travel: Annotated[float, Unit("mm"), Doc("travel of the carriage")] = 0.0
     turns: Annotated[float, Unit("rev"), Doc("angle of the spindle")] = 0.0
 
 

@@ -136,8 +136,8 @@ def compensated(
         notes.append(f"not measured, kept as they were: stroke {said}")
     if align == "shape":
         notes.append(
-            "aligned by its shape: an angle by which the whole cut is off cannot be told from how the piece lay, and "
-            "is not compensated; two marks (--mark) tell it"
+            "aligned by its shape: an angle by which the whole cut is off cannot be separated from how the piece lay, "
+            "and is not compensated; two marks (--mark) determine it"
         )
     done = Compensation(after, found, matching.placing, notes)
     clipped = sum(k.clipped_mm for k in found)

@@ -200,13 +200,13 @@ def matched(
     notes: list[str] = []
     short = [n for n, _ in pairs if strokes[n - 1].length < SHORT_MM]
     if short:
-        notes.append(f"too short to be told, kept as they were: stroke {', '.join(map(str, short[:8]))}")
+        notes.append(f"too short to be matched, kept as they were: stroke {', '.join(map(str, short[:8]))}")
         pairs = [(n, t) for n, t in pairs if n not in short]
     for _, trace in pairs:
         if trace.x.size < LEAST_POINTS:
             raise DataError(f"{trace.where}: {trace.x.size} points are too few: expected {LEAST_POINTS} or more")
     if not pairs:
-        raise DataError(f"{points[0].where}: no stroke is {SHORT_MM:g} mm long or longer, so none can be told")
+        raise DataError(f"{points[0].where}: no stroke is {SHORT_MM:g} mm long or longer, so none can be matched")
     found = [_turned(n, strokes[n - 1], t, placing, align, notes, span) for n, t in pairs]
     if align == "shape":
         placing = _by_shape(strokes, found)
@@ -344,7 +344,7 @@ def _turned(
         )
     if length > TANGLED * stroke.length:
         raise DataError(
-            f"{trace.where}: the way along its points is {length:.0f} mm, the path's {stroke.length:.0f} mm: its "
+            f"{trace.where}: the length along its points is {length:.0f} mm, the path's {stroke.length:.0f} mm: its "
             "points are not in order; expected that of the cut"
         )
     whole = length + (math.hypot(x[0] - x[-1], y[0] - y[-1]) if trace.closed else 0.0)

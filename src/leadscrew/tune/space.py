@@ -196,24 +196,24 @@ class Space:
     items: tuple[tuple[str, Distribution], ...]
 
     @staticmethod
-    def of(given: Given | Space | None) -> Space:
+    def of(space: Given | Space | None) -> Space:
         """What is given as a space; nothing gives an empty one.
 
         Raises:
             ValueRefused: a text that is none, a key given twice.
         """
-        if isinstance(given, Space):
-            return given
-        given = given or {}
-        if not isinstance(given, Mapping):
+        if isinstance(space, Space):
+            return space
+        space = space or {}
+        if not isinstance(space, Mapping):
             pairs: list[tuple[str, Any]] = []
-            for text in given:
+            for text in space:
                 key, equals, rest = text.partition("=")
                 if not equals or not key.strip():
                     raise ValueRefused(f"{text!r}: expected KEY=LOW:HIGH or another distribution")
                 pairs.append((key.strip(), rest))
         else:
-            pairs = list(given.items())
+            pairs = list(space.items())
         made: dict[str, Distribution] = {}
         for key, value in pairs:
             if key in made:

@@ -59,7 +59,7 @@ CASES = (
         "ours.pd_dob", ("command.position", 0.1), "parquet", 0.5,
     ),
     Case(
-        "sofnn_tangent", "controller.most", 1.0, "output", 2.0,
+        "sofnn_tangent", "controller.max_offset", 1.0, "output", 2.0,
         lambda before, now, ghost: np.abs(before).max() > 3 and np.abs(now).max() <= 1.0 < np.abs(ghost).max(),
         "corrected.fuzzy", ("actual.deviation", 0.5), "parquet",
     ),

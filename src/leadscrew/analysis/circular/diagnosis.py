@@ -17,8 +17,8 @@ direction squareness and servo mismatch) have no value, and :class:`Together` sa
 of them. ``condition`` is that of the signatures of unit length: 10 is easy, above 1000 the values lean on each other.
 
 Method: Golub and Pereyra (1973) for the variable projection; the faults are those that ball-bar software names. The
-mean of both scale errors cannot be told from an error of the bar's length, nor from what both servos attenuate at this
-feed.
+mean of both scale errors cannot be distinguished from an error of the bar's length, nor from what both servos attenuate
+at this feed.
 """
 
 from __future__ import annotations
@@ -401,7 +401,7 @@ class Together:
 
     def __str__(self) -> str:
         each = " or ".join(f"{size:.3f} um of {name}" for name, size in self.alone_um.items())
-        return f"{' and '.join(self.alone_um)} cannot be told apart from these points: {each}"
+        return f"{' and '.join(self.alone_um)} cannot be distinguished by these points: {each}"
 
 
 @dataclass(frozen=True)

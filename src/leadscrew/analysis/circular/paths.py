@@ -186,7 +186,7 @@ class CircularTest:
         if len(self.turns) == 1:
             said.append(
                 f"{self.directions} only: no bi-directional quantities, and squareness and servo mismatch cannot be "
-                "told apart"
+                "distinguished"
             )
         fewest = min(t.x_mm.size for t in self.turns)
         if fewest < USUAL:

@@ -200,7 +200,7 @@ SCATTER_UM = 0.05
 def example() -> str:
     """The file."""
     head = (
-        "# A made example, not a measurement: radius 100 mm, feed 1,000 mm/min, both directions.\n"
+        "# A synthetic example, not a measurement: radius 100 mm, feed 1,000 mm/min, both directions.\n"
         "# Faults: squareness -25 urad; scale X -18 ppm, Y -12 ppm; X lags 42 um, Y 40 um; play of 3 um in X;\n"
         "#   cyclic error of 0.6 um in X with a lead of 10 mm; stick motion of 2.4 um in Y (rise 1, decay 2 degrees).\n"
         "# Read by a ball bar model: centring (4, -6) um, balls out of round by 0.05 um, scatter 0.05, step 0.1 um.\n"

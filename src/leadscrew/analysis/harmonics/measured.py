@@ -174,7 +174,7 @@ def _no_two_alike(named: dict[str, float]) -> None:
     rising = sorted(named, key=named.__getitem__)
     for one, other in pairwise(rising):
         if named[other] - named[one] < 1e-9 * named[other]:
-            raise ValueRefused(f"at {named[one]:g} Hz, {one} and {other} cannot be told apart in this record")
+            raise ValueRefused(f"at {named[one]:g} Hz, {one} and {other} cannot be distinguished in this record")
 
 
 def _loud(taken: Sampling, residual: Array, found: Harmonics) -> list[str]:

@@ -137,7 +137,7 @@ def short_notes(frequencies: Array, taken: Sampling, base: bool = True) -> list[
     if base and rising[0] < resolved * (1.0 - 1e-6):
         found.append(
             f"a record of {taken.duration:g} s holds less than one period of {rising[0]:g} Hz: "
-            "the line cannot be told from offset and trend"
+            "the line cannot be separated from offset and trend"
         )
     return found
 

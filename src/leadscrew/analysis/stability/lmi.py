@@ -586,7 +586,7 @@ def zames_falb_inequality(
 CONVERGE = "every two motions of it under the same command and load converge, so no constant load makes a limit cycle"
 
 
-def driven(loop: LinearLoop, slopes: tuple[float, float], asked: float = 1.0) -> Certificate:
+def driven(loop: LinearLoop, slopes: tuple[float, float], factor: float = 1.0) -> Certificate:
     """The incremental circle criterion: the loop under every command and load, for slopes of the error law in
     ``slopes``.
 
@@ -601,7 +601,7 @@ def driven(loop: LinearLoop, slopes: tuple[float, float], asked: float = 1.0) ->
     are about the loop at rest. Sources: V. Fromion, G. Scorletti, *Int. J. Robust and Nonlinear Control* 13, 2003; G.
     Zames, *IEEE Trans. Automatic Control* 11, 1966.
 
-    ``limit`` is the largest upper slope that is proved with the lower one kept; ``asked`` the factor by which it is to
+    ``limit`` is the largest upper slope that is proved with the lower one kept; ``factor`` that by which it is to
     exceed ``slopes[1]`` (``m2`` of a design procedure). A proof by a matrix inequality makes it a certificate; a
     continuous loop with a dead time is checked on a grid of frequencies, with a warning that this is no proof.
 
@@ -611,10 +611,10 @@ def driven(loop: LinearLoop, slopes: tuple[float, float], asked: float = 1.0) ->
     s1, s2 = slopes
     if not (math.isfinite(s1) and math.isfinite(s2) and s1 <= s2):
         raise ValueRefused(f"slopes ({s1!r}, {s2!r}): needs finite bounds in order")
-    if not (math.isfinite(asked) and asked >= 1.0):
-        raise ValueRefused(f"asked = {asked!r}: the factor on the steepest slope; allowed from 1")
-    top = s1 + asked * (s2 - s1) if s1 == s2 else asked * s2
-    numbers: dict[str, object] = {"asked": asked, "loop": loop}
+    if not (math.isfinite(factor) and factor >= 1.0):
+        raise ValueRefused(f"factor = {factor!r}: on the steepest slope; allowed from 1")
+    top = s1 + factor * (s2 - s1) if s1 == s2 else factor * s2
+    numbers: dict[str, object] = {"asked": factor, "loop": loop}
     more: dict[str, Any] = {"drawing": "slopes"}
     law = f"With slopes of the error law in {interval(s1, top)}" if s1 != top else "Linear"
 

@@ -40,7 +40,7 @@ from leadscrew.controllers._force.programme import (
     Depth,
     DepthError,
     Follower,
-    LeastDepth,
+    MinDepth,
     PreviewS,
     aimed,
     cutting,
@@ -65,7 +65,7 @@ class ConstantForceParams(NamedTuple):
     radial: RadialServo = RadialServo()
     preview_s: PreviewS = 0.065
     depth_error: DepthError = 0.0
-    least_depth: LeastDepth = 0.2
+    min_depth: MinDepth = 0.2
     air: Air = 0.02
     air_feed: AirFeed = 0.1
     share: Annotated[float, Gt(0), Le(1), Doc("share of the way to the wanted feed that is gone in a period")] = 0.8
@@ -89,7 +89,7 @@ class ConstantForcePlan(NamedTuple):
     follower: Follower
     from_s: float
     depth_error: float
-    least_depth: float
+    min_depth: float
     air: float
     air_feed: float
     share: float
@@ -133,7 +133,7 @@ def ready(params: ConstantForceParams, dt: float) -> ConstantForcePlan:
     if not p.lower < p.upper:
         raise ValueRefused(f"lower = {p.lower:g} V, upper = {p.upper:g} V: the lower limit must be below")
     return ConstantForcePlan(
-        p.belief, follower(p.radial, dt), p.preview_s - dt, p.depth_error, p.least_depth, p.air, p.air_feed,
+        p.belief, follower(p.radial, dt), p.preview_s - dt, p.depth_error, p.min_depth, p.air, p.air_feed,
         p.share, p.caution, p.exponent_caution, p.known, p.lead, dt / (p.lead_lag_s + dt), p.gain, p.spindle_rpm,
         p.lower, p.upper, nothing_yet(0.0),
     )  # fmt: skip
@@ -147,7 +147,7 @@ def begun(params: ConstantForceParams) -> ConstantForceState:
 def align(params, command, feedback, output):
     """The state from which the next output is ``output``."""
     first = prior(params.belief)
-    depth = cutting(command.depth, params.depth_error, params.least_depth)
+    depth = cutting(command.depth, params.depth_error, params.min_depth)
     chip = max(params.gain * output / params.spindle_rpm, 1e-6)
     level = math.log(max(command.force, 1.0) / depth) - first.exponent * math.log(chip / params.belief.chip_mm)
     here = Depth(command.depth, 0.0)
@@ -165,7 +165,7 @@ def constant_force(p, s, command, feedback, dt):
     """Feed from an estimate of the cutting law, with preview of the depth; a voltage."""
     started = s.started > 0.5
     follows_now = followed(p.follower, s.now, s.coming)
-    aim = aimed(command, p.from_s, dt, p.depth_error, p.least_depth, p.air, s.aim)
+    aim = aimed(command, p.from_s, dt, p.depth_error, p.min_depth, p.air, s.aim)
     follows_ahead = followed(p.follower, s.ahead, aim)
     now = Depth(follows_now.depth if started else command.depth, follows_now.speed if started else 0.0)
     ahead = Depth(follows_ahead.depth if started else aim, follows_ahead.speed if started else 0.0)
@@ -173,11 +173,11 @@ def constant_force(p, s, command, feedback, dt):
     rpm = speed(s.turns, feedback.turns, p.spindle_rpm, dt)
     turns = recorded(s.turns, feedback.travel, feedback.turns, feedback.raw)
     before = one_ago(turns)
-    depth = cutting(now.depth, p.depth_error, p.least_depth)
+    depth = cutting(now.depth, p.depth_error, p.min_depth)
     feed = feedback.travel - before.travel
     better = learned(p.belief, s.law, depth, feed, feedback.raw, before.force, feedback.force)
     believed, wish = now.depth + p.depth_error, aim + p.depth_error
-    deep = believed >= max(min(p.least_depth, NEAR * wish), p.air)
+    deep = believed >= max(min(p.min_depth, NEAR * wish), p.air)
     whole = before.whole > 0.5 and deep
     law = Law(
         better.level if whole else s.law.level, better.exponent if whole else s.law.exponent,
@@ -185,8 +185,8 @@ def constant_force(p, s, command, feedback, dt):
         better.exponent_exponent if whole else s.law.exponent_exponent,
     )  # fmt: skip
 
-    new = cutting(ahead.depth, p.depth_error, p.least_depth)
-    old = cutting(s.ahead.depth, p.depth_error, p.least_depth)
+    new = cutting(ahead.depth, p.depth_error, p.min_depth)
+    old = cutting(s.ahead.depth, p.depth_error, p.min_depth)
     factor = (old / new) ** (1.0 / law.exponent) if started else 1.0
     cuts = command.depth + p.depth_error >= p.air
     blind = wish < p.air or (cuts and s.blind > 0.5 and believed < NEAR * wish)

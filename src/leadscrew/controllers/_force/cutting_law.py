@@ -44,8 +44,8 @@ class Belief(NamedTuple):
     floor: Annotated[float, Ge(0), Doc("relative scatter of the force within a revolution")] = 0.02
     drift: Annotated[float, Ge(0), Doc("variance that ln of the force gains in a period")] = 2e-4
     jump: Annotated[float, Ge(0), Doc("the same where the force surprises")] = 0.02
-    least_chip_mm: Annotated[float, Unit("mm"), Gt(0), Doc("chip below which nothing is learned")] = 0.001
-    least_force: Annotated[float, Unit("N"), Ge(0), Doc("filtered force below which nothing is learned")] = 5.0
+    min_chip_mm: Annotated[float, Unit("mm"), Gt(0), Doc("chip below which nothing is learned")] = 0.001
+    min_force: Annotated[float, Unit("N"), Ge(0), Doc("filtered force below which nothing is learned")] = 5.0
 
 
 class Law(NamedTuple):
@@ -67,7 +67,7 @@ def learned(b, s, depth, feed, force, force_before, filtered):
     """The law after one reading: feed per revolution in mm, force now and one revolution ago, and filtered."""
     change = force - force_before
     chip = feed - change / b.stiffness
-    thick = max(chip, b.least_chip_mm)
+    thick = max(chip, b.min_chip_mm)
     x = math.log(thick / b.chip_mm)
     expected = depth * math.exp(s.level + s.exponent * x)
     surprise = min(max(math.log(max(force, 1e-9) / expected), LOWEST), HIGHEST)
@@ -83,7 +83,7 @@ def learned(b, s, depth, feed, force, force_before, filtered):
     start = math.log(b.force_per_mm)
     level = min(max(s.level + g / total * surprise, start - MOST), start + MOST)
     exponent = min(max(s.exponent + h / total * surprise, LEAST_P), 1.0)
-    cut = chip > b.least_chip_mm and filtered > b.least_force
+    cut = chip > b.min_chip_mm and filtered > b.min_force
     return Law(
         level if cut else s.level,
         exponent if cut else s.exponent,
@@ -101,7 +101,7 @@ def feed_for(b, s, force, depth, caution, known, chip=0.0, exponent_caution=0.0)
     divided by ``e^(caution max(sigma - known, 0) / P)``; ``sigma``: standard deviation of ln of the force.
     """
     right = (math.log(max(force, 1e-9) / depth) - s.level) / s.exponent
-    seen = math.log(max(chip, b.least_chip_mm) / b.chip_mm)
+    seen = math.log(max(chip, b.min_chip_mm) / b.chip_mm)
     less = 1.0 + exponent_caution * math.sqrt(max(s.exponent_exponent, 0.0)) / s.exponent
     x = seen + (right - seen) / less if right > seen else right
     variance = s.level_level + 2.0 * x * s.level_exponent + x * x * s.exponent_exponent

@@ -31,7 +31,7 @@ from leadscrew.controllers._force.programme import (
     Depth,
     DepthError,
     Follower,
-    LeastDepth,
+    MinDepth,
     PreviewS,
     aimed,
     cutting,
@@ -70,7 +70,7 @@ def depth_feed_forward(
     preview_s: float = 0.065,
     depth_error: float = 0.0,
     radial: RadialServo | None = None,
-    least_depth: float = 0.05,
+    min_depth: float = 0.05,
     air: float = 0.02,
     air_feed: float = 0.1,
     name: str = "",
@@ -87,7 +87,7 @@ def depth_feed_forward(
     law, its, with_output = part.law, part.its, part.with_output
     params_type = around(
         "DepthFeedForwardParams", inner.params, ("exponent", Exponent), ("preview_s", PreviewS),
-        ("depth_error", DepthError), ("radial", RadialServo), ("least_depth", LeastDepth), ("air", Air),
+        ("depth_error", DepthError), ("radial", RadialServo), ("min_depth", MinDepth), ("air", Air),
         ("air_feed", AirFeed),
     )  # fmt: skip
     state_type = around("DepthFeedForwardState", inner.state, ("programme", FeedForwardState))
@@ -96,11 +96,11 @@ def depth_feed_forward(
         ready = prepared(inner, dt, params.inner)
         plan_type = around(
             "DepthFeedForwardPlan", ready, ("power", float), ("from_s", float), ("depth_error", float),
-            ("follower", Follower), ("least_depth", float), ("air", float), ("air_feed", float),
+            ("follower", Follower), ("min_depth", float), ("air", float), ("air_feed", float),
         )  # fmt: skip
         return plan_type(
             ready, 1.0 / params.exponent, params.preview_s - dt, params.depth_error, follower(params.radial, dt),
-            params.least_depth, params.air, params.air_feed,
+            params.min_depth, params.air, params.air_feed,
         )  # fmt: skip
 
     def align(params, command, feedback, output):
@@ -112,13 +112,13 @@ def depth_feed_forward(
         """The inner controller, from an output that goes with the depth ahead."""
         f = s.programme
         begun = f.started > 0.5
-        aim = aimed(command, p.from_s, dt, p.depth_error, p.least_depth, p.air, f.aim)
+        aim = aimed(command, p.from_s, dt, p.depth_error, p.min_depth, p.air, f.aim)
         follows = followed(p.follower, f.now, f.coming)
         now = Depth(follows.depth if begun else command.depth, follows.speed if begun else 0.0)
         moved = followed(p.follower, f.ahead, aim)
         ahead = Depth(moved.depth if begun else aim, moved.speed if begun else 0.0)
-        old = cutting(f.ahead.depth, p.depth_error, p.least_depth)
-        new = cutting(ahead.depth, p.depth_error, p.least_depth)
+        old = cutting(f.ahead.depth, p.depth_error, p.min_depth)
+        new = cutting(ahead.depth, p.depth_error, p.min_depth)
         factor = (old / new) ** p.power if begun else 1.0
         start = with_output(s.inner, s.inner.output * factor)
         after, asked = law(p.inner, start, its(command), its(feedback), dt)
@@ -135,7 +135,7 @@ def depth_feed_forward(
     servo = RadialServo() if radial is None else radial
     return same_kind(
         fed_forward, part,
-        params_type(inner.params, exponent, preview_s, depth_error, servo, least_depth, air, air_feed),
+        params_type(inner.params, exponent, preview_s, depth_error, servo, min_depth, air, air_feed),
         state_type(inner.state, FeedForwardState()), "Its output goes with the programmed depth of cut.", True,
         prepare=prepare, align=align, name=name or f"{inner.name}_depth_ff",
     )  # fmt: skip

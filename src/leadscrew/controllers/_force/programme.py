@@ -11,7 +11,7 @@ counts by its share of it. A preview shorter than a period sees a change up to h
 **In the air**, where programme and ``depth_error`` leave less than ``air``, no force tells anything, so the feed must
 not run up. It is set for the depth that comes next, else for the last one that was cut (:func:`aimed`); where neither
 is known the output is at most ``air_feed``, until the believed depth is :data:`NEAR` of the one aimed at. A change to
-less than ``least_depth`` is not acted upon before it is commanded: the tool still cuts.
+less than ``min_depth`` is not acted upon before it is commanded: the tool still cuts.
 
 Source: ours; the radial servo as in :obj:`leadscrew.plants.turning`, from which the depth
 feed-forward of the study ``grey_turning`` has its numbers.
@@ -33,7 +33,7 @@ PreviewS = Annotated[
     float, Unit("s"), Ge(0), Le(10), Doc("how far ahead the depth is taken: lag of the feed and half a revolution")
 ]
 DepthError = Annotated[float, Unit("mm"), Doc("believed depth less programmed depth")]
-LeastDepth = Annotated[float, Unit("mm"), Gt(0), Doc("shallower cuts count as this deep")]
+MinDepth = Annotated[float, Unit("mm"), Gt(0), Doc("shallower cuts count as this deep")]
 Air = Annotated[float, Unit("mm"), Gt(0), Doc("shallower is air, not a cut")]
 AirFeed = Annotated[float, Unit("V"), Ge(0), Doc("most in the air while no depth of cut is known")]
 

@@ -29,11 +29,11 @@ class Turns(NamedTuple):
     """The last readings."""
 
     turns: Annotated[np.ndarray, Doc("revolutions of the spindle")]
-    travel: Annotated[np.ndarray, Doc("way of the carriage, mm")]
+    travel: Annotated[np.ndarray, Doc("travel of the carriage, mm")]
     force: Annotated[np.ndarray, Doc("force, N")]
     at: Annotated[int, Doc("place of the next reading")] = 0
     filled: Annotated[int, Doc("readings so far, at most ROOM")] = 0
-    first: Annotated[float, Doc("way of the carriage at the first sample, mm")] = 0.0
+    first: Annotated[float, Doc("travel of the carriage at the first sample, mm")] = 0.0
     last: Annotated[float, Doc("revolutions at the last sample")] = 0.0
     uncut: Annotated[float, Doc("1: the work was uncut at the first sample; 0 after a bumpless start")] = 1.0
 

@@ -3,7 +3,7 @@
 It looks at the **raw** force and at the load cell itself in each of its periods
 (what for: :mod:`~leadscrew.controllers._guard.watching`; what it does: :mod:`~leadscrew.controllers._guard.holding`)
 
-    raw > reduce_n                        the output is reduced, to ``least`` of it just below hold_n
+    raw > reduce_n                        the output is reduced, to ``min_share`` of it just below hold_n
     raw > hold_n, or the cell is broken   feed hold: output 0 in the same period
     quiet for calm_s                      restart at a share of the feed before, the inner controller aligned to it
     held once more after ``retries``      the hold stays until ``reset``

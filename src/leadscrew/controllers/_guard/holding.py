@@ -6,7 +6,7 @@ What it sends, by mode::
               u = min(u, air_v)                      while raw < air_n: no cut, or a dead load cell
               u = min(u, last output)                while the load cell shows the same number for the third time,
                                                      or the force has yet to answer the last rise
-              output = u share(raw)                  share: 1 up to reduce_n, then a line to ``least`` at hold_n
+              output = u share(raw)                  share: 1 up to reduce_n, then a line to ``min_share`` at hold_n
     holding   output = output at the trip, down to 0 within ramp_s (0: at once)
               to running when there is no cause and raw and filtered force are below resume_n for calm_s
     tripped   as holding, until ``reset`` is 1: then holding
@@ -71,8 +71,8 @@ class Guard(NamedTuple):
 
 def share(levels, raw):
     """What is left of the feed at a raw force."""
-    line = 1.0 - (1.0 - levels.least) * (raw - levels.reduce_n) / (levels.hold_n - levels.reduce_n)
-    return min(max(line, levels.least), 1.0)
+    line = 1.0 - (1.0 - levels.min_share) * (raw - levels.reduce_n) / (levels.hold_n - levels.reduce_n)
+    return min(max(line, levels.min_share), 1.0)
 
 
 def decided(p, s, seen, asked, ceiling, rapid, dt):

@@ -46,7 +46,7 @@ class Levels(NamedTuple):
 
     reduce_n: Annotated[float, Unit("N"), Ge(0), Doc("above it the feed is reduced")] = 165.0
     hold_n: Annotated[float, Unit("N"), Gt(0), Doc("above it the feed is held")] = 180.0
-    least: Annotated[float, Ge(0), Le(1), Doc("share of the feed that is left just below hold_n")] = 0.3
+    min_share: Annotated[float, Ge(0), Le(1), Doc("share of the feed that is left just below hold_n")] = 0.3
     confirm: Annotated[int, Ge(1), Le(100), Doc("readings above hold_n in a row that hold the feed")] = 1
 
 
@@ -57,7 +57,7 @@ class CellChecks(NamedTuple):
     jump_n: Annotated[float, Unit("N"), Ge(0), Doc("change between two readings that noise alone may make")] = 60.0
     rate_n_s: Annotated[float, Unit("N/s"), Ge(0), Doc("largest rate of a true force")] = 15000.0
     still_s: Annotated[float, Unit("s"), Ge(0), Doc("as long it may show one number; 0: as long as it likes")] = 0.1
-    still_above_n: Annotated[float, Unit("N"), Ge(0), Doc("readings below this may stand still: air")] = 10.0
+    still_above_n: Annotated[float, Unit("N"), Ge(0), Doc("readings below this may stay constant: air")] = 10.0
     rise: Annotated[float, Ge(0), Le(10), Doc("rise of the output that the force must answer; 0: no such check")] = 0.3
     rise_most: Annotated[float, Ge(0), Le(10), Doc("the same, whatever the error's sign was meanwhile")] = 1.0
     answer: Annotated[float, Gt(0), Le(1), Doc("relative change of the force that is an answer")] = 0.04
@@ -70,7 +70,7 @@ class Seen(NamedTuple):
 
     force: Annotated[float, Unit("N"), Doc("filtered force, the last finite one")] = 0.0
     raw: Annotated[float, Unit("N"), Doc("raw force, the last finite one")] = 0.0
-    travel: Annotated[float, Unit("mm"), Doc("way of the carriage, the last finite one")] = 0.0
+    travel: Annotated[float, Unit("mm"), Doc("travel of the carriage, the last finite one")] = 0.0
     turns: Annotated[float, Doc("turns of the spindle, the last finite ones")] = 0.0
     same: Annotated[int, Doc("readings in a row that were equal to the one before")] = 0
     over: Annotated[int, Doc("readings in a row above hold_n")] = 0

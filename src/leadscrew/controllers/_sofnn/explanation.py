@@ -101,7 +101,7 @@ class Network:
         learned = sum(a.share * ((a.value or 0.0) - (a.prior or 0.0)) for a in acting) if not self.fixed else None
         outputs = [("level", said, "levels")]
         outputs += [] if learned is None else [("learned of it", learned, "levels")]
-        outputs += [("offset of that level", min(max(g.k_d * said, -g.most), g.most), "deg")]
+        outputs += [("offset of that level", min(max(g.k_d * said, -g.max_offset), g.max_offset), "deg")]
         outputs += [("offset sent", s.offset, "deg")]
         note = "the cut is not seen: the offset fades, the rules wait" if s.watch.blind else ""
         return {"rules": rules_view(inputs, outputs, acting, RULES, note), "sets": sets_view(inputs)}

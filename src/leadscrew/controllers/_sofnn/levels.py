@@ -39,7 +39,7 @@ KEC = Annotated[float, Ge(0), Le(600), Doc("levels per deg a sample (or deg/s, s
 PerSecond = Annotated[bool, Doc("k_ec is per deg/s; else per deg a sample")]
 KD = Annotated[float, Unit("deg"), Gt(0), Le(15), Doc("degrees of offset per level, k_d")]
 FilterS = Annotated[float, Unit("s"), Ge(0), Le(10), Doc("time constant of the filter of the change")]
-Most = Annotated[float, Unit("deg"), Gt(0), Le(90), Doc("largest offset, either way")]
+MaxOffset = Annotated[float, Unit("deg"), Gt(0), Le(90), Doc("largest offset, either way")]
 FadeS = Annotated[
     float,
     Unit("s"),
@@ -56,7 +56,7 @@ class Scales(NamedTuple):
     k_ec: float
     k_d: float
     keep: float
-    most: float
+    max_offset: float
     fade: float
 
 
@@ -77,7 +77,7 @@ def scales(params, dt: float) -> Scales:
     """The scales of a controller's parameters at this period."""
     keep = math.exp(-dt / params.filter_s) if params.filter_s > 0.0 else 0.0
     k_ec = params.k_ec / dt if params.per_second else params.k_ec
-    return Scales(params.k_e, k_ec, params.k_d, keep, params.most, math.exp(-dt / params.fade_s))
+    return Scales(params.k_e, k_ec, params.k_d, keep, params.max_offset, math.exp(-dt / params.fade_s))
 
 
 def faded(x):
@@ -100,17 +100,17 @@ def taken_over(command, feedback):
     return Watch(feedback.deviation - command.deviation if seen else 0.0, 0.0, 0, 0 if seen else 1)
 
 
-def held(x, most):
+def held(x, max_offset):
     """``x`` within ``-most`` and ``most``."""
-    return min(max(x, -most), most)
+    return min(max(x, -max_offset), max_offset)
 
 
 def lacking(p, blind, aligned, short, level, before):
     """What the offset is short of the rules' one: all between it and the last after a gap or a takeover; it fades."""
-    apart = held(p.k_d * level, p.most) - before
+    apart = held(p.k_d * level, p.max_offset) - before
     return apart if aligned == 1 else faded(p.fade * (apart if blind == 1 else short))
 
 
 def sent(p, watch, level, short, before):
     """The offset for a level of the rules; fading from ``before`` while the cut is not seen."""
-    return faded(p.fade * before) if watch.known == 0 else held(held(p.k_d * level, p.most) - short, p.most)
+    return faded(p.fade * before) if watch.known == 0 else held(held(p.k_d * level, p.max_offset) - short, p.max_offset)

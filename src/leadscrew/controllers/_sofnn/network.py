@@ -83,7 +83,7 @@ from leadscrew.controllers._sofnn.levels import (
     Aligned,
     FadeS,
     FilterS,
-    Most,
+    MaxOffset,
     PerSecond,
     Scales,
     Short,
@@ -156,7 +156,7 @@ class FnnParams(NamedTuple):
     per_second: PerSecond = False
     k_d: KD = 2.5
     filter_s: FilterS = 0.05
-    most: Most = 15.0
+    max_offset: MaxOffset = 15.0
     fade_s: FadeS = 0.2
     rules: Rules = W0
 
@@ -208,7 +208,7 @@ class SofcParams(NamedTuple):
     per_second: PerSecond = False
     k_d: KD = 2.5
     filter_s: FilterS = 0.05
-    most: Most = 15.0
+    max_offset: MaxOffset = 15.0
     fade_s: FadeS = 0.2
     kg: Kg = 1.0
     source: Source = 0
@@ -298,7 +298,7 @@ class SofnnParams(NamedTuple):
     per_second: PerSecond = False
     k_d: KD = 2.5
     filter_s: FilterS = 0.05
-    most: Most = 15.0
+    max_offset: MaxOffset = 15.0
     fade_s: FadeS = 0.2
     kg: Kg = 1.0
     source: Source = 0
@@ -431,7 +431,7 @@ class AllWeightsParams(NamedTuple):
     per_second: PerSecond = False
     k_d: KD = 2.5
     filter_s: FilterS = 0.05
-    most: Most = 15.0
+    max_offset: MaxOffset = 15.0
     fade_s: FadeS = 0.2
     kg: Kg = 1.0
     source: Source = 0

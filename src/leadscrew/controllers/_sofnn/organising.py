@@ -114,7 +114,7 @@ def seen(p, s, command, feedback):
 
 def learns(p, s, now):
     """Whether the rules are changed in this sample."""
-    pushed = p.measure.freeze and abs(s.offset) >= FULL * p.scales.most and now.g * s.offset > 0.0
+    pushed = p.measure.freeze and abs(s.offset) >= FULL * p.scales.max_offset and now.g * s.offset > 0.0
     return p.measure.learning and now.watch.known > p.measure.delay and not pushed
 
 

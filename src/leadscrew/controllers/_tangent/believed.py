@@ -31,7 +31,7 @@ MOST_DEG = 15.0
 PlantGain = Annotated[float, Gt(0), Le(10), Doc("believed gain from offset to deviation, g")]
 AxisLag = Annotated[float, Unit("s"), Gt(0), Le(1), Doc("believed lag of the tangential axis")]
 SensorDelay = Annotated[float, Unit("s"), Ge(0), Le(1), Doc("believed delay of the reading")]
-Most = Annotated[float, Unit("deg"), Gt(0), Le(90), Doc("largest offset, either way")]
+MaxOffset = Annotated[float, Unit("deg"), Gt(0), Le(90), Doc("largest offset, either way")]
 ObserverGain = Annotated[float, Ge(0), Le(2), Doc("share of what was found that is taken off")]
 FilterS = Annotated[float, Unit("s"), Gt(0), Le(10), Doc("time constant of the observer's filter")]
 ReturnS = Annotated[float, Unit("s"), Gt(0), Le(10), Doc("time in which learning is back after the cut was not seen")]
@@ -78,7 +78,7 @@ def start_from_prior(p, s):
 
 def acting(p, s, wait, sight):
     """The share in which it learns: ``sight``; 0 while it waits, and where the last offset was at its limit."""
-    return (1.0 if wait == 0 else 0.0) * sight * (1.0 if abs(s.sent) < p.most else 0.0)
+    return (1.0 if wait == 0 else 0.0) * sight * (1.0 if abs(s.sent) < p.max_offset else 0.0)
 
 
 def back(ring, at, late):
@@ -102,6 +102,6 @@ def quiet(x):
     return x if abs(x) > TINY else 0.0
 
 
-def within(d, most):
+def within(d, max_offset):
     """An offset within the limits."""
-    return min(max(d, -most), most)
+    return min(max(d, -max_offset), max_offset)

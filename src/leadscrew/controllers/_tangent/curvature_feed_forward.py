@@ -43,7 +43,7 @@ from leadscrew.controllers._tangent.believed import (
     TWICE,
     AxisLag,
     FilterS,
-    Most,
+    MaxOffset,
     ObserverGain,
     PlantGain,
     Preview,
@@ -94,7 +94,7 @@ class CurvatureFeedForwardParams(NamedTuple):
     plant_gain: PlantGain = 0.9
     axis_lag_s: AxisLag = 0.02
     delay_s: SensorDelay = 0.04
-    most: Most = MOST_DEG
+    max_offset: MaxOffset = MOST_DEG
 
 
 class CurvatureFeedForwardPlan(NamedTuple):
@@ -117,7 +117,7 @@ class CurvatureFeedForwardPlan(NamedTuple):
     plant_gain: float
     axis: float
     late: int
-    most: float
+    max_offset: float
     empty: np.ndarray
 
 
@@ -155,7 +155,7 @@ def plan(params: CurvatureFeedForwardParams, dt: float) -> CurvatureFeedForwardP
         prior, covariance, lags, params.forgetting, params.noise, params.trace_cap,
         params.weight_limit, float(params.learning), params.gain, -math.expm1(-dt / params.filter_s),
         dt / params.return_s, late + old, late + old + int(lags[-1]), float(params.before), params.plant_gain,
-        -math.expm1(-dt / params.axis_lag_s), late, params.most, np.zeros(RING),
+        -math.expm1(-dt / params.axis_lag_s), late, params.max_offset, np.zeros(RING),
     )  # fmt: skip
 
 
@@ -231,7 +231,7 @@ def curvature_feed_forward(p, s, command, feedback, dt):
     found = s.found + acts * p.filtered * (inn - s.found)
     held = (-s.sent * p.plant_gain - ahead) / max(p.gain, 1e-9)
     found = held if took_over > 0.5 else found
-    d = within(-(ahead + p.gain * found) / p.plant_gain, p.most)
+    d = within(-(ahead + p.gain * found) / p.plant_gain, p.max_offset)
     return CurvatureFeedForwardState(
         s.weights, s.covariance, s.curvatures, s.headings, s.places, next_place(s.at), max(wait - 1, 0),
         quiet(s.axis + p.axis * (d - s.axis)), quiet(found), d, sight,

@@ -46,7 +46,7 @@ from leadscrew.controllers._tangent.believed import (
     TWICE,
     AxisLag,
     FilterS,
-    Most,
+    MaxOffset,
     ObserverGain,
     PlantGain,
     Preview,
@@ -116,7 +116,7 @@ class CurvatureNetworkParams(NamedTuple):
     plant_gain: PlantGain = 0.9
     axis_lag_s: AxisLag = 0.02
     delay_s: SensorDelay = 0.04
-    most: Most = MOST_DEG
+    max_offset: MaxOffset = MOST_DEG
 
 
 class CurvatureNetworkPlan(NamedTuple):
@@ -138,7 +138,7 @@ class CurvatureNetworkPlan(NamedTuple):
     plant_gain: float
     axis: float
     late: int
-    most: float
+    max_offset: float
     empty: np.ndarray
 
 
@@ -172,8 +172,8 @@ def plan(params: CurvatureNetworkParams, dt: float) -> CurvatureNetworkPlan:
     return CurvatureNetworkPlan(
         prior, covariance, AXIS, params.k_c, params.k_h, -math.expm1(-dt / params.highpass_s),
         params.k_d, params.noise, float(params.learning), params.gain, -math.expm1(-dt / params.filter_s),
-        dt / params.return_s, late + old, params.plant_gain, -math.expm1(-dt / params.axis_lag_s), late, params.most,
-        np.zeros(RING),
+        dt / params.return_s, late + old, params.plant_gain, -math.expm1(-dt / params.axis_lag_s), late,
+        params.max_offset, np.zeros(RING),
     )  # fmt: skip
 
 
@@ -264,7 +264,7 @@ def curvature_network(p, s, command, feedback, dt):
     ahead = said(s, fired(p.levels, p.levels, s.curvatures[s.at], s.changes[s.at]), command.heading_ahead)
     found = s.found + acts * p.filtered * (inn - s.found)
     found = (s.sent / p.k_d - ahead) / max(p.gain, 1e-9) if took_over > 0.5 else found
-    d = within(p.k_d * (ahead + p.gain * found), p.most)
+    d = within(p.k_d * (ahead + p.gain * found), p.max_offset)
     return CurvatureNetworkState(
         s.weights, s.covariance, s.curvatures, s.changes, s.headings, s.places, next_place(s.at), max(wait - 1, 0),
         quiet(smoothed), quiet(s.axis + p.axis * (d - s.axis)), quiet(found), d, sight,

@@ -29,7 +29,7 @@ from leadscrew.controllers._tangent.believed import (
     RING,
     AxisLag,
     FilterS,
-    Most,
+    MaxOffset,
     ObserverGain,
     PlantGain,
     SensorDelay,
@@ -51,7 +51,7 @@ class TangentDobParams(NamedTuple):
     filter_s: FilterS = 0.02
     axis_lag_s: AxisLag = 0.02
     delay_s: SensorDelay = 0.04
-    most: Most = MOST_DEG
+    max_offset: MaxOffset = MOST_DEG
 
 
 class TangentDobPlan(NamedTuple):
@@ -62,7 +62,7 @@ class TangentDobPlan(NamedTuple):
     filtered: float
     axis: float
     late: int
-    most: float
+    max_offset: float
     empty: np.ndarray
 
 
@@ -80,7 +80,7 @@ def plan(params: TangentDobParams, dt: float) -> TangentDobPlan:
     """Shares per period."""
     return TangentDobPlan(
         params.plant_gain, params.gain, -math.expm1(-dt / params.filter_s), -math.expm1(-dt / params.axis_lag_s),
-        samples(params.delay_s, dt, 0, "tangent_dob"), params.most, np.zeros(RING),
+        samples(params.delay_s, dt, 0, "tangent_dob"), params.max_offset, np.zeros(RING),
     )  # fmt: skip
 
 
@@ -100,6 +100,6 @@ def tangent_dob(p, s, command, feedback, dt):
     s.places[s.at] = s.axis
     then = s.start + back(s.places, s.at, p.late)
     found = s.found + p.filtered * (feedback - command - p.plant_gain * then - s.found)
-    d = within(-p.gain * found / p.plant_gain, p.most)
+    d = within(-p.gain * found / p.plant_gain, p.max_offset)
     axis = s.axis + p.axis * (d - s.start - s.axis)
     return TangentDobState(s.places, next_place(s.at), quiet(axis), quiet(found), s.start), d

@@ -24,7 +24,7 @@ from typing import Annotated, Any, Literal, NamedTuple, cast
 
 import numpy as np
 
-from leadscrew.controllers._tangent.believed import MOST_DEG, Most, within
+from leadscrew.controllers._tangent.believed import MOST_DEG, MaxOffset, within
 from leadscrew.controllers._wrapping import around
 from leadscrew.kernel.block import Block, make
 from leadscrew.kernel.by_position import prepared
@@ -42,7 +42,7 @@ class TaughtParams(NamedTuple):
     table: Table = np.zeros(1)
     samples: Samples = 0
     laps: Laps = 0
-    most: Most = MOST_DEG
+    max_offset: MaxOffset = MOST_DEG
 
 
 class TaughtPlan(NamedTuple):
@@ -51,7 +51,7 @@ class TaughtPlan(NamedTuple):
     table: np.ndarray
     last: int
     laps: int
-    most: float
+    max_offset: float
 
 
 class TaughtState(NamedTuple):
@@ -60,9 +60,9 @@ class TaughtState(NamedTuple):
     at: Annotated[int, Doc("sample of the piece")] = 0
 
 
-def taught_params(table: Any, samples: int, laps: Laps, most: float) -> TaughtParams:
+def taught_params(table: Any, samples: int, laps: Laps, max_offset: float) -> TaughtParams:
     """The parameters of a table, its option by name."""
-    params = TaughtParams(np.array(table, dtype=np.float64), samples, 0, most)
+    params = TaughtParams(np.array(table, dtype=np.float64), samples, 0, max_offset)
     checked: TaughtParams = checked_replace(params, {"laps": laps}, "taught")
     return checked
 
@@ -80,7 +80,7 @@ def plan(params: Any, dt: float) -> TaughtPlan:
         raise ValueRefused(
             f"samples = {params.samples} (taught_offset): expected 0 to {table.size}, the table's length"
         )
-    return TaughtPlan(table, (params.samples or table.size) - 1, params.laps, params.most)
+    return TaughtPlan(table, (params.samples or table.size) - 1, params.laps, params.max_offset)
 
 
 def following(p, at):
@@ -95,13 +95,13 @@ def align_alone(params, command, feedback, output):
 
 def alone(p, s, command, feedback, dt):
     """The offset of the table."""
-    return TaughtState(following(p, s.at)), within(p.table[s.at], p.most)
+    return TaughtState(following(p, s.at)), within(p.table[s.at], p.max_offset)
 
 
 @entry_point
-def taught_alone(table: Any = (0.0,), samples: int = 0, laps: Laps = "hold", most: float = MOST_DEG) -> Block:
+def taught_alone(table: Any = (0.0,), samples: int = 0, laps: Laps = "hold", max_offset: float = MOST_DEG) -> Block:
     """The table without feedback: iterative learning alone."""
-    params = taught_params(table, samples, laps, most)
+    params = taught_params(table, samples, laps, max_offset)
     return make(
         "controller", alone, params, TaughtState(), prepare=plan, align=align_alone, name="taught_alone", unit="deg",
         drive="position", doc="Offsets of a tangential axis from a table, without feedback; deg.",
@@ -114,7 +114,7 @@ def taught_offset(
     table: Any = (0.0,),
     samples: int = 0,
     laps: Laps = "hold",
-    most: float = MOST_DEG,
+    max_offset: float = MOST_DEG,
     name: str = "",
 ) -> Block:
     """The controller ``inner`` with a table added; its parameters are those of ``inner`` below ``inner.``.
@@ -146,10 +146,10 @@ def taught_offset(
         """The inner controller and the table, within the axis's limits."""
         after, d = law(p.inner, s.inner, command, feedback, dt)
         taught = TaughtState(following(p.taught, s.taught.at))
-        return state_type(after, taught), within(d + p.taught.table[s.taught.at], p.taught.most)
+        return state_type(after, taught), within(d + p.taught.table[s.taught.at], p.taught.max_offset)
 
     cast(Any, with_table).takes_cut_line = getattr(law, "takes_cut_line", False)
-    params = taught_params(table, samples, laps, most)
+    params = taught_params(table, samples, laps, max_offset)
     return make(
         "controller", with_table, params_type(inner.params, params), state_type(inner.state, TaughtState()),
         prepare=prepare, align=None if align_inner is None else align, name=name or f"{inner.name}_taught",

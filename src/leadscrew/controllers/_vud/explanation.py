@@ -67,7 +67,7 @@ SCALES: dict[type, Callable[[Any], Scales]] = {
     VudBetaEParams: lambda p: plain(p, PRODUCT),
     VudIntegralFactorParams: lambda p: plain(p, PRODUCT),
     VudIncrementalParams: lambda p: plain(p, f"duty = last duty + {p.gain:g} times what the rules say"),
-    VudFamilyParams: lambda p: gained(p, 1.0 if p.inputs_held else math.inf, PRODUCT),
+    VudFamilyParams: lambda p: gained(p, 1.0 if p.hold_inputs else math.inf, PRODUCT),
     VudScaledParams: lambda p: gained(
         p, 1.0, f"duty = {p.output_gain:g} times what the rules say, plus integral and dead zone"
     ),

@@ -8,7 +8,7 @@
 
 with ``t = output_tau`` and ``output_from`` none, duty, error, rate, product, mean, maximum in the order of the last
 line (at none ``beta = output_gain``). In the first period the factors ``alpha`` are 1 and ``ec`` is 0. ``held`` keeps a
-value inside [-1, 1] where ``inputs_held`` is on. A ``rate_gain`` of 0 ignores the rate, a negative one reverses it;
+value inside [-1, 1] where ``hold_inputs`` is on. A ``rate_gain`` of 0 ignores the rate, a negative one reverses it;
 ``rate_interval_s`` equal to the period takes the raw difference of two periods for ``ec``.
 
 With its defaults this is the printed law, but clipped; :data:`PRINTED` and :data:`BETA_E` are the parameters with which
@@ -57,7 +57,7 @@ class VudFamilyParams(NamedTuple):
     error_gain: Annotated[float, Gt(0), Le(1000), Doc("gain of e before the rules")] = 1.0
     rate_gain: Annotated[float, Ge(-1000), Le(1000), Doc("gain of ec; 0 ignores it, below 0 reverses it")] = 1.0
     filter_s: Annotated[float, Unit("s"), Ge(0), Doc("lag of the low-pass of ec; 0 for none")] = 0.0
-    inputs_held: Annotated[Literal["off", "on"] | int, Doc("both inputs inside [-1, 1] before they are contracted")] = 0
+    hold_inputs: Annotated[Literal["off", "on"] | int, Doc("both inputs inside [-1, 1] before they are contracted")] = 0
     e_kind: Kind = 1
     e_tau: Exponent = 0.9
     e_floor: Least = 1e-4
@@ -124,7 +124,7 @@ def ready(params: VudFamilyParams, dt: float) -> VudFamily:
     return VudFamily(
         params,
         low_pass(params.filter_s, dt),
-        1.0 if params.inputs_held else 1e300,
+        1.0 if params.hold_inputs else 1e300,
         rule_base(params.e_centres, params.ec_centres, params.rules),
     )
 

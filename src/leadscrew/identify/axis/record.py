@@ -95,7 +95,7 @@ def record(
     if y.size < LEAST:
         raise DataError(f"{source}: {y.size} samples; a model of an axis needs at least {LEAST}")
     if not np.ptp(y) > 0.0:
-        raise DataError(f"{source}: the position stands still at {y[0]:g}: let the axis move")
+        raise DataError(f"{source}: the position is constant at {y[0]:g}: let the axis move")
     count = count_of(y)
     return Record(float(period), y, u, count, _noise(y, count), start)
 

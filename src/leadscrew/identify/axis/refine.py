@@ -112,7 +112,7 @@ def scales(log: AxisLog, start: Mapping[str, float], fitted: Sequence[str], symm
     if symmetric and any(k.startswith("friction.backward.") for k in keys):
         raise ValueRefused("fitted: a symmetric model has no backward friction of its own; leave out its keys")
     if {"mass", "force_per_drive"} <= set(keys):
-        raise ValueRefused("fitted: mass and force_per_drive cannot both be told by a log; give one of them")
+        raise ValueRefused("fitted: mass and force_per_drive are not identifiable together; give one of them")
     if not symmetric and {"offset", "friction.forward.coulomb", "friction.backward.coulomb"} <= set(keys):
         raise ValueRefused(
             "fitted: offset and Coulomb friction of both directions together; no log tells them apart, since what is "

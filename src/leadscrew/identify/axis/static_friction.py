@@ -91,7 +91,7 @@ def at_rest(job: Job, model: str, springs: bool, table: Mapping[str, Parameter],
                 found[name] = fixed(bristles.parameters["friction.forward.coulomb"].value, units[name], NO_CREEP)
     notes = ["Bristles are fitted alike both ways, and so is the friction beside them."]
     if not bristles.consistent:
-        notes.append("Around stand-stills the residuals are not the noise of the log: this is not quite LuGre.")
+        notes.append("Around standstills the residuals are not the noise of the log: this is not quite LuGre.")
     return AtRest(found, notes, True)
 
 

@@ -621,7 +621,7 @@ def _notes(fit: FrictionForceFit, task: Task, rows: np.ndarray) -> list[str]:
         if change < NORMAL_CHANGES:
             notes.append(
                 f"the normal force changes by {100.0 * change:.2g} % while sliding in the fitted part: that friction "
-                "scales with it is assumed, not told by what was fitted"
+                "scales with it is assumed, not shown by what was fitted"
             )
     return notes
 

@@ -187,7 +187,7 @@ def notes(fit: LinearFit, record: LinearRecord, task: Task, asked: bool) -> list
         and fit.structure.integrators == 0
         and np.any(np.abs(fit.poles) < 1.0 / (record.period * len(record.time)))
     ):
-        said.append("a pole is slower than the log is long: it cannot be told from one at 0")
+        said.append("a pole is slower than the log is long: it cannot be distinguished from one at 0")
     return said
 
 

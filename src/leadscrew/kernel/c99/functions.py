@@ -161,7 +161,7 @@ class Function(Expressions):
             if before == (self.types, self.result) or not (loops or self.unknown):
                 break
         if self.unknown is not None:
-            self.refuse(self.unknown, "a value whose type cannot be told")
+            self.refuse(self.unknown, "a value of unknown type")
         if self.result is None:
             self.refuse(self.node, "a function that returns nothing")
         self.arguments = {a: self.types[a] for a in self.arguments}

@@ -39,7 +39,7 @@ PLOTS = (
     ),
     Plot("Speed of the screw", "rad/s", (Trace("plant.speed", "speed", "other"),)),
     Plot(
-        "Friction: bend of the bristles",
+        "Friction: bristle deflection",
         "urad",
         (Trace("plant.bristle", "bristles", "other"),),
     ),

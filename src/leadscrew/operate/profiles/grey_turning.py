@@ -85,9 +85,9 @@ def _depth(told: bool) -> Disturbance:
         return for_a_while(changes, values, fields["for_s"])
 
     doc = (
-        "The depth of cut steps, as in section 5.2. A controller that reads the programme is told, but not ahead."
+        "The depth of cut steps, as in section 5.2. A controller that reads the programme gets it, but not ahead."
         if told
-        else "The raw part is thicker or thinner than programmed: the depth of cut steps and no controller is told."
+        else "The raw part is thicker or thinner than programmed: the depth of cut steps and no controller knows it."
     )
     step = Field("step", "step", "mm", -1.0, 1.0, -0.2 if told else 0.2, "added to the depth, down to 0")
     name, label = ("depth_step", "Depth step") if told else ("stock_step", "Thicker stock")

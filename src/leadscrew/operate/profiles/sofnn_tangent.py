@@ -161,7 +161,7 @@ DISTURBANCES = (
     Disturbance(
         "camera_lost",
         "Cut not seen",
-        "The camera loses the cut: the last reading is held, and only controllers that are told know it.",
+        "The camera loses the cut: the last reading is held, and only controllers with an input for it know it.",
         (lasting(0.5),),
         _lost,
         ("sensor.lost_from_s", "sensor.lost_for_s"),

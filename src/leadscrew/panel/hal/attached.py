@@ -418,7 +418,7 @@ class Attached:
                 self._put(key, value)
             except (Refused, RuntimeError) as error:
                 del self.ramps[key]
-                self.outbox.say({"event": "warning", "text": f"{key} stands still: {error}"})
+                self.outbox.say({"event": "warning", "text": f"{key} is not updated: {error}"})
                 continue
             if value == target:
                 del self.ramps[key]

@@ -243,7 +243,7 @@ class HalMachine:
         if pipe.ended:
             return "stopped", f"{pipe.ended}; end the panel and start it again to attach again"
         if time.monotonic() - self._sampled_at > SILENT_S:
-            return "stopped", "no samples come: HAL's threads stand still, or LinuxCNC has ended"
+            return "stopped", "no samples come: HAL's threads do not run, or LinuxCNC has ended"
         return "running", HELD if self._held else ""
 
     def news(self) -> list[tuple[str, dict[str, Any]]]:

@@ -37,7 +37,7 @@ NEWTON_STEPS = 4
 
 
 class CuttingLaw(NamedTuple):
-    """Main cutting force ``F = kf b h^exponent``; S45C (medium carbon steel) unless told otherwise."""
+    """Main cutting force ``F = kf b h^exponent``; S45C (medium carbon steel) by default."""
 
     kf: Annotated[float, Unit("N/mm^(1+P)"), Gt(0), Doc("specific force at a chip thickness of 1 mm")] = 2256.3
     exponent: Annotated[float, Gt(0), Le(1), Doc("P: how force grows with chip thickness")] = 0.77

@@ -53,7 +53,7 @@ class FeedServo(NamedTuple):
     gain: Annotated[float, Unit("mm/(min V)"), Gt(0), Doc("feed at 1 V")] = 150.0
     rate: Annotated[float, Unit("rad/s"), Gt(0), Doc("natural frequency")] = 40.0
     damping: Annotated[float, Gt(0), Doc("damping ratio")] = 0.7
-    most: Annotated[float, Unit("mm/min"), Gt(0), Doc("largest feed")] = 150.0
+    max_feed: Annotated[float, Unit("mm/min"), Gt(0), Doc("largest feed")] = 150.0
     dead_time_s: Annotated[float, Unit("s"), Ge(0), Doc("from the voltage to the servo, less than 64 steps")] = 0.0
 
 
@@ -87,7 +87,7 @@ class TurningState(NamedTuple):
     chip: Annotated[float, Unit("mm"), Doc("chip thickness")] = 0.0
     feed: Annotated[float, Unit("mm/min"), Doc("speed of the carriage")] = 0.0
     feed_rate: Annotated[float, Unit("mm/(min s)"), Doc("its rate of change")] = 0.0
-    travel: Annotated[float, Unit("mm"), Doc("way of the carriage")] = 0.0
+    travel: Annotated[float, Unit("mm"), Doc("travel of the carriage")] = 0.0
     turns: Annotated[float, Unit("rev"), Doc("angle of the spindle")] = 0.0
     surface: Annotated[float, Unit("mm"), Doc("surface that the edge leaves")] = 0.0
     depth: Annotated[float, Unit("mm"), Doc("depth of cut, without runout")] = 1.0
@@ -105,7 +105,7 @@ class Turned(NamedTuple):
     feed: Annotated[float, Unit("mm/min"), Doc("speed of the carriage")] = 0.0
     chip: Annotated[float, Unit("mm"), Doc("chip thickness")] = 0.0
     depth: Annotated[float, Unit("mm"), Doc("depth of cut without runout")] = 0.0
-    travel: Annotated[float, Unit("mm"), Doc("way of the carriage")] = 0.0
+    travel: Annotated[float, Unit("mm"), Doc("travel of the carriage")] = 0.0
     turns: Annotated[float, Unit("rev"), Doc("angle of the spindle")] = 0.0
 
 
@@ -156,18 +156,18 @@ class FeedHold(NamedTuple):
     """The feed servo as its step reads it."""
 
     gain: float
-    most: float
+    max_feed: float
     step: Hold
 
 
 def feed_hold(servo: FeedServo, dt: float) -> FeedHold:
     """The exact step of a feed servo."""
-    return FeedHold(servo.gain, servo.most, hold(servo.rate, servo.damping, dt))
+    return FeedHold(servo.gain, servo.max_feed, hold(servo.rate, servo.damping, dt))
 
 
 def fed(servo, feed, rate, u, dt):
     """The feed servo one step later; it does not run backwards. The integral is of the feed."""
-    moved = lag_step(servo.step, min(max(servo.gain * u, 0.0), servo.most), feed, rate, dt)
+    moved = lag_step(servo.step, min(max(servo.gain * u, 0.0), servo.max_feed), feed, rate, dt)
     return Moved(max(moved.value, 0.0), moved.rate, max(moved.area, 0.0))
 
 

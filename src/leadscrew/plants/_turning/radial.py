@@ -25,14 +25,14 @@ class CrossServo(NamedTuple):
 
     gain: Annotated[float, Unit("mm/(s V)"), Gt(0), Doc("speed at 1 V")] = 5.0
     lag_s: Annotated[float, Unit("s"), Gt(0), Doc("lag of its speed")] = 0.03
-    most: Annotated[float, Unit("mm/s"), Gt(0), Doc("largest speed")] = 50.0
+    max_speed: Annotated[float, Unit("mm/s"), Gt(0), Doc("largest speed")] = 50.0
 
 
 class CrossHold(NamedTuple):
     """The exact step over ``dt``."""
 
     gain: float
-    most: float
+    max_speed: float
     dt: float
     share: float
     """Share of its way that the speed goes in a step."""
@@ -50,12 +50,12 @@ class Cross(NamedTuple):
 def cross_hold(servo: CrossServo, dt: float) -> CrossHold:
     """The shares of a step of ``dt``."""
     share = -math.expm1(-dt / servo.lag_s)
-    return CrossHold(servo.gain, servo.most, dt, share, servo.lag_s * share)
+    return CrossHold(servo.gain, servo.max_speed, dt, share, servo.lag_s * share)
 
 
 def moved_across(p, s, u):
     """Place and speed one step later."""
-    asked = min(max(p.gain * u, -p.most), p.most)
+    asked = min(max(p.gain * u, -p.max_speed), p.max_speed)
     over = s.speed - asked
     speed = asked + (1.0 - p.share) * over
     return Cross(s.depth + p.dt * asked + p.reach * over, speed if abs(speed) > TINY else 0.0)

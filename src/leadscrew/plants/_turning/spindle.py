@@ -30,7 +30,7 @@ class SpindleMotor(NamedTuple):
 
     gain: Annotated[float, Unit("1/(min V)"), Gt(0), Doc("speed at 1 V without load")] = 150.0
     lag_s: Annotated[float, Unit("s"), Gt(0), Doc("lag of the inverter's frequency")] = 0.3
-    most: Annotated[float, Unit("1/min"), Gt(0), Doc("largest speed of the field")] = 1500.0
+    max_speed: Annotated[float, Unit("1/min"), Gt(0), Doc("largest speed of the field")] = 1500.0
     droop: Annotated[float, Unit("1/(min N m)"), Ge(0), Doc("speed lost for each N m; 0: none")] = 2.5
     inertia: Annotated[float, Unit("kg m^2"), Ge(0), Doc("of all that turns, at the spindle")] = 0.15
 
@@ -39,7 +39,7 @@ class SpindleHold(NamedTuple):
     """The exact step over ``dt``."""
 
     gain: float
-    most: float
+    max_speed: float
     droop: float
     share: float
     """Share of its way that the field goes in a step."""
@@ -58,12 +58,12 @@ def spindle_hold(motor: SpindleMotor, dt: float) -> SpindleHold:
     """The shares of a step of ``dt``."""
     follows_s = motor.inertia * motor.droop * math.pi / 30.0
     follow = -math.expm1(-dt / follows_s) if follows_s > 0.0 else 1.0
-    return SpindleHold(motor.gain, motor.most, motor.droop, -math.expm1(-dt / motor.lag_s), follow)
+    return SpindleHold(motor.gain, motor.max_speed, motor.droop, -math.expm1(-dt / motor.lag_s), follow)
 
 
 def turned_on(p, s, u, torque):
     """Field and rotor one step later."""
-    field = s.field + p.share * (min(max(p.gain * u, 0.0), p.most) - s.field)
+    field = s.field + p.share * (min(max(p.gain * u, 0.0), p.max_speed) - s.field)
     rpm = max(s.rpm + p.follow * (field - p.droop * torque - s.rpm), 0.0)
     return Spindle(field if field > TINY else 0.0, rpm if rpm > TINY else 0.0)
 

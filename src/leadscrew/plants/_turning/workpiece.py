@@ -3,7 +3,7 @@
     b(x) = depth + extra_i         where  from_i <= x < from_(i+1),   starts <= x < ends;  0 elsewhere
     K(x) = K (1 + harder_i)
 
-``x``: way of the carriage, mm; ``depth``: of the tool below the nominal surface. Up to :data:`STRETCHES` stretches:
+``x``: travel of the carriage, mm; ``depth``: of the tool below the nominal surface. Up to :data:`STRETCHES` stretches:
 shoulders of the raw part as ``extra``, hard places as ``harder``. Before the first ``from`` both are 0. A profile
 over the way, not over time: a machine that feeds faster comes to the next shoulder sooner.
 
@@ -31,10 +31,10 @@ Eight = NDArray[np.float64]
 
 
 class Workpiece(NamedTuple):
-    """A bar; endless and of one kind unless told otherwise."""
+    """A bar; endless and of one kind by default."""
 
     diameter: Annotated[float, Unit("mm"), Gt(0), Doc("mean diameter of the cut")] = 50.0
-    starts: Annotated[float, Unit("mm"), Doc("way of the carriage at which the bar begins")] = 0.0
+    starts: Annotated[float, Unit("mm"), Doc("travel of the carriage at which the bar begins")] = 0.0
     ends: Annotated[float, Unit("mm"), Doc("and at which it ends")] = FAR_MM
     places: Annotated[Eight, Unit("mm"), Doc("where each of 8 stretches begins, rising; 1e9: not there")] = np.full(
         STRETCHES, FAR_MM

@@ -567,7 +567,9 @@ def fsmc_torque_at_rest(lab, speed):
     return Measured(
         printed and abs(printed.mean),
         abs(corrected.mean),
-        note="the bristles stay bent and must be held" if printed else "the mean of a limit cycle; zero: below 0.1 N·m",
+        note="the bristles stay deflected and must be held"
+        if printed
+        else "the mean of a limit cycle; zero: below 0.1 N·m",
     )
 
 
@@ -584,7 +586,7 @@ def fsmc_torque_at_rest(lab, speed):
 def fsmc_oscillates_at_rest(lab, speed):
     """{case} f̂: the control of FSMC oscillates at rest, half of its peak to peak"""
     printed, corrected = fsmc_at_rest(lab, speed)
-    note = f"a limit cycle of {1e3 * corrected.error:.0f} nm" if printed is None else "it stands still"
+    note = f"a limit cycle of {1e3 * corrected.error:.0f} nm" if printed is None else "it is at rest"
     return Measured(printed and printed.swing, corrected.swing, note=f"{note}; {RULES}; oscillates: 10 mN·m or more")
 
 
@@ -898,8 +900,8 @@ def conclusion(lab: Lab) -> list[str]:
         f"layer, {slope:.3g} 1/s, SMC with the integral of (8), which FSMC has, errs {steep:.4f} µm against "
         f"{half['FSMC']:.4f} µm of FSMC.",
         f"CSMC does not eliminate its steady error ({um(left)} are left), FSMC does not set its torque to zero "
-        f"({abs(held):.1f} N·m hold bent bristles), and on 0.01 sin t mm its peak takes {1e3 * slow:.0f} ms, not less "
-        "than 100.",
+        f"({abs(held):.1f} N·m hold the deflected bristles), and on 0.01 sin t mm its peak takes {1e3 * slow:.0f} ms, "
+        "not less than 100.",
         f"The printed gains must be sampled every {min(periods.values()):.1f} to {max(periods.values()):.0f} µs, which "
         "the paper does not state; the ball bar of section 7 could not tell the three laws apart.",
         f"At 4 kHz, tuned by equal searches for friction within 20 %, FSMC errs {tuned['fsmc']:.1f} µm at most on 24 "

@@ -68,10 +68,10 @@ BARE_PD = pd_dob(
 """Holds the stage while its friction is tested: no integral, no friction model."""
 
 
-def ahead(acts_late_s: float, seen_late_s: float, **gains: float) -> Block:
+def ahead(actuation_delay_s: float, measurement_delay_s: float, **gains: float) -> Block:
     """The scheduled PD with an observer, looking ahead."""
     inner = pd_dob.using(travel_per_rad=TRAVEL_MM_PER_RAD, **gains)
-    return look_ahead(inner, acts_late_s=acts_late_s, seen_late_s=seen_late_s)
+    return look_ahead(inner, actuation_delay_s=actuation_delay_s, measurement_delay_s=measurement_delay_s)
 
 
 TUNINGS: dict[str, Block] = {

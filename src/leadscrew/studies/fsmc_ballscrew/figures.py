@@ -265,7 +265,7 @@ def fig16_circles(lab: Lab) -> Figure:
 
 
 @figure(
-    "Stick motion (Figure 17): the axis stands still behind its reversal until its error has built up the torque to "
+    "Stick motion (Figure 17): the axis stays at rest behind its reversal until its error has built up the torque to "
     "break away, on a circle of R = 5 mm at 300 mm/min; and its trace on the circle (Figure 18), clockwise in red."
 )
 def fig17_18_stick_motion(lab: Lab) -> Figure:

@@ -63,7 +63,8 @@ def chip_build_up_s(lab: Lab) -> float:
         reference=cutting_force(),
         controller=steady_feed(voltage=CHIP_FEED / FULL_FEED),
         plant=turning.using(**{
-            "servo.rate": 5000.0, "servo.damping": 1.0, "servo.most": 1000.0, "runout": 0.0, "feed_force_ratio": 1e-6,
+            "servo.rate": 5000.0, "servo.damping": 1.0, "servo.max_feed": 1000.0, "runout": 0.0,
+            "feed_force_ratio": 1e-6,
         }),
         sensor=lathe_reading(noise_n=0.0, keep=0.0),
         period=1e-4,

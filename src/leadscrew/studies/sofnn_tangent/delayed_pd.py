@@ -17,7 +17,7 @@ from typing import Annotated, NamedTuple
 
 import numpy as np
 
-from leadscrew.controllers._tangent.believed import MOST_DEG, RING, Most, back, next_place, quiet, within
+from leadscrew.controllers._tangent.believed import MOST_DEG, RING, MaxOffset, back, next_place, quiet, within
 from leadscrew.kernel.block import controller
 from leadscrew.kernel.parameters import Doc, Ge, Le, Unit
 
@@ -29,7 +29,7 @@ class DelayedPdParams(NamedTuple):
     kp: Annotated[float, Ge(0), Le(100), Doc("offset for a deviation")] = 0.3
     kd: Annotated[float, Ge(0), Le(100), Doc("offset for its change a sample")] = 0.0
     delay: Annotated[int, Ge(1), Le(RING - 1), Doc("samples from an offset to its reading")] = 5
-    most: Most = MOST_DEG
+    max_offset: MaxOffset = MOST_DEG
 
 
 class DelayedPdState(NamedTuple):
@@ -53,6 +53,6 @@ def delayed_pd(p, s, command, feedback, dt):
     e = command - feedback
     at = next_place(s.at)
     old = s.before + back(s.sent, at, p.delay)
-    d = within(p.share * old + p.kp * e + p.kd * (e - s.last), p.most)
+    d = within(p.share * old + p.kp * e + p.kd * (e - s.last), p.max_offset)
     s.sent[at] = quiet(d - s.before)
     return DelayedPdState(s.sent, at, e, s.before), d

@@ -120,7 +120,7 @@ def fig6_without_compensation(lab: Lab) -> Figure:
     lower.plot(way, e, **pen(NONE))
     lower.axhline(0.0, **GUIDE)
     upper.set_ylabel("tangential angle (°)")
-    lower.set(xlabel="way along the line (mm)", ylabel="deviation (°)")
+    lower.set(xlabel="distance along the line (mm)", ylabel="deviation (°)")
     return with_legend(fig, upper)
 
 
@@ -136,7 +136,7 @@ def fig7_with_compensation(lab: Lab) -> Figure:
     for axes in (upper, lower):
         axes.axhline(0.0, **GUIDE)
     upper.set_ylabel("deviation (°)")
-    lower.set(xlabel="way along the line (mm)", ylabel="offset angle (°)")
+    lower.set(xlabel="distance along the line (mm)", ylabel="offset angle (°)")
     return with_legend(fig, upper, columns=4)
 
 
@@ -265,7 +265,7 @@ def change_of_material(lab: Lab) -> Figure:
         axes.axvline(0.5 * SAMPLE_MM * len(e), **GUIDE)
         axes.axhline(0.0, **GUIDE)
         axes.set(title=name, ylabel="deviation (°)")
-    panels[-1].set_xlabel("way along the line (mm)")
+    panels[-1].set_xlabel("distance along the line (mm)")
     return with_legend(fig, panels[0], columns=4)
 
 
