@@ -10,12 +10,12 @@ from leadscrew.controllers._inverse_feed_forward import inverse_feed_forward
 from leadscrew.controllers._resonant import resonant
 from leadscrew.disturbances._wandering_spindle import speed_hz, wandering_spindle
 from leadscrew.sensors._counts import noisy_ruler
-from leadscrew.studies.npid_xytable.tunings import TUNINGS, table_pid
+from leadscrew.studies.npid_xytable.tunings import INVERSE, TUNINGS, XY_TABLE, table_pid
 from leadscrew.util.errors import ValueRefused
 from tests.controllers.table_axis import PERIOD, rms_um, table_axis, tried
 
 RPM, SHARES = (1000, 2000, 3000), (0.98, 1.0, 1.02)
-PLAIN = adaptive_resonant(TUNINGS["ours.pid_ms_159"])
+PLAIN = adaptive_resonant(TUNINGS["ours.pid_ms_159"], model=XY_TABLE)
 FOUND = "controller.spindle.spindle_hz"
 READ = noisy_ruler(resolution_mm=5e-4, noise_mm=1e-4)
 
@@ -49,7 +49,10 @@ def test_known_resonators_that_are_told_a_wrong_speed_leave_most_of_the_lines():
 def test_without_adaptation_and_at_the_right_speed_it_is_the_resonators_of_two_lines():
     t = PERIOD * np.arange(600)
     errors = np.sin(300.0 * t) + 0.3 * np.sin(650.0 * t)
-    blocks = (resonant(table_pid, [50.0, 100.0], strength=6.0), adaptive_resonant(table_pid, strength=6.0, rate=0.0))
+    blocks = (
+        resonant(table_pid, [50.0, 100.0], strength=6.0, model=XY_TABLE),
+        adaptive_resonant(table_pid, strength=6.0, rate=0.0, model=XY_TABLE),
+    )
     same, found = (np.array(tried(block, errors, np.zeros(600))) for block in blocks)
     assert found == pytest.approx(same, abs=1e-9 * np.abs(same).max())
 
@@ -111,7 +114,7 @@ def test_the_first_output_after_an_align_is_the_last_one_before():
 @pytest.mark.sweep
 def test_all_engines_give_the_same_bits():
     loop = table_axis(
-        inverse_feed_forward(PLAIN(lower=-0.02, upper=0.02)), spindle_hz=51.0, spindle_v=1e-3, tooth_v=2e-3
+        inverse_feed_forward(PLAIN(lower=-0.02, upper=0.02), **INVERSE), spindle_hz=51.0, spindle_v=1e-3, tooth_v=2e-3
     )
     fast, plain = (loop.run(0.3, record=("output", "controller"), engine=e) for e in ("llvm", "python"))
     assert all(np.array_equal(fast[name], plain[name]) for name in plain.signals)
@@ -119,7 +122,7 @@ def test_all_engines_give_the_same_bits():
 
 def test_at_the_limit_of_the_output_the_lines_turn_and_do_not_grow():
     """The same block without a limit, by hand: where the sum is beyond it, the lengths of both lines stay."""
-    block = adaptive_resonant(table_pid(kp=0.0, ki=0.0, kd=0.0), lower=-2e-3, upper=2e-3)
+    block = adaptive_resonant(table_pid(kp=0.0, ki=0.0, kd=0.0), lower=-2e-3, upper=2e-3, model=XY_TABLE)
     p, s = block.prepare(block.params, PERIOD), block.state
     lengths, outputs = [], []
     for k in range(4000):
@@ -138,7 +141,10 @@ def test_a_limit_outside_holds_the_lines_and_one_inside_does_not():
     small = TUNINGS["ours.pid_ms_159"](lower=-5e-3, upper=5e-3, anti_windup=1)
     keys = [f"controller.spindle.{line}.{part}" for line in ("first", "tooth") for part in ("re", "im")]
     sizes = []
-    for block in (adaptive_resonant(small, lower=-5e-3, upper=5e-3), adaptive_resonant(small)):
+    for block in (
+        adaptive_resonant(small, lower=-5e-3, upper=5e-3, model=XY_TABLE),
+        adaptive_resonant(small, model=XY_TABLE),
+    ):
         run = table_axis(block, spindle_hz=50.0, spindle_v=1e-3, tooth_v=2e-3).run(8.0, record=("output", *keys))
         sizes.append((np.abs(run["output"]).max(), max(np.abs(run[key]).max() for key in keys)))
     assert sizes[0][0] == 5e-3 and sizes[0][1] < 0.25 and sizes[1][1] > 1e6
@@ -147,8 +153,10 @@ def test_a_limit_outside_holds_the_lines_and_one_inside_does_not():
 def test_a_cutter_of_one_tooth_has_one_line():
     t = PERIOD * np.arange(600)
     errors = np.sin(300.0 * t)
-    one = np.array(tried(adaptive_resonant(table_pid, teeth=1, strength=6.0, rate=0.0), errors, np.zeros(600)))
-    same = np.array(tried(resonant(table_pid, [50.0], strength=6.0), errors, np.zeros(600)))
+    one = np.array(
+        tried(adaptive_resonant(table_pid, teeth=1, strength=6.0, rate=0.0, model=XY_TABLE), errors, np.zeros(600))
+    )
+    same = np.array(tried(resonant(table_pid, [50.0], strength=6.0, model=XY_TABLE), errors, np.zeros(600)))
     assert one == pytest.approx(same, abs=1e-9 * np.abs(same).max())
 
 

@@ -13,7 +13,7 @@ from leadscrew.export import hal_run
 from leadscrew.kernel.loop import DivergenceWarning
 from leadscrew.plants._xy_table import xy_table
 from leadscrew.references._sine import sine, sine_motion
-from leadscrew.studies.npid_xytable.tunings import TUNINGS, table_pid
+from leadscrew.studies.npid_xytable.tunings import INVERSE, TUNINGS, table_pid
 from leadscrew.util.errors import BlockError, ValueRefused
 from tests.controllers.xy_loop import PERIOD, xy_loop
 from tests.export.hal_bench import Bench
@@ -144,7 +144,7 @@ def test_the_memory_decays_to_zero_and_not_to_denormal_numbers():
 
 
 def test_it_goes_around_controllers_of_a_motion_command():
-    block = biquad(inverse_feed_forward(TUNED), LowPass(800.0))
+    block = biquad(inverse_feed_forward(TUNED, **INVERSE), LowPass(800.0))
     run = xy_loop(block, sine_motion(amplitude=1.0, frequency=0.7)).run(1.0)
     assert np.abs(run["true_error"][1000:]).max() < 0.1
 

@@ -12,7 +12,7 @@ from leadscrew.kernel.loop import Loop
 from leadscrew.plants._xy_table_lugre import LEVELS
 from leadscrew.references._eased_sine import eased_sine_motion
 from leadscrew.references._motion import Motion
-from leadscrew.studies.npid_xytable.tunings import TUNINGS, table_pid
+from leadscrew.studies.npid_xytable.tunings import INVERSE, TUNINGS, table_pid
 from tests.controllers.table_axis import PERIOD, rms_um, table_axis, tried
 
 SILENT = table_pid(kp=0.0, ki=0.0, kd=0.0)
@@ -58,7 +58,7 @@ def test_the_bristles_bend_as_scipys_do():
     ("level", "mv", "um"), [("medium", 20.0, 5.0), pytest.param("high", 150.0, 10.0, marks=pytest.mark.slow)]
 )
 def test_it_takes_most_of_the_error_that_friction_makes(level, mv, um):
-    fed = inverse_feed_forward(TUNINGS["ours.pid_ms_159"])
+    fed = inverse_feed_forward(TUNINGS["ours.pid_ms_159"], **INVERSE)
     found = []
     for block in (fed, friction_feed_forward(fed, friction_mv=mv, presliding_um=um)):
         loop = Loop(
@@ -71,7 +71,7 @@ def test_it_takes_most_of_the_error_that_friction_makes(level, mv, um):
 
 @pytest.mark.slow
 def test_wrong_by_a_fifth_it_still_takes_most_of_it():
-    fed = inverse_feed_forward(TUNINGS["ours.pid_ms_159"])
+    fed = inverse_feed_forward(TUNINGS["ours.pid_ms_159"], **INVERSE)
     blocks = (fed, friction_feed_forward(fed), friction_feed_forward(fed, friction_mv=24.0, presliding_um=4.0))
     found = []
     for block in blocks:
@@ -94,7 +94,7 @@ def test_the_first_output_after_an_align_is_the_last_one_before(presliding):
 @pytest.mark.sweep
 @pytest.mark.parametrize("presliding", [0.0, 5.0])
 def test_all_engines_give_the_same_bits(presliding):
-    loop = table_axis(friction_feed_forward(inverse_feed_forward(table_pid), presliding_um=presliding))
+    loop = table_axis(friction_feed_forward(inverse_feed_forward(table_pid, **INVERSE), presliding_um=presliding))
     record = ("output", "actual", "controller")
     fast, plain = (loop.run(0.2, record=record, engine=engine) for engine in ("llvm", "python"))
     assert all(np.array_equal(fast[name], plain[name]) for name in plain.signals)

@@ -8,10 +8,10 @@ from scipy import signal
 from leadscrew.analysis.stability.loop import sampled_loop
 from leadscrew.controllers._input_dob import delay_weights, input_dob, tustin
 from leadscrew.controllers._inverse_feed_forward import inverse_feed_forward
-from leadscrew.controllers._response import TableModel, table_response
+from leadscrew.controllers._response import plant_response
 from leadscrew.disturbances._sine_load import sine_load
 from leadscrew.disturbances._step_load import step_load
-from leadscrew.studies.npid_xytable.tunings import TUNINGS, table_pid
+from leadscrew.studies.npid_xytable.tunings import INVERSE, TUNINGS, XY_TABLE, table_pid
 from leadscrew.util.errors import ValueRefused
 from tests.controllers.table_axis import PERIOD, lines_um, table_axis, tried
 
@@ -37,7 +37,9 @@ def test_the_output_is_delayed_by_the_dead_time_and_half_a_period():
 
 def test_the_found_disturbance_is_the_equation_run_by_scipy():
     """With a silent inner law ``u = -d``, so ``d`` is the two filters on the feedback and on its own past."""
-    p = input_dob(SILENT, bandwidth=300.0).prepare(input_dob(SILENT, bandwidth=300.0).params, PERIOD)
+    p = input_dob(SILENT, bandwidth=300.0, model=XY_TABLE).prepare(
+        input_dob(SILENT, bandwidth=300.0, model=XY_TABLE).params, PERIOD
+    )
     y = RNG.normal(size=300)
     f, g = p.inverse, p.filter
     inverse = (np.array(f[:3]), np.array([1.0, f.a1, f.a2]))
@@ -46,7 +48,7 @@ def test_the_found_disturbance_is_the_equation_run_by_scipy():
     path = np.convolve(g[:3], [0.0, 0.0, 0.95, 0.05])
     den = np.concatenate([[1.0, g.a1, g.a2], np.zeros(3)]) - path
     expected = -signal.lfilter([1.0, g.a1, g.a2], den, needed)
-    found = tried(input_dob(SILENT, bandwidth=300.0), np.zeros(300), y)
+    found = tried(input_dob(SILENT, bandwidth=300.0, model=XY_TABLE), np.zeros(300), y)
     assert found == pytest.approx(expected, rel=1e-9, abs=1e-9 * np.abs(expected).max())
 
 
@@ -66,7 +68,7 @@ def test_its_loop_is_python_controls(name):
     points = np.exp(1j * W * PERIOD)
     whole = (law(points) + second(p.inverse)(points)) / (1.0 - second(p.filter)(points) * delayed(points))
     loop = sampled_loop(table_axis(block))
-    assert loop.response(W) == pytest.approx(whole * table_response(TableModel(), PERIOD, W), rel=1e-6)
+    assert loop.response(W) == pytest.approx(whole * plant_response(XY_TABLE, PERIOD, W), rel=1e-6)
 
 
 @pytest.mark.slow
@@ -100,22 +102,26 @@ def test_a_slow_observer_makes_a_fast_line_worse():
 @pytest.mark.slow
 def test_feed_forward_belongs_inside():
     """Outside the observer takes it for a disturbance, and takes it off again as far as it can."""
-    inside = input_dob(inverse_feed_forward(table_pid), bandwidth=150.0)
-    outside = inverse_feed_forward(input_dob(table_pid, bandwidth=150.0))
+    inside = input_dob(inverse_feed_forward(table_pid, **INVERSE), bandwidth=150.0, model=XY_TABLE)
+    outside = inverse_feed_forward(input_dob(table_pid, bandwidth=150.0, model=XY_TABLE), **INVERSE)
     a, b = (lines_um(table_axis(block).run(20.0), [0.7])[0] for block in (inside, outside))
     assert a < 0.01 < 0.1 < b
 
 
 def test_a_limit_does_not_wind_it_up():
     loop = table_axis(
-        input_dob(table_pid, 150.0, lower=-0.02, upper=0.02), amplitude=0.0, disturbance=step_load(size=0.03)
+        input_dob(table_pid, 150.0, lower=-0.02, upper=0.02, model=XY_TABLE),
+        amplitude=0.0,
+        disturbance=step_load(size=0.03),
     )
     run = loop.run(1.0, record=("output", "controller"))
     assert np.abs(run["output"]).max() == 0.02
     assert abs(run["controller.observer.disturbance"][-1]) < 0.04
 
 
-@pytest.mark.parametrize("block", [TUNINGS["ours.pid_dob_100"], input_dob(inverse_feed_forward(table_pid))])
+@pytest.mark.parametrize(
+    "block", [TUNINGS["ours.pid_dob_100"], input_dob(inverse_feed_forward(table_pid, **INVERSE), model=XY_TABLE)]
+)
 def test_from_rest_it_takes_over_without_a_bump(block):
     from leadscrew.references._motion import Motion
 
@@ -129,7 +135,9 @@ def test_from_rest_it_takes_over_without_a_bump(block):
 
 @pytest.mark.sweep
 def test_all_engines_give_the_same_bits():
-    loop = table_axis(input_dob(table_pid, lower=-0.02, upper=0.02), disturbance=sine_load(amplitude=1e-2))
+    loop = table_axis(
+        input_dob(table_pid, lower=-0.02, upper=0.02, model=XY_TABLE), disturbance=sine_load(amplitude=1e-2)
+    )
     record = ("output", "actual", "controller")
     fast, plain = (loop.run(0.2, record=record, engine=engine) for engine in ("llvm", "python"))
     assert all(np.array_equal(fast[name], plain[name]) for name in plain.signals)

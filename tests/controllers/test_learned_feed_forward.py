@@ -9,7 +9,7 @@ from leadscrew.kernel.loop import Loop
 from leadscrew.plants._xy_table_lugre import LEVELS
 from leadscrew.references._eased_sine import eased_sine_motion
 from leadscrew.references._motion import Motion
-from leadscrew.studies.npid_xytable.tunings import TUNINGS, table_pid
+from leadscrew.studies.npid_xytable.tunings import INVERSE, TUNINGS, table_pid
 from leadscrew.util.errors import BlockError, ValueRefused
 from tests.controllers.table_axis import rms_um, tried
 
@@ -41,7 +41,7 @@ def test_in_steady_motion_it_adds_the_models_voltage_and_coulomb_friction():
 
 def test_without_friction_and_learning_it_is_the_inverse_plant():
     path = [Motion(np.sin(x), 40.0 * np.cos(x), -1600.0 * np.sin(x)) for x in 0.02 * np.arange(400)]
-    known = tried(inverse_feed_forward(table_pid), path, [0.0] * 400)
+    known = tried(inverse_feed_forward(table_pid, **INVERSE), path, [0.0] * 400)
     mine = tried(learned_feed_forward(table_pid, friction_mv=0.0, rate=0.0), path, [0.0] * 400)
     np.testing.assert_allclose(mine, known, rtol=0, atol=1e-12)
 
@@ -90,6 +90,6 @@ def test_all_engines_give_the_same_bits():
 
 def test_a_law_of_motions_and_values_out_of_range_are_refused():
     with pytest.raises(BlockError, match=r"learned_feed_forward\(pid_ff\): needs a controller of a position"):
-        learned_feed_forward(inverse_feed_forward(table_pid))
+        learned_feed_forward(inverse_feed_forward(table_pid, **INVERSE))
     with pytest.raises(ValueRefused, match=r"presliding_um = 0"):
         learned_feed_forward(table_pid, presliding_um=0.0)

@@ -14,7 +14,7 @@ from leadscrew.disturbances._sine_load import sine_load
 from leadscrew.kernel.loop import Loop
 from leadscrew.plants._xy_table_lugre import LEVELS
 from leadscrew.references._eased_sine import eased_sine_motion
-from leadscrew.studies.npid_xytable.tunings import TUNINGS, table_pid
+from leadscrew.studies.npid_xytable.tunings import INVERSE, TUNINGS, XY_TABLE, table_pid
 from leadscrew.util.errors import BlockError, ValueRefused
 from tests.controllers.table_axis import PERIOD, lines_um, rms_um, table_axis, tried
 
@@ -54,14 +54,14 @@ def test_the_error_of_a_repeated_disturbance_shrinks_as_promised():
     away = [float(np.sqrt(np.mean((x - e[-1]) ** 2))) for x in e[:4]]
     p = repetitive(TUNED).params
     lines = 2.0 * np.pi * np.array([2.1, 3.5, 4.9, 6.3, 7.7])
-    most = contraction(TUNED, lines, p.cutoff_hz, p.lead_s, p.strength).max()
+    most = contraction(TUNED, lines, p.cutoff_hz, p.lead_s, p.strength, model=XY_TABLE).max()
     assert most == pytest.approx(0.3, abs=0.01) and all(b < 1.1 * most * a for a, b in pairwise(away)), away
 
 
 def test_our_tuning_converges_at_every_frequency_and_a_bad_lead_does_not():
     p = TUNINGS["ours.repetitive"].params.inner
-    assert contraction(TUNED, W, p.cutoff_hz, p.lead_s, p.strength).max() < 0.35
-    assert contraction(TUNED, W, 150.0, 0.0, 1.2).max() > 1.0
+    assert contraction(TUNED, W, p.cutoff_hz, p.lead_s, p.strength, model=XY_TABLE).max() < 0.35
+    assert contraction(TUNED, W, 150.0, 0.0, 1.2, model=XY_TABLE).max() > 1.0
 
 
 @pytest.mark.slow
@@ -70,7 +70,7 @@ def test_where_the_contraction_is_above_one_the_loop_is_lost():
     last = []
     for lead, cutoff in ((2.5e-3, 100.0), (8e-3, 100.0)):
         block = repetitive(TUNED, 0.2, cutoff, lead, 1.0, room=500)
-        assert (contraction(TUNED, W, cutoff, lead, 1.0).max() > 1.0) == (lead > 5e-3)
+        assert (contraction(TUNED, W, cutoff, lead, 1.0, model=XY_TABLE).max() > 1.0) == (lead > 5e-3)
         run = table_axis(block, amplitude=0.0, disturbance=sine_load(amplitude=1e-3, frequency=5.0)).run(6.0)
         last.append(np.abs(1e3 * run["true_error"][-400:]).max())
     assert last[0] < 0.02 and last[1] > 10.0
@@ -95,7 +95,7 @@ def test_a_spindle_line_stays():
 @pytest.mark.slow
 def test_friction_repeats_itself_and_is_learned():
     found = []
-    for block in (inverse_feed_forward(TUNED), TUNINGS["ours.repetitive"]):
+    for block in (inverse_feed_forward(TUNED, **INVERSE), TUNINGS["ours.repetitive"]):
         loop = Loop(
             reference=eased_sine_motion(amplitude=1.0, frequency=0.7), controller=block, plant=LEVELS["medium"],
             period=PERIOD, substeps=20, computation_delay=0.775e-3, metrics={},

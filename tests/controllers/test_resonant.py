@@ -11,13 +11,13 @@ from leadscrew.analysis.stability.loop import sampled_loop
 from leadscrew.controllers._inverse_feed_forward import inverse_feed_forward
 from leadscrew.controllers._npid import npid
 from leadscrew.controllers._resonant import resonant
-from leadscrew.controllers._response import TableModel, law_response, table_response
+from leadscrew.controllers._response import PlantModel, law_response, plant_response
 from leadscrew.controllers._wrapping import wrapped
 from leadscrew.disturbances._five_sines import five_sines
 from leadscrew.disturbances._sine_load import sine_load
 from leadscrew.plants._xy_table import xy_table
 from leadscrew.sensors._counts import noisy_ruler
-from leadscrew.studies.npid_xytable.tunings import TUNINGS, table_pid
+from leadscrew.studies.npid_xytable.tunings import INVERSE, TUNINGS, XY_TABLE, table_pid
 from leadscrew.util.errors import BlockError, ValueRefused
 from tests.controllers.table_axis import PERIOD, lines_um, rms_um, table_axis, tried
 
@@ -27,8 +27,8 @@ SILENT = table_pid(kp=0.0, ki=0.0, kd=0.0)
 
 
 def test_a_resonator_is_the_difference_equation_of_the_digest():
-    block, w = resonant(SILENT, [4.9], strength=2.0), 2.0 * np.pi * 4.9
-    h = table_response(block.params.model, PERIOD, w)
+    block, w = resonant(SILENT, [4.9], strength=2.0, model=XY_TABLE), 2.0 * np.pi * 4.9
+    h = plant_response(block.params.model, PERIOD, w)
     g, p = 2.0 / abs(h), -np.angle(h)
     errors = RNG.normal(size=500)
     expected = signal.lfilter(
@@ -55,7 +55,7 @@ def test_the_believed_table_is_python_controls_with_the_delay_of_the_step(late):
     old = after @ held(theta)[1] if theta > 1e-9 else 0.0 * new
     z = np.exp(1j * W * dt)
     expected = [(np.asarray(plant.C) @ np.linalg.solve(x * np.eye(2) - a, new + old / x)).item() * x**-whole for x in z]
-    assert table_response(TableModel(dead_time_s=late), dt, W) == pytest.approx(np.array(expected), rel=1e-8)
+    assert plant_response(PlantModel(dead_time_s=late), dt, W) == pytest.approx(np.array(expected), rel=1e-8)
 
 
 def test_the_response_of_a_controller_is_that_of_its_z_transform():
@@ -77,7 +77,7 @@ def test_a_nonlinear_law_counts_by_its_slope_at_rest():
 @pytest.mark.parametrize("strength", [pytest.param(0.5, marks=pytest.mark.slow), 2.0])
 def test_a_line_decays_at_half_the_strength(strength):
     """Whatever the loop does to that frequency, by which the gain is measured."""
-    block = resonant(TUNINGS["ours.pid_ms_159"], [7.7], strength=strength)
+    block = resonant(TUNINGS["ours.pid_ms_159"], [7.7], strength=strength, model=XY_TABLE)
     load = sine_load(amplitude=1e-3, frequency=7.7, phase=0.3)
     run = table_axis(block, amplitude=0.0, disturbance=load).run(8.0)
     parts = [lines_um({"true_error": run["true_error"][: round(t / PERIOD)]}, [7.7], 0.6494)[0] for t in (2.0, 4.0)]
@@ -110,7 +110,7 @@ def test_a_line_in_the_wrong_place_keeps_what_the_data_sheet_says():
     d, strength = 2.0 * math.pi * 0.1, 1.0
     plain, off = (
         lines_um(table_axis(b, amplitude=0.0, spindle_hz=50.1, spindle_v=1e-3).run(20.0), [50.1])[0]
-        for b in (table_pid, resonant(table_pid, [50.0], strength))
+        for b in (table_pid, resonant(table_pid, [50.0], strength, model=XY_TABLE))
     )
     assert off / plain == pytest.approx(d / math.hypot(d, 0.5 * strength), rel=0.02)
 
@@ -128,7 +128,7 @@ def test_with_known_spindle_lines_the_total_error_is_below_100_nm(rpm):
 
 
 def test_at_the_limit_of_the_output_resonators_do_not_grow():
-    block = resonant(SILENT, [2.1], lower=-1e-3, upper=1e-3)
+    block = resonant(SILENT, [2.1], lower=-1e-3, upper=1e-3, model=XY_TABLE)
     t = PERIOD * np.arange(8000)
     outputs = np.array(tried(block, np.sin(2.0 * np.pi * 2.1 * t).tolist(), np.zeros(8000)))
     free = np.array(
@@ -141,26 +141,32 @@ def test_at_the_limit_of_the_output_resonators_do_not_grow():
 def test_a_cutter_of_one_tooth_has_one_line_at_the_spindles_speed():
     errors = RNG.normal(size=400)
     one, same = (
-        tried(b, errors.tolist(), np.zeros(400)) for b in (resonant(table_pid, [0.7], spindle_hz=20.0, teeth=1),
-                                                          resonant(table_pid, [0.7, 20.0]))
-    )  # fmt: skip
+        tried(resonant(table_pid, lines, model=XY_TABLE, **more), errors.tolist(), np.zeros(400))
+        for lines, more in (([0.7], {"spindle_hz": 20.0, "teeth": 1}), ([0.7, 20.0], {}))
+    )
     assert one == pytest.approx(same, rel=1e-12, abs=1e-15)
 
 
 def test_the_parameters_are_those_of_the_inner_controller_and_its_gain_moves_the_phase():
     loop = table_axis(TUNINGS["ours.resonant_full"])
     assert loop.parameters["controller.inner.inner.kp"] == 1.17
-    block = resonant(table_pid)
+    block = resonant(table_pid, model=XY_TABLE)
     before, after = (b.prepare(b.params, PERIOD).lines for b in (block, block(**{"inner.ki": 175.0})))
     assert not np.allclose(before.in_im, after.in_im) and np.array_equal(before.turn_re, after.turn_re)
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    "block", [TUNINGS["ours.resonant_box"], resonant(inverse_feed_forward(TUNINGS["ours.pid_ms_159"]))]
+    "block",
+    [
+        TUNINGS["ours.resonant_box"],
+        resonant(inverse_feed_forward(TUNINGS["ours.pid_ms_159"], **INVERSE), model=XY_TABLE),
+    ],
 )
 def test_a_resonant_controller_takes_over_without_a_bump(block):
-    live = table_axis(inverse_feed_forward(TUNINGS["ours.pid_ms_185"]) if "ff" in block.name else table_pid).start()
+    live = table_axis(
+        inverse_feed_forward(TUNINGS["ours.pid_ms_185"], **INVERSE) if "ff" in block.name else table_pid
+    ).start()
     live.advance(3000)
     expected = live.advance_preview()["output"]
     after = live.switch(block)
@@ -170,7 +176,8 @@ def test_a_resonant_controller_takes_over_without_a_bump(block):
 @pytest.mark.sweep
 def test_all_engines_give_the_same_bits():
     loop = table_axis(
-        resonant(TUNINGS["ours.pid_ms_159"], lower=-0.02, upper=0.02), disturbance=sine_load(amplitude=1e-3)
+        resonant(TUNINGS["ours.pid_ms_159"], lower=-0.02, upper=0.02, model=XY_TABLE),
+        disturbance=sine_load(amplitude=1e-3),
     )
     record = ("output", "actual", "controller")
     fast, plain = (loop.run(0.2, record=record, engine=engine) for engine in ("llvm", "python"))
@@ -180,10 +187,10 @@ def test_all_engines_give_the_same_bits():
 def test_wrong_lines_are_refused_in_a_sentence():
     for lines in ([], [[1.0]], [0.7, -2.0], [math.inf]):
         with pytest.raises(ValueRefused, match="expected positive numbers in one row"):
-            resonant(table_pid, lines)
+            resonant(table_pid, lines, model=XY_TABLE)
     with pytest.raises(ValueRefused, match=r"\[0.7, 2.1, 0.7\] \(resonant\): expected each frequency once"):
-        resonant(table_pid, [0.7, 2.1, 0.7])
+        resonant(table_pid, [0.7, 2.1, 0.7], model=XY_TABLE)
     with pytest.raises(ValueRefused, match=r"1200 Hz \(resonant\).* below half the sampling frequency, here 1000 Hz"):
-        table_axis(resonant(table_pid, [1200.0])).run(0.1)
+        table_axis(resonant(table_pid, [1200.0], model=XY_TABLE)).run(0.1)
     with pytest.raises(BlockError, match=r"resonant\(xy_table\)"):
-        resonant(xy_table)
+        resonant(xy_table, model=XY_TABLE)

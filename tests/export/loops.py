@@ -34,7 +34,7 @@ from leadscrew.sensors._counts import axis_reading, grating_count
 from leadscrew.sensors._faulty_load_cell import faulty_load_cell
 from leadscrew.studies.fsmc_ballscrew.tunings import FUZZY as FSMC
 from leadscrew.studies.grey_turning.tunings import TUNINGS as GREY_FUZZY
-from leadscrew.studies.npid_xytable.tunings import TUNINGS
+from leadscrew.studies.npid_xytable.tunings import TUNINGS, XY_TABLE
 from tests.controllers.emps_cascade import emps_cascade
 from tests.controllers.stage_loop import stage_loop
 from tests.controllers.table_axis import table_axis
@@ -78,7 +78,7 @@ def cascade():
 
 
 def input_observer():
-    return table_axis(input_dob(TUNINGS["ours.pid_ms_159"], lower=-0.06, upper=0.06), frequency=5.0)
+    return table_axis(input_dob(TUNINGS["ours.pid_ms_159"], lower=-0.06, upper=0.06, model=XY_TABLE), frequency=5.0)
 
 
 def friction_fed_forward():
@@ -86,7 +86,9 @@ def friction_fed_forward():
 
 
 def following_the_spindle():
-    return table_axis(adaptive_resonant(TUNINGS["ours.pid_ms_159"]), frequency=5.0, spindle_hz=51.0, tooth_v=2e-3)
+    return table_axis(
+        adaptive_resonant(TUNINGS["ours.pid_ms_159"], model=XY_TABLE), frequency=5.0, spindle_hz=51.0, tooth_v=2e-3
+    )
 
 
 def repeating():

@@ -21,6 +21,7 @@ from leadscrew.references._cut_line import TangentCommand
 from leadscrew.references._cutting_program import CutCommand
 from leadscrew.sensors._cut_camera import SeenCut
 from leadscrew.sensors._load_cell import CutReading
+from leadscrew.studies.npid_xytable.tunings import XY_TABLE
 from leadscrew.studies.sofnn_tangent.tunings import CURVATURE
 from leadscrew.studies.sofnn_tangent.tunings import TUNINGS as SOFNN
 from tests.operate.plain import check_shares, periods, said, value_of
@@ -143,7 +144,7 @@ def test_a_controller_inside_others_is_found_with_its_own_state() -> None:
         (gain_normalised(tfc(output_scale=0.001)), force, 0.02),
         (force_guard(tfc(output_scale=0.001)), cut, 0.02),
         (feed_override(force_guard(tfc(output_scale=0.001))), cut, 0.02),
-        (input_dob(vud_scaled), slide, 0.5e-3),
+        (input_dob(vud_scaled, model=XY_TABLE), slide, 0.5e-3),
     ):
         for at in periods(wrapped, signals, dt, 50):
             check_shares(at.views)

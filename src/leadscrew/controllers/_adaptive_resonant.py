@@ -36,7 +36,7 @@ import numpy as np
 
 from leadscrew.controllers._parallel import Lower, Upper, ordered
 from leadscrew.controllers._resonant import Strength, Teeth, disturbance_response
-from leadscrew.controllers._response import TABLE, TableModel
+from leadscrew.controllers._response import PlantModel
 from leadscrew.controllers._wrapping import same_kind, wrapped
 from leadscrew.kernel.block import Block
 from leadscrew.kernel.parameters import Doc, Ge, Gt, Le, Unit
@@ -105,7 +105,8 @@ def adaptive_resonant(
     rate: float = 2.0,
     within: float = 0.03,
     floor_mv: float = 0.1,
-    model: TableModel = TABLE,
+    *,
+    model: PlantModel,
     lower: float = -math.inf,
     upper: float = math.inf,
     name: str = "",
@@ -120,7 +121,7 @@ def adaptive_resonant(
     align_law: Any = part.align
     own: list[Any] = [
         ("spindle_hz", Nominal), ("teeth", Teeth), ("strength", Strength), ("rate", Rate), ("within", Within),
-        ("floor_mv", Floor), ("model", TableModel), ("lower", Lower), ("upper", Upper),
+        ("floor_mv", Floor), ("model", PlantModel), ("lower", Lower), ("upper", Upper),
     ]  # fmt: skip
     params_type = cast(Any, NamedTuple("AdaptiveParams", [("inner", type(inner.params)), *own]))
     state_type = cast(Any, NamedTuple("AdaptiveOuter", [("inner", type(inner.state)), ("spindle", AdaptiveState)]))

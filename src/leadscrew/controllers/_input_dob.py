@@ -4,17 +4,16 @@
     d   = Q(s) [ P^-1(s) y - u delayed ],       Q = w^2 / (s + w)^2,       P = gain / (s^2 + damping s + stiffness)
 
 Discrete by Tustin's rule, with ``Q P^-1`` as one filter of order two: nothing is differentiated twice. The delay of
-``u`` is the dead time and half a period, because the output is held: for the table at 2 kHz, 0.775 ms + 0.25 ms are
-2.05 periods, between two samples by straight line. It is at least one period: the output of now is not known yet.
+``u`` is the dead time and half a period, because the output is held, between two samples by straight line. It is at
+least one period: the output of now is not known yet.
 
 What it does: a disturbance at the input is taken off as far as ``Q`` with its delay follows it,
 ``1 - Q(jw) e^(-jw tau)`` of it is left. That is below one at low frequencies and **above** one beyond, so a slow
 observer makes some lines worse. What it does not do: remove a following error. While the plant is the believed one,
 ``P^-1 y`` is the delayed ``u``, and ``d = 0`` whatever the error is.
 
-Gain and phase of ``d`` enter the loop's stability: look at the peak of sensitivity of the whole. The believed plant is
-equation (1) of Abdullah et al. (XY table, NPID); the observer is not the paper's. Structure: K. Ohnishi, M. Shibata,
-T. Murakami, *Motion control for advanced mechatronics*, IEEE/ASME Trans. Mechatronics 1 (1), 1996.
+Gain and phase of ``d`` enter the loop's stability: look at the peak of sensitivity of the whole. Structure: K. Ohnishi,
+M. Shibata, T. Murakami, *Motion control for advanced mechatronics*, IEEE/ASME Trans. Mechatronics 1 (1), 1996.
 
 ``lower`` and ``upper`` limit the sum, and the observer is told the limited one, so nothing winds up. Bumpless start:
 from rest with a voltage that holds the axis where it is.
@@ -26,7 +25,7 @@ import math
 from typing import Annotated, Any, NamedTuple, cast
 
 from leadscrew.controllers._parallel import Lower, Upper, ordered
-from leadscrew.controllers._response import TABLE, TableModel
+from leadscrew.controllers._response import PlantModel
 from leadscrew.controllers._wrapping import same_kind, wrapped
 from leadscrew.kernel.block import Block
 from leadscrew.kernel.parameters import Doc, Gt, Le, Unit
@@ -109,7 +108,8 @@ def flushed(x):
 def input_dob(
     inner: Block,
     bandwidth: float = 100.0,
-    model: TableModel = TABLE,
+    *,
+    model: PlantModel,
     lower: float = -math.inf,
     upper: float = math.inf,
     name: str = "",
@@ -124,7 +124,7 @@ def input_dob(
     part = wrapped(inner, "input_dob")
     law, before = part.law, inner.prepare
     align_law: Any = part.align
-    own: list[Any] = [("bandwidth", Bandwidth), ("model", TableModel), ("lower", Lower), ("upper", Upper)]
+    own: list[Any] = [("bandwidth", Bandwidth), ("model", PlantModel), ("lower", Lower), ("upper", Upper)]
     params_type = cast(Any, NamedTuple("InputDobParams", [("inner", type(inner.params)), *own]))
     fields: list[Any] = [("inner", type(inner.state)), ("observer", ObserverState)]
     state_type = cast(Any, NamedTuple("InputDobState", fields))

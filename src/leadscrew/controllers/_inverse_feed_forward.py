@@ -2,13 +2,12 @@
 
     output = inner(r, y) + share (r'' + damping r' + stiffness r) / gain      r, r', r'' at the time t + ahead_s
 
-The model is that of the XY table, equation (1) of Abdullah et al. (*Design and Analysis of Self-tuned Nonlinear PID
-Controller for XY Table Ballscrew Drive System*), inverted; the paper has no feed-forward, this one is ours. The command
-is a :class:`~leadscrew.references.Motion`; ``r''`` is taken to stand still over ``ahead_s``. An inner law of
-numbers gets its position.
+The model is a plant of second order, inverted; a mass has ``damping = stiffness = 0``. The command is a
+:class:`~leadscrew.references.Motion`; ``r''`` is taken as constant over ``ahead_s``. An inner law of numbers gets its
+position.
 
 ``ahead_s``: the output is held for one period and acts after the dead time, so its middle lies ``dead time + T / 2``
-behind the sample. For the table, 0.775 ms and 2 kHz: 1.025 ms, the default.
+behind the sample.
 
 Feed-forward takes away the following error of a plant that is known, and nothing else. What is left: ``1 - share`` of
 it, the same part of it by which the model is wrong, and from the jerk ``j`` about ``ahead_s j / gain`` volt.
@@ -27,9 +26,9 @@ from leadscrew.kernel.by_position import position_of, prepared, whole
 from leadscrew.kernel.parameters import Doc, Ge, Gt, Le, Unit
 from leadscrew.util.errors import entry_point
 
-Gain = Annotated[float, Unit("mm/(V s^2)"), Gt(0), Doc("numerator of the model: acceleration at 1 V from rest, (1)")]
-Damping = Annotated[float, Unit("1/s"), Ge(0), Doc("denominator of the model, coefficient of s, (1)")]
-Stiffness = Annotated[float, Unit("1/s^2"), Ge(0), Doc("denominator of the model, constant coefficient, (1)")]
+Gain = Annotated[float, Unit("mm/(V s^2)"), Gt(0), Doc("acceleration at 1 V from rest")]
+Damping = Annotated[float, Unit("1/s"), Ge(0), Doc("denominator of the model, coefficient of s")]
+Stiffness = Annotated[float, Unit("1/s^2"), Ge(0), Doc("denominator of the model, constant coefficient")]
 AheadS = Annotated[float, Unit("s"), Ge(0), Le(0.1), Doc("how far ahead the command is read: dead time + T / 2")]
 Share = Annotated[float, Ge(0), Le(2), Doc("share of the model's voltage that is added")]
 
@@ -43,10 +42,11 @@ def inverse_voltage(p, command):
 @entry_point
 def inverse_feed_forward(
     inner: Block,
-    gain: float = 69380.0,
-    damping: float = 144.8,
-    stiffness: float = 166.3,
-    ahead_s: float = 1.025e-3,
+    *,
+    gain: float,
+    damping: float = 0.0,
+    stiffness: float = 0.0,
+    ahead_s: float = 0.0,
     share: float = 1.0,
     name: str = "",
 ) -> Block:

@@ -31,7 +31,7 @@ from typing import Annotated, Any, NamedTuple, cast
 import numpy as np
 
 from leadscrew.controllers._parallel import Lower, Upper, ordered
-from leadscrew.controllers._response import TABLE, TableModel, law_response, table_response
+from leadscrew.controllers._response import PlantModel, law_response, plant_response
 from leadscrew.controllers._wrapping import same_kind, wrapped
 from leadscrew.kernel.block import Block
 from leadscrew.kernel.parameters import Doc, Ge, Gt, Le, Unit
@@ -151,13 +151,14 @@ def contraction(
     lead_s: float,
     strength: float,
     dt: float = 0.5e-3,
-    model: TableModel = TABLE,
+    *,
+    model: PlantModel,
 ) -> np.ndarray:
     """By what the error at ``w`` (rad/s) shrinks from one period to the next: below one everywhere, and it converges.
 
     ``inner`` is the controller without memory, in the loop around ``model``.
     """
     part, w = wrapped(inner, "contraction"), np.asarray(w, dtype=float)
-    loop = table_response(model, dt, w) * law_response(part.law, part.ready(dt), inner.state, part.motion, dt, w)
+    loop = plant_response(model, dt, w) * law_response(part.law, part.ready(dt), inner.state, part.motion, dt, w)
     q = np.cos(np.outer(w * dt, np.arange(-TAPS, TAPS + 1))) @ low_pass(cutoff_hz, dt)
     return np.asarray(np.abs(q * (1.0 - strength * loop / (1.0 + loop) * np.exp(1j * w * dt * round(lead_s / dt)))))

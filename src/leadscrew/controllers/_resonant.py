@@ -35,7 +35,7 @@ from typing import Annotated, Any, NamedTuple, cast
 import numpy as np
 
 from leadscrew.controllers._parallel import Lower, Upper, ordered
-from leadscrew.controllers._response import TABLE, TableModel, law_response, table_response
+from leadscrew.controllers._response import PlantModel, law_response, plant_response
 from leadscrew.controllers._wrapping import Inner, same_kind, wrapped
 from leadscrew.kernel.block import Block
 from leadscrew.kernel.parameters import Doc, Ge, Gt, Le, Unit
@@ -76,9 +76,9 @@ def checked(frequencies: Any) -> np.ndarray:
     return values
 
 
-def disturbance_response(part: Inner, params: Any, model: TableModel, dt: float, w: Any) -> np.ndarray:
+def disturbance_response(part: Inner, params: Any, model: PlantModel, dt: float, w: Any) -> np.ndarray:
     """``H = P / (1 + P C)`` at ``w`` (rad/s), mm/V: believed table, and the controller with its prepared ``params``."""
-    p = table_response(model, dt, w)
+    p = plant_response(model, dt, w)
     return np.asarray(p / (1.0 + p * law_response(part.law, params, part.block.state, part.motion, dt, w)))
 
 
@@ -109,7 +109,8 @@ def resonant(
     strength: float = 1.0,
     spindle_hz: float = 0.0,
     teeth: int = 2,
-    model: TableModel = TABLE,
+    *,
+    model: PlantModel,
     lower: float = -math.inf,
     upper: float = math.inf,
     name: str = "",
@@ -124,7 +125,7 @@ def resonant(
     law, before, place = part.law, inner.prepare, part.place
     align_law: Any = part.align
     own: list[Any] = [("frequencies_hz", Frequencies), ("strength", Strength), ("spindle_hz", SpindleHz),
-                      ("teeth", Teeth), ("model", TableModel), ("lower", Lower), ("upper", Upper)]  # fmt: skip
+                      ("teeth", Teeth), ("model", PlantModel), ("lower", Lower), ("upper", Upper)]  # fmt: skip
     params_type = cast(Any, NamedTuple("ResonantParams", [("inner", type(inner.params)), *own]))
     fields: list[Any] = [("inner", type(inner.state)), ("re", np.ndarray), ("im", np.ndarray), ("aligned", float)]
     state_type = cast(Any, NamedTuple("ResonantState", fields))

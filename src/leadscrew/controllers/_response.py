@@ -1,4 +1,4 @@
-"""Frequency responses at the door: of any linear controller, and of the XY table with its dead time, both sampled.
+"""Frequency responses at the door: of any linear controller, and of a second-order plant with dead time, both sampled.
 
 Controllers that are tuned by the loop around them (resonators, repetitive control) ask for them in ``prepare``. A
 controller's response is found by trying the very step that runs and is exported, on states and errors of 1 nm, one by
@@ -24,22 +24,18 @@ SMALL = 1e-6
 """Size of what is tried."""
 
 
-class TableModel(NamedTuple):
-    """What a controller believes of the XY table: equation (1), and a dead time that the paper does not give."""
+class PlantModel(NamedTuple):
+    """What a controller believes of its plant: ``gain / (s^2 + damping s + stiffness)``, and a dead time."""
 
-    gain: Annotated[float, Unit("mm/(V s^2)"), Gt(0), Doc("numerator: acceleration at 1 V from rest, (1)")] = 69380.0
-    damping: Annotated[float, Unit("1/s"), Ge(0), Doc("denominator, coefficient of s, (1)")] = 144.8
-    stiffness: Annotated[float, Unit("1/s^2"), Ge(0), Doc("denominator, constant coefficient, (1)")] = 166.3
-    dead_time_s: Annotated[float, Unit("s"), Ge(0), Doc("from the sample to the voltage")] = 0.775e-3
-
-
-TABLE = TableModel()
-"""The table as the study takes it."""
+    gain: Annotated[float, Unit("mm/(V s^2)"), Gt(0), Doc("acceleration at 1 V from rest")]
+    damping: Annotated[float, Unit("1/s"), Ge(0), Doc("coefficient of s")] = 0.0
+    stiffness: Annotated[float, Unit("1/s^2"), Ge(0), Doc("constant coefficient")] = 0.0
+    dead_time_s: Annotated[float, Unit("s"), Ge(0), Doc("from the sample to the voltage")] = 0.0
 
 
-def table_response(model: TableModel, dt: float, w: Any) -> np.ndarray:
-    """Position over voltage of the table at the angular frequencies ``w`` (rad/s), sampled every ``dt``, mm/V."""
-    rows = _table(model, dt)
+def plant_response(model: PlantModel, dt: float, w: Any) -> np.ndarray:
+    """Position over voltage of the plant at the angular frequencies ``w`` (rad/s), sampled every ``dt``, mm/V."""
+    rows = _held(model, dt)
     z = np.exp(1j * np.asarray(w, dtype=float) * dt)
     (a, c), (b, d) = rows[0], rows[1]
     position = sum(row[0] * z**-i for i, row in enumerate(rows[2:]))
@@ -48,7 +44,7 @@ def table_response(model: TableModel, dt: float, w: Any) -> np.ndarray:
 
 
 @lru_cache(maxsize=256)
-def _table(model: TableModel, dt: float) -> tuple[tuple[float, float], ...]:
+def _held(model: PlantModel, dt: float) -> tuple[tuple[float, float], ...]:
     plan = hold(XYTableCuttingParams(*model), dt)
     drive = (plan.now, plan.sent, plan.sent2, plan.sent3, plan.sent4, plan.sent5)
     return tuple((row.position, row.velocity) for row in (plan.from_position, plan.from_velocity, *drive))

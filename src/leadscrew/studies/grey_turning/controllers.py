@@ -10,6 +10,7 @@ plants, scenarios and goal (``tuned/*.toml``). More of the same kind:
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 
 from leadscrew.controllers._force import depth_feed_forward, gain_normalised
@@ -25,12 +26,14 @@ OTHERS = (
 )
 """Of the comparison controllers those that the study uses."""
 
+feed_pid = replace(pid, unit="V", drive="voltage", full_scale=10.0)
+"""A PID in front of the feed drive."""
 PI = GREY_FUZZY["ours.pi_stfc"]
 KNOWN: dict[str, Block] = {
     **{name: block for name, block in GREY_FUZZY.items() if not name.startswith("ours.")},
     **{name: GREY_FUZZY[name] for name in OTHERS},
     **FORCE,
-    "ours.pid": pid(kp=0.0013, ki=0.0145, kd=2e-5, b=0.0, c=0.0, lower=-1.0, upper=1.0),
+    "ours.pid": feed_pid(kp=0.0013, ki=0.0145, kd=2e-5, b=0.0, c=0.0, lower=-1.0, upper=1.0),
     "ours.pi_normalised": gain_normalised(PI),
     "ours.pi_ff": depth_feed_forward(PI),
     "ours.pi_normalised_ff": depth_feed_forward(gain_normalised(PI)),

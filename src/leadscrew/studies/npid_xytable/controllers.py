@@ -8,10 +8,10 @@ from __future__ import annotations
 from collections.abc import Mapping
 from pathlib import Path
 
-from leadscrew.controllers import inverse_feed_forward, lead_lag, low_pass, npid, npid_split
+from leadscrew.controllers import lead_lag, low_pass, npid, npid_split
 from leadscrew.controllers._series import series
 from leadscrew.kernel.block import Block
-from leadscrew.studies.npid_xytable.tunings import TUNINGS, table_pid
+from leadscrew.studies.npid_xytable.tunings import TUNINGS, fed_forward, table_pid
 from leadscrew.studies.tuned import tuned
 
 FILTERED = series(table_pid(filter_s=0.0), low_pass)
@@ -34,7 +34,7 @@ def _tuned() -> dict[str, Block]:
             found[f"ours.{law}_{bound}"] = plain = tuned(home, f"{law}_{bound}", block)
             if law in ("pid_low_pass", "pid_lag"):
                 continue  # the rows of a linear loop do not depend on the command
-            fed = inverse_feed_forward(plain)
+            fed = fed_forward(plain)
             found[f"ours.{law}_{bound}_ff"] = fed if law == "pid" else tuned(home, f"{law}_{bound}_ff", fed)
     return found
 
@@ -43,7 +43,7 @@ CONTROLLERS: Mapping[str, Block] = {
     **TUNINGS,
     "ours.pid_low_pass": FILTERED,
     "ours.pid_lag": LINEAR["pid_lag"],
-    "ours.npid_split_ff": inverse_feed_forward(npid_split),
+    "ours.npid_split_ff": fed_forward(npid_split),
     **_tuned(),
 }
 """By name. The rows of a linear loop do not depend on the command: ``ours.pid_*_ff`` have the gains without ``_ff``."""

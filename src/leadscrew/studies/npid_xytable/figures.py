@@ -11,7 +11,6 @@ from leadscrew.analysis.stability.criteria import ask
 from leadscrew.controllers import _npid as cosh
 from leadscrew.controllers import _npid_slope as limited
 from leadscrew.controllers import _resonant as resonant
-from leadscrew.controllers._inverse_feed_forward import inverse_feed_forward
 from leadscrew.figures.panels import grid, with_legend
 from leadscrew.figures.stability import draw_popov, finish
 from leadscrew.figures.style import (
@@ -39,7 +38,7 @@ from leadscrew.studies.npid_xytable.laws import straight_fit
 from leadscrew.studies.npid_xytable.reference_loops import reference_loops
 from leadscrew.studies.npid_xytable.rejection import let_through, opened
 from leadscrew.studies.npid_xytable.table2 import BASE_HZ, LINES_HZ, NPID_UM, PID_UM, SPEEDS, at, compared
-from leadscrew.studies.npid_xytable.tunings import TUNINGS
+from leadscrew.studies.npid_xytable.tunings import TUNINGS, XY_TABLE, fed_forward
 
 if TYPE_CHECKING:
     from leadscrew.figures.figure import Figure
@@ -243,7 +242,7 @@ def box_errors(lab: Lab) -> Figure:
 def disturbance_gain(lab: Lab) -> Figure:
     fig, axes = grid(8.0, 4.8)
     spindle_hz = (50.0, 100.0)
-    full = inverse_feed_forward(resonant.resonant(TUNINGS[RETUNED], spindle_hz=spindle_hz[0]))
+    full = fed_forward(resonant.resonant(TUNINGS[RETUNED], spindle_hz=spindle_hz[0], model=XY_TABLE))
     beside = np.outer([*resonant.ODD_HZ, *spindle_hz], 1.0 + np.geomspace(1e-4, 0.05, 8)).ravel()
     hz = np.unique(np.concatenate([np.geomspace(0.3, 990.0, 400), beside]))
     names = (PID, "ours.pid_dob_60", "ours.cascade", RETUNED)

@@ -15,12 +15,12 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from leadscrew.controllers._response import TABLE, table_response
+from leadscrew.controllers._response import plant_response
 from leadscrew.kernel.block import Block
 from leadscrew.plants._xy_table_cutting import hold, xy_table_cutting
 from leadscrew.studies.npid_xytable.calibration import PERIOD_S
 from leadscrew.studies.npid_xytable.table2 import LINES_HZ
-from leadscrew.studies.npid_xytable.tunings import TUNINGS, table_pid
+from leadscrew.studies.npid_xytable.tunings import TUNINGS, XY_TABLE, table_pid
 
 if TYPE_CHECKING:
     from leadscrew.analysis.stability.linear import LinearLoop
@@ -51,7 +51,9 @@ def opened(controller: Block, changes: Mapping[str, float] | None = None) -> Lin
 def let_through(loop: LinearLoop, hz: Sequence[float] | np.ndarray = LINES_HZ) -> np.ndarray:
     """``|H|`` at these frequencies, um/mV."""
     w = 2.0 * np.pi * np.asarray(hz, dtype=float)
-    return np.asarray(np.abs(table_response(TABLE._replace(dead_time_s=0.0), PERIOD_S, w) / (1.0 + loop.response(w))))
+    return np.asarray(
+        np.abs(plant_response(XY_TABLE._replace(dead_time_s=0.0), PERIOD_S, w) / (1.0 + loop.response(w)))
+    )
 
 
 def peak(loop: LinearLoop, points: int = 6000) -> float:
@@ -73,7 +75,7 @@ class _Plain:
     def __init__(self) -> None:
         self.hz = np.array(LINES_HZ)
         self.lines = 2.0 * np.pi * self.hz
-        self.at_lines, self.at_grid = (table_response(TABLE, PERIOD_S, w) for w in (self.lines, SEARCHED))
+        self.at_lines, self.at_grid = (plant_response(XY_TABLE, PERIOD_S, w) for w in (self.lines, SEARCHED))
         plan = hold(xy_table_cutting.params, PERIOD_S)
         self.transition = np.array([plan.from_position, plan.from_velocity]).T
         self.sent = (plan.now, plan.sent, plan.sent2, plan.sent3)

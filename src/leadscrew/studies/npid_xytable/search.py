@@ -28,7 +28,6 @@ from typing import NamedTuple
 import numpy as np
 
 from leadscrew.controllers._biquad import LeadLag, LowPass, coefficients
-from leadscrew.controllers._inverse_feed_forward import inverse_feed_forward
 from leadscrew.controllers._npid import npid
 from leadscrew.controllers._npid_split import npid_split
 from leadscrew.kernel.block import Block
@@ -38,7 +37,7 @@ from leadscrew.studies.npid_xytable.controllers import LINEAR
 from leadscrew.studies.npid_xytable.cutting import BOX, amplitudes_um, line_volts, phases_of
 from leadscrew.studies.npid_xytable.rejection import opened
 from leadscrew.studies.npid_xytable.table2 import SPEEDS
-from leadscrew.studies.npid_xytable.tunings import table_pid
+from leadscrew.studies.npid_xytable.tunings import fed_forward, table_pid
 
 MS, REST_MV, WORK_MV = 1.6, 0.5, 2.0
 """Bounds of the study: peak of sensitivity, and activity of the drive at rest or at work, mV from sample to sample."""
@@ -250,7 +249,7 @@ def searched(
 
     chosen = LAWS[law]
     plain, ranges, ends_of, _ = chosen
-    block, prefix = (inverse_feed_forward(plain), "inner.") if feed_forward else (plain, "")
+    block, prefix = (fed_forward(plain), "inner.") if feed_forward else (plain, "")
     low, high = np.log(np.array(list(ranges.values()))).T
     best, at = np.inf, np.full(len(ranges), 0.5)
 

@@ -23,7 +23,7 @@ import numpy as np
 from leadscrew.analysis.harmonics import folded
 from leadscrew.controllers._npid import npid
 from leadscrew.controllers._resonant import resonant
-from leadscrew.controllers._response import TableModel, law_response, table_response
+from leadscrew.controllers._response import law_response, plant_response
 from leadscrew.controllers._wrapping import takes_motion
 from leadscrew.disturbances._wandering_spindle import wandering_spindle
 from leadscrew.kernel.block import Block
@@ -34,7 +34,7 @@ from leadscrew.studies.npid_xytable.calibration import DEAD_TIME_S, PERIOD_S
 from leadscrew.studies.npid_xytable.cutting import line_volts
 from leadscrew.studies.npid_xytable.scenarios import CUT_S
 from leadscrew.studies.npid_xytable.table2 import SPEEDS
-from leadscrew.studies.npid_xytable.tunings import TUNINGS
+from leadscrew.studies.npid_xytable.tunings import TUNINGS, XY_TABLE
 
 if TYPE_CHECKING:
     from leadscrew.kernel.loop import Loop
@@ -65,7 +65,7 @@ SWEPT: dict[str, Block] = {
     "corrected.npid_um": npid,
     "ours.pid_ms_159": TUNINGS["ours.pid_ms_159"],
     "ours.pid_ms_185": TUNINGS["ours.pid_ms_185"],
-    "resonant": resonant(TUNINGS["ours.pid_ms_159"], (0.7,)),
+    "resonant": resonant(TUNINGS["ours.pid_ms_159"], (0.7,), model=XY_TABLE),
 }
 """The last one is ours.pid_ms_159 with resonators: at the motion, the spindle, and the teeth while below Nyquist."""
 
@@ -145,7 +145,7 @@ def table(w: float) -> complex:
 def line(controller: Block | None, frequency: float, cancelled: bool = False) -> Line:
     """A line under a linear controller; ``cancelled``: under a resonator that takes it out of the samples."""
     w = 2.0 * np.pi * frequency
-    free, driven = table(w), complex(np.ravel(table_response(TableModel(), PERIOD_S, w))[0])
+    free, driven = table(w), complex(np.ravel(plant_response(XY_TABLE, PERIOD_S, w))[0])
     if controller is None:
         return Line(1e3 * abs(free) * 1e-3, 1e3 * abs(free) * 1e-3, 0.0)
     law = complex(
