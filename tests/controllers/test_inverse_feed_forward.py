@@ -15,7 +15,7 @@ from tests.controllers.table_axis import lines_um, rms_um, table_axis, tried
 
 def test_the_voltage_is_the_models_by_hand():
     """From r = 2, r' = 30, r'' = 400 after 10 ms without jerk: r = 2.32, r' = 34, r'' = 400."""
-    block = inverse_feed_forward(table_pid(kp=0.0, ki=0.0, kd=0.0), ahead_s=0.01, share=0.9, **INVERSE)
+    block = inverse_feed_forward(table_pid(kp=0.0, ki=0.0, kd=0.0), share=0.9, **INVERSE | {"ahead_s": 0.01})
     (u,) = tried(block, [Motion(2.0, 30.0, 400.0)], [0.0])
     assert u == pytest.approx(0.9 * (400.0 + 144.8 * 34.0 + 166.3 * 2.32) / 69380.0, rel=1e-12)
 
@@ -37,7 +37,7 @@ def test_a_wrapped_loop_with_another_gain_is_not_compiled_again():
 @pytest.mark.parametrize("late", [0.775e-3, *(pytest.param(x, marks=pytest.mark.slow) for x in (0.0, 1.5e-3))])
 def test_a_known_plant_follows_a_sine_within_5_nm(late):
     """Without it the printed gains leave 7.1 um."""
-    block = inverse_feed_forward(table_pid, ahead_s=late + 0.25e-3, **INVERSE)
+    block = inverse_feed_forward(table_pid, **INVERSE | {"ahead_s": late + 0.25e-3})
     run = table_axis(block, dead_time_s=late).run(20.0)
     assert lines_um(run, [0.7])[0] < 5e-3 and rms_um(table_axis(table_pid, dead_time_s=late).run(20.0)) > 5.0
 

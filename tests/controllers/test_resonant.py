@@ -11,7 +11,7 @@ from leadscrew.analysis.stability.loop import sampled_loop
 from leadscrew.controllers._inverse_feed_forward import inverse_feed_forward
 from leadscrew.controllers._npid import npid
 from leadscrew.controllers._resonant import resonant
-from leadscrew.controllers._response import PlantModel, law_response, plant_response
+from leadscrew.controllers._response import law_response, plant_response
 from leadscrew.controllers._wrapping import wrapped
 from leadscrew.disturbances._five_sines import five_sines
 from leadscrew.disturbances._sine_load import sine_load
@@ -55,7 +55,7 @@ def test_the_believed_table_is_python_controls_with_the_delay_of_the_step(late):
     old = after @ held(theta)[1] if theta > 1e-9 else 0.0 * new
     z = np.exp(1j * W * dt)
     expected = [(np.asarray(plant.C) @ np.linalg.solve(x * np.eye(2) - a, new + old / x)).item() * x**-whole for x in z]
-    assert plant_response(PlantModel(dead_time_s=late), dt, W) == pytest.approx(np.array(expected), rel=1e-8)
+    assert plant_response(XY_TABLE._replace(dead_time_s=late), dt, W) == pytest.approx(np.array(expected), rel=1e-8)
 
 
 def test_the_response_of_a_controller_is_that_of_its_z_transform():

@@ -49,6 +49,7 @@ from ._pid import PIDParams as PIDParams
 from ._pid import pid as pid
 from ._repetitive import repetitive as repetitive
 from ._resonant import resonant as resonant
+from ._response import PlantModel as PlantModel
 from ._series import series as series
 from ._sliding.complementary import csmc as csmc
 from ._sliding.continuous import (
