@@ -17,7 +17,7 @@ HEAD = {"schema_version": 1, "study": "vud_lathe"}
         ("seed", (0, 2**62), (-1, 0.5)),
         ("every", (1, 1000), (0, -1, 2.5)),
         ("duration", (1e-9, 3.5), (0.0, -1.0, math.inf, math.nan, "1")),
-        ("schema_version", (1,), (2, "1")),
+        ("schema_version", (1, 2), (3, "1")),
         ("study", ("x",), ("", 3)),
     ],
 )

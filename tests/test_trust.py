@@ -172,7 +172,7 @@ def test_the_manifest_of_a_run(places: Places, origin: dict[str, str]) -> None:
 def test_a_machine_file_names_no_code(places: Places) -> None:
     path = places.put('schema_version = 1\nkind = "machine"\nname = "m"\nmodel = "code.py:STUDY"\n'
                       'position_unit = "mm"\ndrive_unit = "V"\n')  # fmt: skip
-    assert "model = 'code.py:STUDY': expected servo_axis" in call("list", path, "--trust", code=2)
+    assert "model = 'code.py:STUDY': Input should be 'servo_axis'" in call("list", path, "--trust", code=2)
     assert places.ran() == []
 
 

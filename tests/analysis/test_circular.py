@@ -190,7 +190,7 @@ def test_encoder_circles_and_single_directions_are_said_so():
     test = CircularTest(100.0, turn_of(PHI), None, source="encoder")
     said = " ".join(test.notes())
     assert "encoder signals: what the control sees, not the path of the tool" in said
-    assert "counter-clockwise only" in said and "cannot be told apart" in said
+    assert "counter-clockwise only" in said and "cannot be distinguished" in said
 
 
 # ---- reversals

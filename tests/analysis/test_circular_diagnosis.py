@@ -119,7 +119,7 @@ def test_one_direction_cannot_tell_squareness_from_servo_mismatch_and_says_how_m
     assert found["backlash X-"].um == pytest.approx(3.0, abs=0.05)
     (pair,) = found.together
     assert pair.alone_um == pytest.approx({"squareness": 3.0, "servo mismatch": 3.0}, abs=0.01)
-    assert "cannot be told apart" in str(pair)
+    assert "cannot be distinguished" in str(pair)
     clockwise = diagnose(circle_with(errors, 100.0, directions="cw")).together[0]
     assert clockwise.alone_um["servo mismatch"] == pytest.approx(-3.0, abs=0.01)
 

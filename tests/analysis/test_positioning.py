@@ -241,7 +241,7 @@ def test_a_file_that_is_not_there_or_not_text_is_refused(tmp_path):
 def test_the_example_beside_the_code_is_the_made_one_and_says_so():
     file = Path(__file__).parents[2] / "examples" / "positioning.csv"
     assert file.read_text(encoding="utf-8") == example()
-    assert "made example, not a measurement" in example().splitlines()[0]
+    assert "synthetic example, not a measurement" in example().splitlines()[0]
     found = read_positioning(file)
     assert found.runs == 5 and found.notes() == []
     # What its first lines say went in: 4.2 um of reversal, 0.02 um/mm and five runs' mean of 0.006 um/mm on 420.2 mm.

@@ -254,7 +254,7 @@ def test_the_driven_loop_is_proved_by_its_slope_and_not_by_its_gain(star):
     assert ours.limit == pytest.approx(2.265, rel=5e-3) and ours.margin == pytest.approx(2.265 / 2.2, rel=1e-3)
     paper = driven(star, (1.0, 5.5463))
     assert paper.grade == "refused" and "Nyquist limit" in paper.statement
-    assert driven(star, (1.0, 2.2), asked=1.1).grade == "refused"
+    assert driven(star, (1.0, 2.2), factor=1.1).grade == "refused"
     assert driven(star, (1.0, 1.0)).grade == "certificate"
 
 

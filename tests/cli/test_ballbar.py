@@ -177,7 +177,7 @@ def test_parameters_change_one_direction_is_one_and_few_points_are_noted(call, t
     equal = call("ballbar", two_axes, "--set", "controller.y=40", "--direction", "cw", "--points", "400")
     assert float(row(equal.stdout, "circular error, CW")[-1]) == pytest.approx(0.0, abs=0.002)
     assert "bi-directional" not in equal.stdout and "400 points a turn where 1800 are usual" in equal.stderr
-    assert "clockwise only" in equal.stderr and "cannot be told apart" in equal.stderr
+    assert "clockwise only" in equal.stderr and "cannot be distinguished" in equal.stderr
 
 
 def test_two_loops_of_one_axis_are_a_machine(call, one_axis, tmp_path, monkeypatch):

@@ -60,7 +60,7 @@ def test_between_its_two_levels_the_feed_is_reduced_along_a_line():
 
 
 def test_a_guard_that_is_to_confirm_waits_for_so_many_readings_in_a_row():
-    found = climbing(levels=Levels(confirm=3, least=1.0))
+    found = climbing(levels=Levels(confirm=3, min_share=1.0))
     assert min(found(200.0), found(200.0), found(150.0), found(200.0), found(200.0)) > 0.4
     assert found(200.0) == 0.0
 

@@ -111,7 +111,7 @@ def by_the_book(params, deviations, standard=False):
             w = w + params.leak * (prior - w)
         rules.append(h)
         said.append(np.clip(h @ w, -6, 6))
-        sent.append(np.clip(params.k_d * said[-1], -params.most, params.most))
+        sent.append(np.clip(params.k_d * said[-1], -params.max_offset, params.max_offset))
     return np.array(sent), w, p
 
 

@@ -76,7 +76,7 @@ def test_a_run_of_turning_is_replayed_and_says_that_the_plant_is_another_one_now
     code, said = replayed("runs/noise")
     first, second, *_ = said.splitlines()
     assert code == 1 and first.startswith("not identical: ")
-    assert second == f"  the run was written by Leadscrew 0.1.0 and replayed by Leadscrew {__version__}"
+    assert second.strip() == f"the run was written by Leadscrew 0.1.0 and replayed by Leadscrew {__version__}"
 
 
 @pytest.mark.slow
@@ -100,7 +100,7 @@ def test_a_run_whose_bits_changed_says_which_versions_wrote_and_replayed_it(tmp_
         assert code == 1
         first, second, *_ = said.splitlines()
         assert first.startswith("not identical: output at row 7, t = 0.007 s: saved ")
-        assert second == f"  the run was written by {words} and replayed by Leadscrew {__version__}"
+        assert second.strip() == f"the run was written by {words} and replayed by Leadscrew {__version__}"
 
 
 def test_the_noise_of_an_old_run_and_of_an_old_experiment_is_the_same_stream():

@@ -93,7 +93,7 @@ def test_the_noise_of_a_scale_is_that_of_rounding_and_of_what_is_added():
 
 
 def test_a_standstill_and_a_short_log_are_refused():
-    with pytest.raises(DataError, match="stands still"):
+    with pytest.raises(DataError, match="is constant"):
         record(DT, np.ones(500), np.ones(500))
     with pytest.raises(DataError, match="at least 300"):
         record(DT, np.arange(20.0), np.ones(20))

@@ -68,7 +68,7 @@ def test_a_delay_is_found_with_the_other_parameters() -> None:
     ("fitted", "options", "says"),
     [
         ((), {}, "expected one or more keys"),
-        (("mass", "force_per_drive"), {}, "cannot both be told"),
+        (("mass", "force_per_drive"), {}, "not identifiable together"),
         (("friction.backward.coulomb",), {"symmetric": True}, "a symmetric model has no backward friction"),
         (("offset", "friction.forward.coulomb", "friction.backward.coulomb"), {}, "leave out offset"),
         (("stiffness",), {}, "'stiffness' is not what a refinement fits"),

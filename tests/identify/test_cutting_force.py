@@ -170,7 +170,7 @@ def test_what_a_table_cannot_tell_is_refused_or_said():
     one_depth = fit_forces(table([300.0, 420.0, 520.0, 610.0], [0.2, 0.3, 0.4, 0.5], [1.0] * 4))
     assert one_depth.depth is None and any("assumed, not tested" in note for note in one_depth.notes)
     together = fit_forces(table([100.0, 300.0, 1000.0, 2900.0], [0.1, 0.2, 0.4, 0.8], [0.5, 1.0, 2.0, 4.0]))
-    assert together.depth is None and any("cannot be told apart" in note for note in together.notes)
+    assert together.depth is None and any("cannot be separated" in note for note in together.notes)
     narrow = fit_forces(table([300.0, 320.0, 336.0, 352.0], [0.2, 0.22, 0.24, 0.26], [1.0] * 4))
     assert any("rests on little" in note for note in narrow.notes)
 

@@ -15,7 +15,7 @@ SAYS = {
     "position in mm under a header in m": r"--unit position=mm",
     "time in ms under a header in s": r"--unit time=ms",
     "force and position swapped": r"jumps",
-    "standstill": r"stand|still",
+    "standstill": r"at rest|constant",
     "two rows": r"has 2 samples",
     "zeros": r"0 in every sample",
     "zeros but for the time": r"0 in every sample",

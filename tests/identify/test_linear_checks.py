@@ -46,7 +46,7 @@ def test_a_position_that_no_axis_has_is_refused_with_its_unit_and_taken_in_the_r
 
 
 def test_a_chatter_of_one_count_is_a_standstill_and_no_model():
-    with pytest.raises(DataError, match="stands still"):
+    with pytest.raises(DataError, match="is at rest"):
         record(0.05 + 1e-7 * (np.arange(1500) % 2))
 
 

@@ -169,7 +169,7 @@ def test_the_shares_of_a_network_give_its_level_and_its_offset(name: str) -> Non
         assert level == pytest.approx(value_of(at.views, "level"), abs=1e-12)
         if hasattr(at.after, "past_d"):
             assert level == pytest.approx(at.after.past_d[at.before.at], abs=1e-12)
-        wanted = clip(clip(block.params.k_d * level, block.params.most) - at.after.short, block.params.most)
+        wanted = clip(clip(block.params.k_d * level, block.params.max_offset) - at.after.short, block.params.max_offset)
         note = at.views["rules"]["note"]
         assert bool(note) == (at.feedback.seen < 0.5)
         if not note:
@@ -208,7 +208,7 @@ def test_the_rules_of_the_curvature_and_the_rest_give_the_offset(name: str) -> N
         check_shares(at.views)
         parts = [value_of(at.views, n) for n in ("level", "by the direction", "by the observer")]
         assert parts[0] == pytest.approx(said(at.views), abs=1e-12)
-        assert at.output == pytest.approx(clip(p.k_d * sum(parts), p.most), abs=1e-9)
+        assert at.output == pytest.approx(clip(p.k_d * sum(parts), p.max_offset), abs=1e-9)
         assert at.views["rules"]["inputs"][0]["value"] == pytest.approx(at.command.curvature_ahead)
 
 

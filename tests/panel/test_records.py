@@ -112,7 +112,7 @@ def test_a_preset_never_leaves_its_folder(tmp_path, name):
      ('{"schema_version":1,"study":"a","controller":"b","values":{"k":1e999}}', "beyond"),
      ('{"schema_version":1,"study":"a","controller":"b","values":{"k":' + "9" * 4000 + "}}", "4000 digits"),
      ('{"schema_version":1,"study":"a","controller":"b","values":{"k":' + "[" * 900 + "]" * 900 + "}}", "nested"),
-     ('{"schema_version":1,"study":"a","controller":"b","values":{"k":1,"k":2}}', "twice")],
+     ('{"schema_version":1,"study":"a","controller":"b","values":{"k":1,"k":2}}', "repeated")],
 )  # fmt: skip
 def test_a_file_that_is_no_preset_is_refused(tmp_path, text, why):
     (tmp_path / "p.json").write_text(text)
