@@ -6,7 +6,9 @@ import contextlib
 import errno
 import json
 import os
+import shutil
 import sys
+import textwrap
 import traceback
 import warnings
 from collections.abc import Iterator
@@ -101,7 +103,10 @@ def _sentence(error: Exception) -> str:
 
 
 def say(text: str) -> None:
-    """One line on stderr."""
+    """One line on stderr; in a terminal as many as it takes, broken between words."""
+    if sys.stderr.isatty():
+        columns = shutil.get_terminal_size().columns
+        text = textwrap.fill(text, columns, subsequent_indent="  ", break_long_words=False, break_on_hyphens=False)
     typer.echo(text, err=True)
 
 
