@@ -11,6 +11,8 @@ from typing import TYPE_CHECKING, Any
 
 import typer
 
+from leadscrew.cli.exit_codes import say
+
 if TYPE_CHECKING:
     from leadscrew.report.report import File, Report
 
@@ -23,8 +25,8 @@ def emit(value: Any) -> None:
 
 
 def note(text: str) -> None:
-    """A note, one line on stderr."""
-    typer.echo(f"leadscrew: note: {text}", err=True)
+    """A note on stderr."""
+    say(f"leadscrew: note: {text}")
 
 
 def deliver(
@@ -62,7 +64,7 @@ def deliver(
             note(line)
     if report.code:
         if report.verdict:
-            typer.echo(f"leadscrew: {report.verdict}", err=True)
+            say(f"leadscrew: {report.verdict}")
         raise typer.Exit(report.code)
 
 
