@@ -71,7 +71,7 @@ def test_the_list_of_a_reversed_plant_says_so(call):  # noqa: F811
 def test_the_list_of_a_study_names_its_reversed_machines(call):  # noqa: F811
     import json
 
-    text = call("list", "vud_lathe").stdout
+    text = " ".join(call("list", "vud_lathe").stdout.split())
     assert "a positive input moves lathe_servo, lathe_screw, lathe_servo_limited towards negative values" in text
     senses = {p["name"]: p["sense"] for p in json.loads(call("list", "vud_lathe", "--json").stdout)["plants"]}
     assert senses == {"lathe_servo": -1, "lathe_screw": -1, "lathe_servo_limited": -1}

@@ -348,5 +348,5 @@ def test_a_stroke_too_short_to_be_told_stays_as_it_was():
     traces = [points(np.linspace(0.0, 60.0, 99), np.zeros(99), stroke=1), points([0.0, 2.0], [9.0, 9.0], stroke=2)]
     found = compensated(strokes, PLAIN, traces)
     assert found.strokes[1] is strokes[1] and found.notes == ["too short to be matched, kept as they were: stroke 2"]
-    with pytest.raises(DataError, match="none can be told"):
+    with pytest.raises(DataError, match="none can be matched"):
         compensated(strokes, PLAIN, traces[1:])
