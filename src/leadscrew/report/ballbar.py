@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from leadscrew.analysis.circular.diagnosis import GAINED, LOST
 from leadscrew.analysis.circular.evaluation import Evaluation
 from leadscrew.analysis.circular.paths import SOURCES, Circle
 from leadscrew.analysis.circular.quantities import about
@@ -77,6 +78,8 @@ UNITS = {
     "decay_deg": ("decay ", "°"),
     "period_deg": ("period ", "°"),
     "zone_deg": ("within ", "°"),
+    "part_percent": ("", "% of it"),
+    "gain_1_s": ("as at a velocity gain of ", "1/s"),
 }
 """What a fault's further values are called, and their units."""
 
@@ -144,7 +147,9 @@ def sentences(found: Evaluation) -> list[str]:
     d = found.diagnosis
     most = next((f for f in d.ranked() if f.um is not None), None)
     lines = []
-    if most is not None and most.drawn_um > 0.0:
+    if most is not None and most.name in (LOST, GAINED):
+        lines.append(f"{most.name}: {fixed(most.drawn_um, 3)} µm; the scale errors are what the axes differ by")
+    elif most is not None and most.drawn_um > 0.0:
         lines.append(f"{most.name} draws most: {fixed(most.drawn_um, 3)} µm of the circle's deviations, peak to peak")
     lines.append(f"no signature explains {fixed(d.left_rms_um, 3)} µm rms, {fixed(d.left_peak_um, 3)} µm at most")
     lines.append(f"condition number of the signatures: {d.condition:.3g}; ± is the scatter of the fit alone, one sigma")

@@ -9,6 +9,8 @@
 :mod:`leadscrew.analysis.circular.synthetic`   circles with known faults, and what a ball bar would read
 :mod:`leadscrew.analysis.circular.simulation`  a loop draws a circle: one loop of two axes, or two of one
 :mod:`leadscrew.analysis.circular.file`        measured circles from a CSV file
+:mod:`leadscrew.analysis.circular.recording`   the turns of a recording in time: rest, ramps and feed-in left out
+:mod:`leadscrew.analysis.circular.jumps`       encoder jumps
 :mod:`leadscrew.analysis.circular.evaluation`  all of it for one test
 =============================================  =============================================================
 

@@ -32,7 +32,7 @@ from typing import Any
 import numpy as np
 
 from leadscrew.analysis.circular import signatures
-from leadscrew.analysis.circular.paths import CircularTest, Floats
+from leadscrew.analysis.circular.paths import TURN, CircularTest, Floats
 from leadscrew.kernel.one_thread import one_thread
 from leadscrew.util.errors import DataError
 
@@ -131,7 +131,7 @@ class Fault:
     uncertainty_um: float | None
     """Standard uncertainty of the fit alone."""
     drawn_um: float
-    """Peak to peak of what it draws on this circle."""
+    """Peak to peak of what it draws on this circle; of a radius lost or gained as a whole, that."""
     more: dict[str, float] = field(default_factory=dict)
     """Further values by name and unit: ``ppm``, ``urad``, ``ms``, ``lead_mm``, ``rise_deg``..."""
 
@@ -169,7 +169,31 @@ def faults_of(
             more = {"lead_mm": test.radius_mm / more["per_radius"], "phase_rad": math.atan2(part[1], part[0])}
         found.append(Fault(f"{member.kind.name} {axis}", axis, size, unsure, drawn, more))
         at += width
-    return found
+    return _with_whole_radius(found, test)
+
+
+def _with_whole_radius(faults: list[Fault], test: CircularTest) -> list[Fault]:
+    """With the mean of both scale errors as a fault of its own, where no scale is so wrong: a position loop that lags
+    as ``1 / (1 + s / K)`` draws ``R / sqrt(1 + (v / (R K))^2)``.
+    """
+    at = [i for i, f in enumerate(faults) if f.name.startswith("scale ")]
+    sizes = [um for i in at if (um := faults[i].um) is not None]
+    if len(sizes) != 2:
+        return faults
+    mean = 0.5 * sum(sizes)
+    if abs(mean) < 1e-3 * MOST_SCALE_PPM * test.radius_mm:
+        return faults
+    unsure = [faults[i].uncertainty_um or 0.0 for i in at]
+    more = {"part_percent": 0.1 * mean / test.radius_mm}
+    if mean < 0.0 and test.feed_mm_min is not None:
+        lost = test.radius_mm / (test.radius_mm + 1e-3 * mean)
+        more["gain_1_s"] = test.feed_mm_min / 60.0 / test.radius_mm / math.sqrt(lost**2 - 1.0)
+    whole = Fault(LOST if mean < 0.0 else GAINED, "both", mean, 0.5 * math.hypot(*unsure), abs(mean), more)
+    for i, size in zip(at, sizes, strict=True):
+        rest = size - mean
+        drawn = faults[i].drawn_um * abs(rest / size) if size else 0.0
+        faults[i] = replace(faults[i], um=rest, drawn_um=drawn, more={"ppm": 1000.0 * rest / test.radius_mm})
+    return [whole, *faults]
 
 
 def _named(name: str, axes: tuple[str, str]) -> str:
@@ -196,9 +220,15 @@ def _usual(name: str, size: float, test: CircularTest) -> dict[str, float]:
     return {}
 
 
+LOST, GAINED = "radius lost to the position loops", "radius gained by feed-forward"
+MOST_SCALE_PPM = 500.0
+"""Mean of both scale errors beyond which no scale is named: 40 K of thermal expansion of steel make 480."""
+
 LEAST_GAIN = 30.0
 """Residual variances that a signature with a shape must explain to take part."""
 MOST_MEMBERS = 8
+BINS = 1800
+"""Parts of a turn; where there are more points, shapes are searched on means of a part, and sizes fitted to all."""
 
 
 @dataclass(frozen=True)
@@ -219,6 +249,13 @@ class Data:
         """Without the points within ``angle`` of a reversal: on which side of a step they lie is not known."""
         kept = (np.abs(np.sin(self.phi)) > angle) & (np.abs(np.cos(self.phi)) > angle)
         return Data(self.phi[kept], self.sign[kept], self.um[kept], self.radius_mm)
+
+    def binned(self) -> Data:
+        """Means of the points of a direction in each of :data:`BINS` parts of the turn; none lies across a reversal."""
+        at = np.floor(np.mod(self.phi, TURN) * (BINS / TURN)).astype(int) + BINS * (self.sign < 0)
+        _, part, count = np.unique(at, return_inverse=True, return_counts=True)
+        phi, um = (np.bincount(part, v) / count for v in (np.mod(self.phi, TURN), self.um))
+        return Data(phi, np.bincount(part, self.sign) / count, um, self.radius_mm)
 
 
 def searched(data: Data, members: list[Member], most: float, floor: float) -> list[Member]:
@@ -469,7 +506,10 @@ def diagnose(
                     f"{test.radius_mm / most:.3g} to {test.radius_mm:g} mm"
                 )
             members.append(Member(KINDS[0], which, (test.radius_mm / lead,), fixed=True))
-    members = searched(data, members, most, floor_um)
+    if max(t.x_mm.size for t in turns) > BINS:
+        members = searched(data.binned(), members, min(most, 0.25 * BINS / TURN), floor_um)
+    else:
+        members = searched(data, members, most, floor_um)
     return _result(test, data, every, members, most)
 
 

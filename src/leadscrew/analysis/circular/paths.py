@@ -2,11 +2,14 @@
 
 The least-squares circle through points: the sum of squared distances to the circle is least.
 
-    minimise  sum (d_i - r)^2,   d_i = sqrt((x_i - x_c)^2 + (y_i - y_c)^2)
+    minimise  sum w_i (d_i - r)^2,   d_i = sqrt((x_i - x_c)^2 + (y_i - y_c)^2)
 
 Start: the algebraic circle of Kasa, linear in ``x_c``, ``y_c`` and ``r^2 - x_c^2 - y_c^2``; then Gauss-Newton with the
 exact Jacobian ``(-(x - x_c)/d, -(y - y_c)/d, -1)``. Near the solution it converges in 2 to 4 steps, because the
 residuals of a circular test are parts per million of the radius.
+
+``w_i`` is the part of the turn that a point stands for, half the angle between its neighbours: where a recording has
+many points, on a ramp or at rest, they count no more than elsewhere.
 """
 
 from __future__ import annotations
@@ -33,6 +36,12 @@ FARTHEST = 0.1
 OPEN_UM = 0.01
 """A path that ends farther from its start than this has not settled."""
 
+SHORTEST = math.radians(355.0)
+"""What counts as a full turn, with a note where it is less than 360 degrees."""
+
+ALIKE = 1e-3
+"""Difference of the parts of a turn below which points count alike."""
+
 CCW, CW = "ccw", "cw"
 SOURCES = {
     "path": "the true path",
@@ -56,6 +65,8 @@ class Turn:
     """``ccw`` or ``cw``, as seen with x to the right and y up."""
     x_mm: Floats
     y_mm: Floats
+    even: bool = True
+    """Taken at even angles of the command, as in a simulation: all points count alike."""
 
     def __post_init__(self) -> None:
         name = self.direction
@@ -80,7 +91,7 @@ class Turn:
                 f"direction {name}: the points run {other}, {abs(math.degrees(covered)):.1f} degrees; are the axes x "
                 "and y swapped?"
             )
-        if abs(covered) * (1.0 + 2.5 / (self.x_mm.size - 1)) < TURN:
+        if abs(covered) * (1.0 + 2.5 / (self.x_mm.size - 1)) < SHORTEST:
             raise DataError(
                 f"direction {name}: the points cover {abs(math.degrees(covered)):.1f} degrees; expected a full turn of "
                 "360"
@@ -106,6 +117,18 @@ class Turn:
         """Usual angle between neighbours, points measured twice left out, rad."""
         steps = np.abs(np.diff(self.angle))
         return float(np.median(steps[steps > 1e-3 * steps.max()]))
+
+    @cached_property
+    def weights(self) -> Floats:
+        """Part of the turn that each point stands for, 1 in the mean."""
+        if self.even:
+            return np.ones_like(self.x_mm)
+        angle = np.mod(self.angle, TURN)
+        order = np.argsort(angle, kind="stable")
+        gaps = np.diff(angle[order], append=angle[order[0]] + TURN)
+        share = np.empty_like(gaps)
+        share[order] = 0.5 * (gaps + np.roll(gaps, 1)) * (gaps.size / TURN)
+        return np.ones_like(share) if float(np.ptp(share)) < ALIKE else share
 
     def deviation_um(self, radius_mm: float) -> Floats:
         """Distance from the set-up centre less the nominal radius, um."""
@@ -138,6 +161,8 @@ class CircularTest:
     name: str = ""
     open_um: float = 0.0
     """By how much the path is elsewhere after the measured turn; of a measured file the radius."""
+    recorded: tuple[str, ...] = ()
+    """Notes on how the turns were found in a recording."""
 
     def __post_init__(self) -> None:
         positive("radius", self.radius_mm, "mm")
@@ -147,7 +172,7 @@ class CircularTest:
             raise DataError("a circular test without a turn: expected one direction or both")
 
         for turn in self.turns:
-            circle = least_squares_circle(turn.x_mm, turn.y_mm)
+            circle = least_squares_circle(turn.x_mm, turn.y_mm, turn.weights)
             if abs(circle.radius - self.radius_mm) > FARTHEST * self.radius_mm:
                 raise DataError(
                     f"direction {turn.direction}: the circle has a radius of {circle.radius:.6g} mm where the nominal "
@@ -180,7 +205,7 @@ class CircularTest:
 
     def notes(self) -> list[str]:
         """What a reader should know before believing a number."""
-        said = []
+        said = [*self.recorded]
         if self.source == "encoder":
             said.append(f"this circle is made of {SOURCES['encoder']}")
         if len(self.turns) == 1:
@@ -225,8 +250,8 @@ class Circle(NamedTuple):
         return np.hypot(x - self.x, y - self.y)
 
 
-def least_squares_circle(x: Any, y: Any) -> Circle:
-    """The circle with the least sum of squared distances to the points.
+def least_squares_circle(x: Any, y: Any, weights: Floats | None = None) -> Circle:
+    """The circle with the least sum of squared distances to the points; ``weights``: of the squares.
 
     Raises:
         DataError: fewer than three points, points on a line, or values that are not finite.
@@ -244,8 +269,9 @@ def least_squares_circle(x: Any, y: Any) -> Circle:
     if size == 0.0:
         raise DataError("all points of the circle are the same")
     u, v = (px - mean_x) / size, (py - mean_y) / size
+    root = np.ones_like(u) if weights is None else np.sqrt(weights)
     design = np.column_stack((2.0 * u, 2.0 * v, np.ones_like(u)))
-    found, _, rank, _ = np.linalg.lstsq(design, u * u + v * v, rcond=1e-12)
+    found, _, rank, _ = np.linalg.lstsq(root[:, None] * design, root * (u * u + v * v), rcond=1e-12)
     if rank < 3:
         raise DataError("the points lie on a line and make no circle")
     cx, cy = float(found[0]), float(found[1])
@@ -256,7 +282,7 @@ def least_squares_circle(x: Any, y: Any) -> Circle:
         if not distance.all():
             raise DataError("a point lies on the centre of the circle")
         jacobian = np.column_stack((-du / distance, -dv / distance, -np.ones_like(u)))
-        step = np.linalg.lstsq(jacobian, radius - distance, rcond=None)[0]
+        step = np.linalg.lstsq(root[:, None] * jacobian, root * (radius - distance), rcond=None)[0]
         cx, cy, radius = cx + float(step[0]), cy + float(step[1]), radius + float(step[2])
         if float(np.abs(step).max()) < 1e-15:
             break

@@ -88,7 +88,7 @@ def quantities(test: CircularTest) -> Quantities:
 
 
 def _one(turn: Turn, test: CircularTest) -> OneWay:
-    circle = least_squares_circle(turn.x_mm, turn.y_mm)
+    circle = least_squares_circle(turn.x_mm, turn.y_mm, turn.weights)
     radii = circle.distances(turn.x_mm, turn.y_mm)
     about = 1000.0 * (radii - test.radius_mm)
     set_up = turn.deviation_um(test.radius_mm)
@@ -106,7 +106,9 @@ def _one(turn: Turn, test: CircularTest) -> OneWay:
 
 def _both(ccw: Turn, cw: Turn, radius: float) -> BothWays:
     x, y = np.concatenate((ccw.x_mm, cw.x_mm)), np.concatenate((ccw.y_mm, cw.y_mm))
-    circle = least_squares_circle(x, y)
+    # Each direction counts the same, however many points it has.
+    weights = np.concatenate([t.weights * (0.5 * x.size / t.x_mm.size) for t in (ccw, cw)])
+    circle = least_squares_circle(x, y, weights)
     one, other = (_around(t, circle) for t in (ccw, cw))
     # At every angle of either path; the other one is interpolated there.
     angles = np.concatenate((one[0], other[0]))
