@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
@@ -182,42 +182,22 @@ Plot = Annotated[
         callback=ends("--plot", "a picture", *PICTURES),
     ),
 ]
-Csv = Annotated[
-    Path | None,
-    typer.Option(
-        "--csv", metavar="FILE.csv", help="Also write all rows there.", callback=ends("--csv", "a table", ".csv")
-    ),
-]
+
+
+def _file(flags: Sequence[str], suffix: str, what: str, text: str) -> Any:
+    """An option for one file that is written, ``what`` with ``suffix``."""
+    return typer.Option(*flags, metavar=f"FILE{suffix}", help=text, callback=ends(flags[0], what, suffix))
+
+
+OUT = ("--out", "-o")
+Csv = Annotated[Path | None, _file(["--csv"], ".csv", "a table", "Also write all rows there.")]
 ControllerFile = Annotated[
-    Path | None,
-    typer.Option(
-        "--out",
-        "-o",
-        metavar="FILE.toml",
-        help="Controller file: a name wherever a controller is named.",
-        callback=ends("--out", "a controller file", ".toml"),
-    ),
+    Path | None, _file(OUT, ".toml", "a controller file", "Controller file: a name wherever a controller is named.")
 ]
 MachineFile = Annotated[
-    Path | None,
-    typer.Option(
-        "--out",
-        "-o",
-        metavar="FILE.toml",
-        help="Machine file: a name wherever a study is named.",
-        callback=ends("--out", "a machine file", ".toml"),
-    ),
+    Path | None, _file(OUT, ".toml", "a machine file", "Machine file: a name wherever a study is named.")
 ]
-Certificate = Annotated[
-    Path | None,
-    typer.Option(
-        "--out",
-        "-o",
-        metavar="FILE.json",
-        help="Save the certificate.",
-        callback=ends("--out", "a certificate", ".json"),
-    ),
-]
+Certificate = Annotated[Path | None, _file(OUT, ".json", "a certificate", "Save the certificate.")]
 Example = Annotated[
     bool, typer.Option("--example", help="Write an example of such a file there instead, to see what it is like.")
 ]

@@ -15,7 +15,7 @@ observer makes some lines worse. What it does not do: remove a following error. 
 Gain and phase of ``d`` enter the loop's stability: look at the peak of sensitivity of the whole. Structure: K. Ohnishi,
 M. Shibata, T. Murakami, *Motion control for advanced mechatronics*, IEEE/ASME Trans. Mechatronics 1 (1), 1996.
 
-``lower`` and ``upper`` limit the sum, and the observer is told the limited one, so nothing winds up. Bumpless start:
+``lower`` and ``upper`` limit the sum, and the observer gets the limited one, so nothing winds up. Bumpless start:
 from rest with a voltage that holds the axis where it is.
 """
 

@@ -204,7 +204,7 @@ def fit_friction(
         angle: measured, rad.
         inertia: kg m^2; from the log unless given.
         delay: periods from a logged torque to its act.
-        progress: is told what happens and the fraction done.
+        progress: gets what happens and the fraction done.
 
     Raises:
         DataError: the log is malformed, or does not determine friction: no reversal, no sliding, no stand-still,

@@ -55,7 +55,7 @@ def read_axis_log(
     :func:`leadscrew.logs.arrays.screw_force`.
 
     Raises:
-        DataError: the file cannot be read, a column cannot be told, or the log is refused: the first reason.
+        DataError: the file cannot be read, a column is not recognised, or the log is refused: the first reason.
         ValueRefused: a unit that is not known, or one that does not fit its role.
         NameUnknown: no such column.
     """
@@ -81,7 +81,7 @@ def look_at(
     """As :func:`read_axis_log`, with everything that was found; what is refused is among the findings.
 
     Raises:
-        DataError: the file cannot be read, or a column cannot be told.
+        DataError: the file cannot be read, or a column is not recognised.
         ValueRefused: a unit that is not known, or one that does not fit its role.
         NameUnknown: no such column.
     """

@@ -346,7 +346,7 @@ class Operated:
 
     @property
     def can_redo(self) -> bool:
-        """Whether there is an undone change to do again."""
+        """Whether there is a reverted change to do again."""
         return bool(self._history.undone)
 
     @property

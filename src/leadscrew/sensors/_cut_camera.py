@@ -92,7 +92,7 @@ def watched(p, s, deviation, t, dt, noise):
 
 @sensor(CutCameraParams, CutCameraState, prepare=plan, unit="deg")
 def cut_camera(p, s, actual, t, dt, noise):
-    """The deviation of the cut, as a number; a lost cut cannot be told from one that stands still."""
+    """The deviation of the cut, as a number; a lost cut reads as one at rest."""
     after, reading = watched(p, s, actual.deviation, t, dt, noise)
     return after, reading.deviation
 

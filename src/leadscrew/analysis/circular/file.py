@@ -35,8 +35,7 @@ from leadscrew.analysis.circular.paths import (
     least_squares_circle,
     positive,
 )  # fmt: skip
-from leadscrew.analysis.circular.recording import Stretch
-from leadscrew.analysis.circular.recording import turns as recorded
+from leadscrew.analysis.circular.recording import Stretch, turns_of
 from leadscrew.kernel.parameters import nearest
 from leadscrew.util.csv_lines import number, read_lines
 from leadscrew.util.errors import DataError
@@ -130,12 +129,12 @@ def read_circles(
 def _stretches(x: Floats, y: Floats, said: list[str]) -> list[Stretch]:
     """The turn of each direction that the file says, or that the points say."""
     if not said:
-        return recorded(x, y)
+        return turns_of(x, y)
     found = []
     for direction in (CCW, CW):
         here = np.flatnonzero([d == direction for d in said])
         if here.size:
-            stretches = recorded(x[here], y[here])
+            stretches = turns_of(x[here], y[here])
             mine = next((s for s in stretches if s.direction == direction), stretches[0])
             found.append(mine._replace(direction=direction, rows=here[mine.rows]))
     return found

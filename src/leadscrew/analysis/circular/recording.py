@@ -44,7 +44,7 @@ class Stretch(NamedTuple):
     notes: tuple[str, ...]
 
 
-def turns(x_mm: Floats, y_mm: Floats) -> list[Stretch]:
+def turns_of(x_mm: Floats, y_mm: Floats) -> list[Stretch]:
     """The turns of a recording, at most one in each direction, in the order of the recording.
 
     Where no stretch makes a turn, the longest is returned with what it covers.

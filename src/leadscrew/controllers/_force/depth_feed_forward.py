@@ -77,7 +77,7 @@ def depth_feed_forward(
 ) -> Block:
     """The controller ``inner`` with depth feed-forward; its parameters are below ``inner.``.
 
-    It is told the programme (:class:`~leadscrew.references.CutCommand`) and reads all sensors
+    It takes the programme (:class:`~leadscrew.references.CutCommand`) and reads all sensors
     (:class:`~leadscrew.sensors.CutReading`); ``inner`` gets the forces alone unless it takes these too.
 
     Raises:

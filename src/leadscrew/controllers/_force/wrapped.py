@@ -58,7 +58,7 @@ def same_kind(
 ) -> Block:
     """A controller that drives what the wrapped one drives; ``says`` is added to the sentence that describes it.
 
-    ``cut``: whether it is told the programme and reads all sensors. ``align`` counts where the wrapped one has one.
+    ``cut``: whether it gets the programme and reads all sensors. ``align`` counts where the wrapped one has one.
     """
     inner = part.block
     step.takes_cut = cut

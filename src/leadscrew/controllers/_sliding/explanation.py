@@ -50,7 +50,7 @@ def line_of(surface: Callable[..., float], p: SlidingParams) -> Line:
 
 
 def law_of(block: Block) -> Any:
-    """The module whose ``surface`` a sliding-mode controller uses; None where it cannot be told."""
+    """The module whose ``surface`` a sliding-mode controller uses; None where that is not known."""
     if isinstance(block.params, FsmcParams):
         return integral
     if isinstance(block.params, SuperTwistingParams):
@@ -160,7 +160,7 @@ LOOK_AHEAD = "leadscrew.controllers._look_ahead"
 
 
 def explained(part: Part) -> Plane | None:
-    """The explanation of a sliding-mode controller; None where its surface or its command cannot be told."""
+    """The explanation of a sliding-mode controller; None where its surface or its command is not known."""
     law = law_of(part.block)
     if law is None or LOOK_AHEAD in part.around:
         return None

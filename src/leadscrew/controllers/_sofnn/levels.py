@@ -3,7 +3,7 @@
     e  = seen deviation - commanded deviation                     deg, actual minus reference
     ec = a ec + (1 - a) (e(k) - e(k-1)),   a = exp(-T / filter_s)  deg a sample
     E  = k_e e,   EC = k_ec ec   or, per second,  EC = k_ec ec / T      levels; not rounded, held to -6..6 by the rules
-    d  = clip(k_d D, -most, most)                                 deg, counter-clockwise positive
+    d  = clip(k_d D, -max_offset, max_offset)                     deg, counter-clockwise positive
 
 The paper does not say in what time ``ec`` is meant. Per sample is the default; ``per_second`` is the other reading.
 

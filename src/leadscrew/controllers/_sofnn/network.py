@@ -1,6 +1,6 @@
 """The fuzzy network of a tangential knife, 49 rules on the deviation of the cut and its change, and how it learns.
 
-    E = k_e e,  EC = k_ec ec            D = sum a_k w_k,  a_k = mu_i(E) nu_j(EC)            d = clip(k_d D, -most, most)
+    E = k_e e,  EC = k_ec ec    D = sum a_k w_k,  a_k = mu_i(E) nu_j(EC)    d = clip(k_d D, -max_offset, max_offset)
 
 Four rules fire at most and the ``a_k`` sum to one, so ``D`` is the bilinear interpolation of the 49 consequents ``w``
 (levels, number ``7 j + i``): :mod:`leadscrew.neural.inference_net`. From reading to level and from level to offset:
@@ -32,7 +32,7 @@ by firing strength is our choice. The rules at the start are the untrained ones,
     J = (target - h(k - m_c) . w)^2 / 2                        while J >= tolerance, at most ``passes`` times:
     w += P h (target - h . w) / s,    s = h' P h + r           h of the sample k - m_c
     P += q I - P h h' P / s
-    D(k) = clip(h(k) . w, -6, 6),   d(k) = clip(k_d D(k), -most, most)        after the learning
+    D(k) = clip(h(k) . w, -6, 6),   d(k) = clip(k_d D(k), -max_offset, max_offset)    after the learning
 
 with the diagonal of ``P`` capped and the consequents clamped: :mod:`leadscrew.neural.kalman`. Without forgetting, which
 makes ``P`` grow without end where nothing excites it. ``learner = "nlms"`` is the cheap alternative, normalised LMS on

@@ -5,7 +5,7 @@
     i     = c(k) - f(s) w               a = P f(s)               q = f(s) a + forgetting noise
     w    += a i / q                     P = (P - a a' / q) / forgetting, scaled so that its trace stays below trace_cap
     z    += (1 - e^(-T / filter_s)) (i - z)                                       what the weights do not explain
-    d(k)  = clip(-(f(k + preview) w + gain z) / g, -most, most)
+    d(k)  = clip(-(f(k + preview) w + gain z) / g, -max_offset, max_offset)
 
 Recursive least squares of seven weights (deg). The material answers a curvature late, and the four lags let the
 weights form its answer; ``sin 2 phi`` and ``cos 2 phi`` are the fibre, 1 the bevel. ``preview`` makes up for the lag of

@@ -4,7 +4,7 @@
     D = sum a_r(E, EC) w_r + w_50 sin 2 phi + w_51 cos 2 phi                                   level of the offset
     i = -(y(k) - g x(k - m)) / (g k_d) - D(s)          what was needed at s = k - m - 1, less what the rules say there
     w += P h i / q        P -= P h (P h)' / q        q = h' P h + noise                        h: the 6 that act at s
-    d = clip(k_d (D(k + preview) + gain z), -most, most)              z: i, through a lag of filter_s
+    d = clip(k_d (D(k + preview) + gain z), -max_offset, max_offset)    z: i, through a lag of filter_s
 
 The rules of the error (:func:`leadscrew.controllers.sofnn`) say how to go on from an error, so frozen they keep
 a third of what they gained: they act as an integrator. Rules of the curvature say what this material does to a line of

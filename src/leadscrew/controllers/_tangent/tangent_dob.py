@@ -1,15 +1,15 @@
 """Disturbance observer of a tangential axis: what the material does to the cut line, and its opposite.
 
     z(k) = z(k-1) + (1 - e^(-T / filter_s)) (c(k) - z(k-1))
-    d(k) = clip(-gain z(k) / g, -most, most)
+    d(k) = clip(-gain z(k) / g, -max_offset, max_offset)
 
 ``c`` is what the offset does not explain of the reading (:mod:`leadscrew.controllers._tangent.believed`). With
 ``gain = 1`` and everything as believed the slow part of the deviation goes to zero; a smaller gain leaves ``1 - gain``
 of it, and bounds what a wrong belief can do.
 
-The reading is a number; the command's deviation, 0, is taken off it. So it cannot be told that the cut is not seen: a
+The reading is a number; the command's deviation, 0, is taken off it. A lost cut is not seen in it: a
 reading that stands still winds ``z`` up, and the offset jumps when the cut is seen again (8 deg in one sample after a
-second in the study, claim ``resight_observer``). Where the camera loses the cut, take a controller that is told.
+second in the study, claim ``resight_observer``). Where the camera loses the cut, take a controller that reads ``seen``.
 
 Bumpless start: the axis is believed at the output, and the observer settled at it.
 

@@ -1,6 +1,6 @@
 """Taught offsets: a tangential axis's controller with a table of offsets added, sample by sample.
 
-    d(k) = clip(inner(command, feedback) + u(k), -most, most)
+    d(k) = clip(inner(command, feedback) + u(k), -max_offset, max_offset)
 
 ``u`` is ``table``: what earlier pieces of the same path have shown to be needed
 (:func:`leadscrew.tangent.piece_learning.next_offsets` makes it). ``k`` counts samples from the first one, or from an

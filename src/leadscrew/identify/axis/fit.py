@@ -74,7 +74,7 @@ def identify_axis(
         refine: ``none``: the linear stage alone; ``windows`` (``auto``), ``open``, ``closed``: see
             :mod:`leadscrew.identify.axis.refine`.
         cascade: the loop that was active; the closed loop is then judged too.
-        progress: is told what happens and the fraction done.
+        progress: gets what happens and the fraction done.
 
     Raises:
         ValueRefused, NameUnknown: an option or a given value that cannot be.

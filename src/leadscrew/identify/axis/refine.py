@@ -523,7 +523,7 @@ def refine(
         mode: ``windows``, ``open`` or ``closed``.
         delay_s: from a logged drive to its act, where it is not fitted; where it is, its start.
         cascade: the loop that was active, for ``closed``.
-        progress: is told what happens and the fraction done.
+        progress: gets what happens and the fraction done.
         window_s: length of a window, s; 0.7 unless given, less in a short log.
 
     Raises:

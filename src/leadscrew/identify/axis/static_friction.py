@@ -161,7 +161,7 @@ def presliding(
         log: is not changed.
         values: the model so far; of it ``force_per_drive`` and ``mass`` count.
         delay_s: from a logged drive to its act; whole periods of it are taken.
-        progress: is told what happens and the fraction done.
+        progress: gets what happens and the fraction done.
     """
     from leadscrew.identify.friction import fit_friction
 

@@ -536,7 +536,7 @@ def identify_friction_force(
         holdout: share of the samples at the end that is not fitted, 0 to 0.8; 0 judges on the fitted samples.
         load: ``coefficient`` takes friction as a coefficient times the measured normal force, ``force`` does not;
             ``auto`` is the first where the normal force was logged, before anything is fitted. Both are reported.
-        progress: told what happens and the fraction done.
+        progress: gets what happens and the fraction done.
 
     Raises:
         ValueRefused: a hold-out or a load that is none, or a coefficient without a normal force.

@@ -145,7 +145,7 @@ def identify_linear(
         max_delay: s, the longest that is tried; 20 sample periods unless given.
         holdout: share of the log, at its end, that the fit does not see: 0 to 0.8.
         margin: the simplest candidate within this share of the least hold-out error is taken.
-        progress: is told what happens, and the fraction done.
+        progress: gets what happens and the fraction done.
 
     Raises:
         ValueRefused: an option out of its range.

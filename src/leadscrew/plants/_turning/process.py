@@ -3,7 +3,7 @@
 The voltage is held over each step of ``dt`` (1 ms), and ``a`` is the rate of the feed:
 
 1. ``theta += n dt / 60``                                                         spindle, revolutions
-2. ``dv/dt = a``, ``da/dt = w^2 (clip(gain u, 0, most) - v) - 2 zeta w a``        feed servo, mm/min, exact
+2. ``dv/dt = a``, ``da/dt = w^2 (clip(gain u, 0, max_feed) - v) - 2 zeta w a``    feed servo, mm/min, exact
 3. ``x += integral of v / 60``, ``v >= 0``                                        carriage, mm, exact
 4. chip, force and surface: :mod:`leadscrew.plants._turning.chip`, with the depth ``b + runout sin(2 pi theta)``
 

@@ -1,6 +1,6 @@
 """The cross slide: a servo that takes a voltage for a speed, and moves the tool to depth.
 
-    lag_s dv/dt = clip(gain u, -most, most) - v,      db/dt = v            mm/s and mm; positive: deeper
+    lag_s dv/dt = clip(gain u, -max_speed, max_speed) - v,      db/dt = v      mm/s and mm; positive: deeper
 
 Stepped by its exact solution for a voltage held over ``dt``. With the voltage in proportion to the error the loop is of
 type 1: no steady error without an integral term.

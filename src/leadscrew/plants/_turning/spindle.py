@@ -1,6 +1,6 @@
 """The spindle of a retrofitted lathe: inverter, induction motor, and what the cutting torque does to its speed.
 
-    lag_s dn_0/dt = clip(gain u, 0, most) - n_0                    inverter: speed of the field, 1/min at the spindle
+    lag_s dn_0/dt = clip(gain u, 0, max_speed) - n_0               inverter: speed of the field, 1/min at the spindle
     (J d pi/30) dn/dt = n_0 - d T - n,      n >= 0                 rotor: slip in proportion to the torque
     T = F D / 2000                                                 N m, force N, diameter mm
 

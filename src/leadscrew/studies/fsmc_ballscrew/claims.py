@@ -529,7 +529,7 @@ def fsmc_eliminates_it(lab):
     holds=within(1.0, 0.001),
 )
 def rest_is_a_spring(lab, name):
-    """{case} holds the friction's spring at rest: torque over that of the bent bristles, to a thousandth"""
+    """{case} holds the friction's spring at rest: torque over that of the bristle deflection, to a thousandth"""
 
     def ratio(law: str) -> float:
         run = lab.run(law, "step_quintic")
